@@ -1,0 +1,2 @@
+//! The hardware-free part of the firmware.
+#![no_std]

@@ -1,0 +1,39 @@
+//! The bodies of the figure in regular numbering.
+
+/// Number of bodies of the figure.
+pub const BODY_COUNT: usize = 18;
+
+/// One body of the figure, as a place in the tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Body {
+    /// Name, as tables and mapping files use it.
+    pub name: &'static str,
+    /// Index of the parent body; `None` for the pelvis.
+    pub parent: Option<usize>,
+}
+
+const fn body(name: &'static str, parent: usize) -> Body {
+    Body { name, parent: Some(parent) }
+}
+
+/// The figure: pelvis on a 6-DOF joint, 17 spherical joints; head, hands and feet are its leaves.
+pub const BODIES: [Body; BODY_COUNT] = [
+    Body { name: "pelvis", parent: None },
+    body("abdomen", 0),
+    body("thorax", 1),
+    body("head", 2),
+    body("clavicle_l", 2),
+    body("upper_arm_l", 4),
+    body("forearm_l", 5),
+    body("hand_l", 6),
+    body("clavicle_r", 2),
+    body("upper_arm_r", 8),
+    body("forearm_r", 9),
+    body("hand_r", 10),
+    body("thigh_l", 0),
+    body("shank_l", 12),
+    body("foot_l", 13),
+    body("thigh_r", 0),
+    body("shank_r", 15),
+    body("foot_r", 16),
+];

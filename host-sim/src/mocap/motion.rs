@@ -1,0 +1,25 @@
+//! The motion of the 18-body figure: what every clip becomes.
+
+use glam::{DQuat, DVec3};
+
+use crate::figure::BODY_COUNT;
+
+/// A clip mapped on the figure, evenly sampled and filtered.
+///
+/// World frame: right-handed, y up, metres. Body frame `i` has its origin at joint `i`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureMotion {
+    /// The clip's name.
+    pub name: String,
+    /// Time from one frame to the next, in seconds.
+    pub dt_s: f64,
+    /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
+    pub offset_m: [DVec3; BODY_COUNT],
+    /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head,
+    /// hand or foot. It tells the body model how the segment lies.
+    pub segment_end_m: [DVec3; BODY_COUNT],
+    /// World position of the pelvis in each frame.
+    pub root_position_m: Vec<DVec3>,
+    /// Rotation from body `i` to its parent (the pelvis: to the world) in each frame, unit.
+    pub rotation: Vec<[DQuat; BODY_COUNT]>,
+}
