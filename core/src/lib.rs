@@ -1,1 +1,76 @@
+//! Motion core for animatronic servo rigs: makes a figure of many joints follow a performance with
+//! natural, low-gain motion.
+//!
+//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic: what is flashed on the controller is
+//! what the host simulates, bit for bit.
+//!
+//! # From a performance to torques
+//! 1. [`Tree`]: the rig, validated once.
+//! 2. [`Trajectory`], [`finite_difference`]: where the rig should be, and how fast.
+//! 3. [`kinematics`]: world states of all bodies.
+//! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
+//! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
+//!
+//! [`Controller::tick`] does steps 3 to 5 in one call.
+//!
+//! # Conventions, once
+//! - SI units (m, kg, s, N, N m) and radians; right-handed frames; quaternions `[x, y, z, w]`, unit.
+//! - Rotations are active: `v_parent = R v_child`. A rotation vector is axis times angle.
+//! - **Regular numbering**: body 0 is the root, a parent's index is smaller than its children's. Body
+//!   `i` is moved by joint `i`, and its frame has its origin there. The root's parent is the world.
+//! - The pose of joint `i` is the pose of body `i` in its parent's frame; velocities and accelerations
+//!   of a joint are those of body `i` relative to its parent, in **body axes**.
+//! - World velocities are those of the frame's origin, in **world axes**.
+//! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
+//!   machines compute the same bits.
+
 #![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![warn(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    clippy::missing_errors_doc,
+    clippy::arithmetic_side_effects
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::arithmetic_side_effects,
+        reason = "a test may fail by panicking"
+    )
+)]
+
+mod body_set;
+pub mod control;
+mod controller;
+pub mod dynamics;
+pub mod finite_difference;
+mod inertia;
+mod joint;
+pub mod kinematics;
+pub mod math;
+pub mod state;
+pub mod state_error;
+pub mod trajectory;
+mod transform;
+mod tree;
+
+pub use body_set::BodySet;
+pub use controller::{Controller, ControllerError, Workspace};
+pub use inertia::{Inertia, InertiaError, RotationalInertia};
+pub use joint::{JointCoordinatesError, JointError, JointKind};
+pub use state::{BodyState, JointState, JointStates, JointTargets, StateInputError};
+pub use trajectory::{Trajectory, TrajectoryError};
+pub use transform::{Motion, Transform, Wrench};
+pub use tree::{Body, Tree, TreeError};
+
+/// The vector algebra that the public types are made of, so that users need not match its version.
+pub use glam;

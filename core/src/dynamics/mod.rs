@@ -1,0 +1,5 @@
+//! Dynamics of the tree.
+
+mod rnea;
+
+pub use rnea::{BodyMotion, inverse_dynamics};

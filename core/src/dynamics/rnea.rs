@@ -1,0 +1,138 @@
+//! The recursive Newton-Euler algorithm.
+
+use glam::{Mat3, Vec3};
+
+use crate::kinematics::of_parent;
+use crate::state::JointState;
+use crate::transform::{Motion, Wrench};
+use crate::tree::Body;
+
+/// Absolute velocity and acceleration of a body in its own axes: scratch of [`inverse_dynamics`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyMotion {
+    angular_velocity: Vec3,
+    angular_acceleration: Vec3,
+    /// Of the body's origin, classical, minus gravity: so gravity costs nothing more.
+    linear_acceleration: Vec3,
+}
+
+/// Wrench that each joint must pass to its body for the given motion: the recursive Newton-Euler
+/// algorithm in the vector form of Luh, Walker & Paul, "On-Line Computational Scheme for Mechanical
+/// Manipulators" (1980), for joints of any kind and a fixed or a free root. O(n).
+///
+/// - `joints`: states relative to the parent, body axes.
+/// - `accelerations`: of each joint, relative to the parent, body axes: the derivative of the components
+///   of the angular velocity, and the second derivative of the position turned to body axes.
+/// - `gravity_m_s2`: in world axes.
+/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
+///   tree, or empty.
+/// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to
+///   deliver its part along the motion subspace; the power of joint i is `out[i] · velocity[i]`.
+///
+/// For a free root, `out[0]` is what must come from outside to make the root move as given: zero for a
+/// figure that flies freely.
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, Motion, RotationalInertia, Transform, Tree, Wrench};
+/// use sinew_core::{dynamics::{BodyMotion, inverse_dynamics}, glam::Vec3};
+/// // A 2 kg weight on a 0.5 m arm held level against gravity: 2 * 9.81 * 0.5 = 9.81 N m.
+/// let arm = Body {
+///     parent: None,
+///     joint: JointKind::Revolute { axis: Vec3::Z },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia {
+///         mass_kg: 2.0,
+///         center_of_mass_m: Vec3::new(0.5, 0.0, 0.0),
+///         rotational_kg_m2: RotationalInertia::default(),
+///     },
+/// };
+/// let tree = Tree::<1>::from_bodies(&[arm])?;
+/// let joints = JointStates::rest(&tree);
+/// let (mut scratch, mut out) = ([BodyMotion::default()], [Wrench::ZERO]);
+/// let gravity = Vec3::new(0.0, -9.81, 0.0);
+/// inverse_dynamics(tree.bodies(), joints.as_slice(), &[Motion::ZERO], gravity, &[], &mut scratch, &mut out);
+/// assert!((out[0].moment_nm.z - 9.81).abs() < 1e-5);
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
+pub fn inverse_dynamics(
+    bodies: &[Body],
+    joints: &[JointState],
+    accelerations: &[Motion],
+    gravity_m_s2: Vec3,
+    external: &[Wrench],
+    scratch: &mut [BodyMotion],
+    out: &mut [Wrench],
+) {
+    let world = BodyMotion { linear_acceleration: -gravity_m_s2, ..BodyMotion::default() };
+    let mut external = external.iter();
+
+    // Outward: motions from the root to the leaves, and the wrench each body needs by itself.
+    for (index, ((body, joint), acceleration)) in
+        bodies.iter().zip(joints).zip(accelerations).enumerate()
+    {
+        let to_body = Mat3::from_quat(joint.pose.rotation.conjugate());
+        let motion = outward(&of_parent(body, scratch, world), to_body, joint, acceleration);
+        let (Some(scratch_slot), Some(out_slot)) = (scratch.get_mut(index), out.get_mut(index))
+        else {
+            return;
+        };
+        *scratch_slot = motion;
+        let own = newton_euler(body, &motion);
+        let from_outside = external.next().copied().unwrap_or(Wrench::ZERO);
+        *out_slot = Wrench {
+            moment_nm: own.moment_nm - from_outside.moment_nm,
+            force_n: own.force_n - from_outside.force_n,
+        };
+    }
+
+    // Inward: each joint carries what its body needs and what the joints beyond it ask for.
+    for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
+        let Some(parent) = body.parent else { continue };
+        let Some(wrench) = out.get(index).copied() else { continue };
+        let to_parent = Mat3::from_quat(joint.pose.rotation);
+        let force_n = to_parent * wrench.force_n;
+        let moment_nm = to_parent * wrench.moment_nm + joint.pose.translation_m.cross(force_n);
+        if let Some(slot) = out.get_mut(parent) {
+            *slot = *slot + Wrench { moment_nm, force_n };
+        }
+    }
+}
+
+/// Motion of a body from its parent's and its joint's.
+#[inline]
+fn outward(
+    parent: &BodyMotion,
+    to_body: Mat3,
+    joint: &JointState,
+    acceleration: &Motion,
+) -> BodyMotion {
+    let arm = joint.pose.translation_m;
+    let carried_velocity = to_body * parent.angular_velocity;
+    let carried_acceleration = parent.linear_acceleration
+        + parent.angular_acceleration.cross(arm)
+        + parent.angular_velocity.cross(parent.angular_velocity.cross(arm));
+    BodyMotion {
+        angular_velocity: carried_velocity + joint.velocity.angular,
+        angular_acceleration: to_body * parent.angular_acceleration
+            + carried_velocity.cross(joint.velocity.angular)
+            + acceleration.angular,
+        linear_acceleration: to_body * carried_acceleration
+            + carried_velocity.cross(joint.velocity.linear) * 2.0
+            + acceleration.linear,
+    }
+}
+
+/// Wrench about its origin that makes a body move so: Newton's and Euler's laws.
+#[inline]
+fn newton_euler(body: &Body, motion: &BodyMotion) -> Wrench {
+    let inertia = &body.inertia;
+    let (w, alpha) = (motion.angular_velocity, motion.angular_acceleration);
+    let to_center = inertia.center_of_mass_m;
+    let force_n =
+        (motion.linear_acceleration + alpha.cross(to_center) + w.cross(w.cross(to_center)))
+            * inertia.mass_kg;
+    let spin = inertia.rotational_kg_m2.mul_vec3(w);
+    let moment_nm =
+        inertia.rotational_kg_m2.mul_vec3(alpha) + w.cross(spin) + to_center.cross(force_n);
+    Wrench { moment_nm, force_n }
+}

@@ -1,0 +1,287 @@
+//! Finite differences of any order, eq. (13) of Notman et al. (2011), for vectors and for rotations.
+
+use core::fmt;
+
+use glam::{Quat, Vec3};
+
+use crate::math;
+
+/// Which samples a difference uses, relative to the instant it is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scheme {
+    /// The instant and the ones after it, as the paper does for the desired motion.
+    Forward,
+    /// The instant and the ones before it: all that a measurement can have.
+    Backward,
+    /// Both sides alike: second-order accurate, no lead and no lag.
+    Central,
+}
+
+impl Scheme {
+    /// How many samples a difference of this order takes. For a backward one the instant is the last of
+    /// them, for a central one the middle, for a forward one the first.
+    ///
+    /// ```
+    /// use sinew_core::finite_difference::Scheme;
+    /// assert_eq!(Scheme::Forward.sample_count(2), 3);
+    /// assert_eq!(Scheme::Central.sample_count(1), 3);
+    /// ```
+    pub const fn sample_count(self, order: usize) -> usize {
+        let odd = order % 2 == 1;
+        match self {
+            Self::Central if odd => order.saturating_add(2),
+            _ => order.saturating_add(1),
+        }
+    }
+}
+
+/// The derivative of order `order` of evenly spaced samples, in their unit over s^order.
+///
+/// Order 0 is the sample itself. A central difference of odd order is the mean of the two half a step to
+/// either side.
+///
+/// # Errors
+/// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite, or
+/// `dt_s` is not a positive number.
+///
+/// ```
+/// use sinew_core::{finite_difference::{Scheme, of_vectors}, glam::Vec3};
+/// let squares = [0.0, 1.0, 4.0].map(|x| Vec3::new(x, 0.0, 0.0));
+/// assert_eq!(of_vectors(Scheme::Central, 1, &squares, 1.0)?.x, 2.0);
+/// assert_eq!(of_vectors(Scheme::Forward, 2, &squares, 1.0)?.x, 2.0);
+/// # Ok::<(), sinew_core::finite_difference::DifferenceError>(())
+/// ```
+pub fn of_vectors(
+    scheme: Scheme,
+    order: usize,
+    samples: &[Vec3],
+    dt_s: f32,
+) -> Result<Vec3, DifferenceError> {
+    check(scheme, order, samples.len(), samples.iter().all(|sample| sample.is_finite()), dt_s)?;
+    Ok(scheme_difference(scheme, order, samples.len(), dt_s, |k| {
+        samples.get(k).copied().unwrap_or_default()
+    }))
+}
+
+/// The derivative of order `order` (1: angular velocity, 2: angular acceleration, ...) of evenly spaced
+/// orientations, in rad/s^order, as components in the axes of the turning body: the differences of the
+/// components of `Log(R_kᵀ R_k+1) / dt`. Signs of the quaternions do not matter.
+///
+/// For world axes use [`of_rotations_in_world`].
+///
+/// # Errors
+/// [`DifferenceError`] as [`of_vectors`]; also for order 0, which is not a vector.
+///
+/// ```
+/// use sinew_core::{finite_difference::{Scheme, of_rotations}, glam::{Quat, Vec3}, math};
+/// let turned = [Quat::IDENTITY, -math::exp(Vec3::new(0.02, 0.0, 0.0))];
+/// let velocity = of_rotations(Scheme::Forward, 1, &turned, 0.01)?;
+/// assert!((velocity.x - 2.0).abs() < 1e-5);
+/// # Ok::<(), sinew_core::finite_difference::DifferenceError>(())
+/// ```
+pub fn of_rotations(
+    scheme: Scheme,
+    order: usize,
+    samples: &[Quat],
+    dt_s: f32,
+) -> Result<Vec3, DifferenceError> {
+    rotations(scheme, order, samples, dt_s, |from, to| from.conjugate() * to)
+}
+
+/// As [`of_rotations`], as components in world axes: the differences of `Log(R_k+1 R_kᵀ) / dt`.
+///
+/// # Errors
+/// As [`of_rotations`].
+pub fn of_rotations_in_world(
+    scheme: Scheme,
+    order: usize,
+    samples: &[Quat],
+    dt_s: f32,
+) -> Result<Vec3, DifferenceError> {
+    rotations(scheme, order, samples, dt_s, |from, to| to * from.conjugate())
+}
+
+fn rotations(
+    scheme: Scheme,
+    order: usize,
+    samples: &[Quat],
+    dt_s: f32,
+    step: impl Fn(Quat, Quat) -> Quat,
+) -> Result<Vec3, DifferenceError> {
+    let Some(order_of_velocity) = order.checked_sub(1) else {
+        return Err(DifferenceError::OrderZero);
+    };
+    let unit = |q: &Quat| (q.dot(*q) - 1.0).abs() < 1e-2;
+    check(scheme, order, samples.len(), samples.iter().all(unit), dt_s)?;
+    let velocity = |k: usize| match (samples.get(k), samples.get(k.saturating_add(1))) {
+        (Some(from), Some(to)) => math::log(step(*from, *to)) / dt_s,
+        _ => Vec3::ZERO,
+    };
+    // Steps are one fewer than orientations, and lie half a step later: a central difference of odd order of
+    // the orientations is the mean of the two plain ones of the steps; one of even order is a single one.
+    let steps = samples.len().saturating_sub(1);
+    Ok(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
+}
+
+/// The plain difference over all `count` items, or the mean of the two that leave out one end.
+fn scheme_difference(
+    scheme: Scheme,
+    order: usize,
+    count: usize,
+    dt_s: f32,
+    item: impl Fn(usize) -> Vec3,
+) -> Vec3 {
+    if scheme == Scheme::Central && count > order.saturating_add(1) {
+        (plain(order, dt_s, &item) + plain(order, dt_s, |k| item(k.saturating_add(1)))) * 0.5
+    } else {
+        plain(order, dt_s, item)
+    }
+}
+
+/// Σ (-1)^i C(k, i) a[k - i] / h^k: the sum of eq. (13) over the items 0..=k.
+fn plain(order: usize, dt_s: f32, item: impl Fn(usize) -> Vec3) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    let mut binomial = 1.0; // (-1)^i C(k, i)
+    for i in 0..=order {
+        let from_end = order.saturating_sub(i);
+        sum += item(from_end) * binomial;
+        binomial *= -as_f32(from_end) / as_f32(i.saturating_add(1));
+    }
+    for _ in 0..order {
+        sum /= dt_s;
+    }
+    sum
+}
+
+fn as_f32(count: usize) -> f32 {
+    // Orders are small; beyond u16 the result has no meaning in f32 anyway.
+    u16::try_from(count).map_or(f32::INFINITY, f32::from)
+}
+
+fn check(
+    scheme: Scheme,
+    order: usize,
+    found: usize,
+    valid: bool,
+    dt_s: f32,
+) -> Result<(), DifferenceError> {
+    let expected = scheme.sample_count(order);
+    if found != expected {
+        return Err(DifferenceError::Count { expected, found });
+    }
+    if !valid {
+        return Err(DifferenceError::InvalidSample);
+    }
+    if !(dt_s.is_finite() && dt_s > 0.0) {
+        return Err(DifferenceError::TimeStep);
+    }
+    Ok(())
+}
+
+/// Why a difference could not be taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum DifferenceError {
+    /// The scheme takes another number of samples.
+    Count {
+        /// How many it takes.
+        expected: usize,
+        /// How many came.
+        found: usize,
+    },
+    /// A sample is not finite, or a quaternion not unit.
+    InvalidSample,
+    /// The time step is not a positive number.
+    TimeStep,
+    /// An orientation is no vector: rotations have differences of order 1 and above.
+    OrderZero,
+}
+
+impl fmt::Display for DifferenceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "this difference takes {expected} samples, {found} were given")
+            }
+            Self::InvalidSample => {
+                f.write_str("a sample is not finite, or a quaternion is not a unit quaternion")
+            }
+            Self::TimeStep => f.write_str("the time step must be a positive number of seconds"),
+            Self::OrderZero => f.write_str("rotations have differences of order 1 and above"),
+        }
+    }
+}
+
+impl core::error::Error for DifferenceError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A polynomial of degree `order` has a constant derivative of that order, which every scheme gives
+    /// exactly: order! times its leading coefficient.
+    #[test]
+    fn polynomials_are_differentiated_exactly_at_every_order() {
+        for order in 0..=6usize {
+            for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
+                let count = scheme.sample_count(order);
+                let mut samples = [Vec3::ZERO; 9];
+                for (k, sample) in samples[..count].iter_mut().enumerate() {
+                    #[expect(
+                        clippy::cast_possible_wrap,
+                        clippy::cast_possible_truncation,
+                        reason = "small"
+                    )]
+                    let x = (k as i32 - 3) as f32;
+                    let power = (0..order).fold(1.0, |p, _| p * x);
+                    *sample = Vec3::new(power, -2.0 * power, 0.5 * power);
+                }
+                let factorial = (1..=order).fold(1.0, |p, k| p * as_f32(k));
+                let got = of_vectors(scheme, order, &samples[..count], 1.0).unwrap();
+                // Whole numbers below 2^24: exact.
+                assert_eq!(got, Vec3::new(1.0, -2.0, 0.5) * factorial, "{scheme:?} {order}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_steady_turn_has_constant_velocity_and_no_acceleration() {
+        let h = 0.01;
+        let w = Vec3::new(1.0, -2.0, 0.5);
+        let start = math::exp(Vec3::new(0.4, 0.1, -0.9));
+        let samples: [Quat; 4] = core::array::from_fn(|k| start * math::exp(w * (as_f32(k) * h)));
+        for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
+            let v = of_rotations(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();
+            // One f32 rounding of a unit quaternion (6e-8) over h, a few times.
+            assert!((v - w).length() < 5e-5, "{scheme:?} {v}");
+            let in_world =
+                of_rotations_in_world(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();
+            assert!((in_world - start * w).length() < 5e-5);
+            let a = of_rotations(scheme, 2, &samples[..scheme.sample_count(2)], h).unwrap();
+            assert!(a.length() < 5e-3, "{scheme:?} {a}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        use DifferenceError as E;
+        let two = [Vec3::ZERO; 2];
+        assert_eq!(
+            of_vectors(Scheme::Central, 1, &two, 0.1),
+            Err(E::Count { expected: 3, found: 2 })
+        );
+        assert_eq!(of_vectors(Scheme::Forward, 1, &two, 0.0), Err(E::TimeStep));
+        assert_eq!(of_vectors(Scheme::Forward, 1, &two, f32::NAN), Err(E::TimeStep));
+        assert_eq!(
+            of_vectors(Scheme::Forward, 1, &[Vec3::ZERO, Vec3::X * f32::NAN], 0.1),
+            Err(E::InvalidSample)
+        );
+        assert_eq!(of_rotations(Scheme::Forward, 0, &[Quat::IDENTITY], 0.1), Err(E::OrderZero));
+        let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        assert_eq!(
+            of_rotations(Scheme::Forward, 1, &[Quat::IDENTITY, zero], 0.1),
+            Err(E::InvalidSample)
+        );
+    }
+}

@@ -1,0 +1,190 @@
+//! Mass, centre of mass and rotational inertia of a body, and whether they can be real.
+
+use core::fmt;
+
+use glam::Vec3;
+
+/// Rotational inertia about the centre of mass, in body axes, in kg m².
+///
+/// `xy`, `xz`, `yz` are the elements of the matrix (the negated products of inertia).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[expect(missing_docs, reason = "the fields are the elements that the type's line names")]
+pub struct RotationalInertia {
+    pub xx: f32,
+    pub xy: f32,
+    pub xz: f32,
+    pub yy: f32,
+    pub yz: f32,
+    pub zz: f32,
+}
+
+impl RotationalInertia {
+    /// Inertia whose principal axes are the body axes.
+    pub const fn diagonal(xx: f32, yy: f32, zz: f32) -> Self {
+        Self { xx, xy: 0.0, xz: 0.0, yy, yz: 0.0, zz }
+    }
+
+    /// The matrix times a vector in body axes.
+    pub fn mul_vec3(&self, v: Vec3) -> Vec3 {
+        Vec3::new(
+            self.xx * v.x + self.xy * v.y + self.xz * v.z,
+            self.xy * v.x + self.yy * v.y + self.yz * v.z,
+            self.xz * v.x + self.yz * v.y + self.zz * v.z,
+        )
+    }
+
+    fn elements(&self) -> [f32; 6] {
+        [self.xx, self.xy, self.xz, self.yy, self.yz, self.zz]
+    }
+}
+
+/// What a body weighs and how its mass is spread.
+///
+/// ```
+/// use sinew_core::{Inertia, InertiaError, RotationalInertia, glam::Vec3};
+/// let rod = Inertia {
+///     mass_kg: 1.2,
+///     center_of_mass_m: Vec3::new(0.0, -0.15, 0.0),
+///     rotational_kg_m2: RotationalInertia::diagonal(0.009, 0.0, 0.009),
+/// };
+/// assert!(rod.validate().is_ok());
+/// let flat = Inertia { rotational_kg_m2: RotationalInertia::diagonal(1.0, 1.0, 3.0), ..rod };
+/// assert_eq!(flat.validate(), Err(InertiaError::TriangleInequality));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Inertia {
+    /// Mass in kg; zero for a frame that carries nothing.
+    pub mass_kg: f32,
+    /// Centre of mass in the body frame, in metres.
+    pub center_of_mass_m: Vec3,
+    /// Rotational inertia about the centre of mass, body axes.
+    pub rotational_kg_m2: RotationalInertia,
+}
+
+/// Rounding of f32 inputs, as a fraction of the trace: a thin rod or a flat plate, whose second moment
+/// is zero along an axis, must still pass after a rotation in f32.
+const ROUNDING: f32 = 1e-5;
+
+impl Inertia {
+    /// Refuses what no body can have.
+    ///
+    /// The second moments of mass `Σ = tr(I)/2 - I` of any real body are positive semidefinite; that one
+    /// condition holds both the positive moments and the triangle inequality (Wensing, Kim & Slotine
+    /// 2018, "Linear matrix inequalities for physically consistent inertial parameter identification").
+    ///
+    /// # Errors
+    /// [`InertiaError`] names the first rule that is broken.
+    pub fn validate(&self) -> Result<(), InertiaError> {
+        let i = &self.rotational_kg_m2;
+        if !self.mass_kg.is_finite() {
+            return Err(InertiaError::NonFinite("mass"));
+        }
+        if !self.center_of_mass_m.is_finite() {
+            return Err(InertiaError::NonFinite("center of mass"));
+        }
+        if !i.elements().iter().all(|element| element.is_finite()) {
+            return Err(InertiaError::NonFinite("rotational inertia"));
+        }
+        if self.mass_kg < 0.0 {
+            return Err(InertiaError::NegativeMass);
+        }
+        if i.xx < 0.0 || i.yy < 0.0 || i.zz < 0.0 {
+            return Err(InertiaError::NegativeMoment);
+        }
+        let trace = i.xx + i.yy + i.zz;
+        if self.mass_kg <= 0.0 && trace > 0.0 {
+            return Err(InertiaError::InertiaWithoutMass);
+        }
+        if trace <= 0.0 {
+            return if i.elements().iter().all(|element| element.abs() <= 0.0) {
+                Ok(())
+            } else {
+                Err(InertiaError::TriangleInequality)
+            };
+        }
+        // In units of the trace, so that the rounding is relative and small bodies do not underflow.
+        let (xx, yy, zz) = (0.5 - i.xx / trace, 0.5 - i.yy / trace, 0.5 - i.zz / trace);
+        let (xy, xz, yz) = (-i.xy / trace, -i.xz / trace, -i.yz / trace);
+        let minors = [
+            xx,
+            yy,
+            zz,
+            xx * yy - xy * xy,
+            xx * zz - xz * xz,
+            yy * zz - yz * yz,
+            xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz),
+        ];
+        if minors.iter().all(|minor| *minor >= -ROUNDING) {
+            Ok(())
+        } else {
+            Err(InertiaError::TriangleInequality)
+        }
+    }
+}
+
+/// Why an inertia cannot be real.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum InertiaError {
+    /// The named quantity is NaN or infinite.
+    NonFinite(&'static str),
+    /// The mass is below zero.
+    NegativeMass,
+    /// A diagonal element is below zero.
+    NegativeMoment,
+    /// Something that weighs nothing has rotational inertia.
+    InertiaWithoutMass,
+    /// A principal moment exceeds the sum of the other two (or is below zero): no mass is spread so.
+    TriangleInequality,
+}
+
+impl fmt::Display for InertiaError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFinite(what) => write!(f, "the {what} is not a finite number"),
+            Self::NegativeMass => f.write_str("the mass is negative; it must be zero or more"),
+            Self::NegativeMoment => f.write_str("a moment of inertia is negative; it must be zero or more"),
+            Self::InertiaWithoutMass => {
+                f.write_str("there is rotational inertia but no mass; give a mass above zero")
+            }
+            Self::TriangleInequality => f.write_str(
+                "no body has this inertia: each principal moment must lie between zero and the sum of the other two",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for InertiaError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body(rotational_kg_m2: RotationalInertia) -> Inertia {
+        Inertia { mass_kg: 1.0, center_of_mass_m: Vec3::ZERO, rotational_kg_m2 }
+    }
+
+    #[test]
+    fn impossible_inertia_is_refused_each_by_its_name() {
+        use InertiaError as E;
+        let good = body(RotationalInertia::diagonal(1.0, 1.0, 1.0));
+        assert_eq!(good.validate(), Ok(()));
+        assert_eq!(Inertia { mass_kg: -1.0, ..good }.validate(), Err(E::NegativeMass));
+        assert_eq!(Inertia { mass_kg: 0.0, ..good }.validate(), Err(E::InertiaWithoutMass));
+        assert_eq!(Inertia { mass_kg: f32::NAN, ..good }.validate(), Err(E::NonFinite("mass")));
+        assert_eq!(
+            Inertia { center_of_mass_m: Vec3::new(0.0, f32::INFINITY, 0.0), ..good }.validate(),
+            Err(E::NonFinite("center of mass"))
+        );
+        let nan = RotationalInertia { yz: f32::NAN, ..RotationalInertia::diagonal(1.0, 1.0, 1.0) };
+        assert_eq!(body(nan).validate(), Err(E::NonFinite("rotational inertia")));
+        assert_eq!(
+            body(RotationalInertia::diagonal(-1.0, 1.0, 1.0)).validate(),
+            Err(E::NegativeMoment)
+        );
+        let sheared = RotationalInertia { xy: 1.5, ..RotationalInertia::diagonal(1.0, 1.0, 1.0) };
+        assert_eq!(body(sheared).validate(), Err(E::TriangleInequality));
+        assert_eq!(Inertia::default().validate(), Ok(()), "a massless frame");
+    }
+}

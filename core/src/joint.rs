@@ -1,0 +1,397 @@
+//! Joint models of 0 to 6 degrees of freedom and their motion subspaces.
+
+use core::fmt;
+
+use glam::{Quat, Vec3};
+use heapless::Vec;
+
+use crate::math;
+use crate::state::JointState;
+use crate::transform::{Motion, Transform, Wrench};
+
+/// How far the length of an axis or a quaternion may be from 1.
+///
+/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
+pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// What a joint leaves free. Axes are unit vectors; those of the joint frame are the parent's after the
+/// placement of the joint (see [`Body`](crate::Body)).
+///
+/// The motion subspace S (6 x degrees of freedom, body axes) of each kind has orthonormal columns, so
+/// that S Sᵀ projects on it. A universal joint's axes must be perpendicular for that reason.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointKind {
+    /// 0 degrees of freedom.
+    Fixed,
+    /// 1: turns about an axis, the same in the joint and the body frame.
+    Revolute {
+        /// Unit axis.
+        axis: Vec3,
+    },
+    /// 1: slides along an axis, the same in the joint and the body frame.
+    Prismatic {
+        /// Unit axis.
+        axis: Vec3,
+    },
+    /// 2: turns about `first`, fixed in the joint frame, then about `second`, fixed in the body.
+    Universal {
+        /// Unit axis in the joint frame.
+        first: Vec3,
+        /// Unit axis in the body frame, perpendicular to `first`.
+        second: Vec3,
+    },
+    /// 3: any rotation.
+    Spherical,
+    /// 6: any motion. For a floating root.
+    Free,
+}
+
+impl JointKind {
+    /// Number of degrees of freedom, 0 to 6.
+    pub const fn degrees_of_freedom(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Revolute { .. } | Self::Prismatic { .. } => 1,
+            Self::Universal { .. } => 2,
+            Self::Spherical => 3,
+            Self::Free => 6,
+        }
+    }
+
+    /// Number of coordinates that [`Self::state`] takes: a quaternion has four for three freedoms.
+    pub const fn coordinate_count(self) -> usize {
+        match self {
+            Self::Spherical => 4,
+            Self::Free => 7,
+            other => other.degrees_of_freedom(),
+        }
+    }
+
+    /// Columns of the motion subspace S in body axes; `rotation` is that of the body in the joint frame.
+    ///
+    /// ```
+    /// use sinew_core::{JointKind, glam::{Quat, Vec3}};
+    /// let elbow = JointKind::Revolute { axis: Vec3::X };
+    /// assert_eq!(elbow.motion_subspace(Quat::IDENTITY)[0].angular, Vec3::X);
+    /// ```
+    pub fn motion_subspace(self, rotation: Quat) -> Vec<Motion, 6> {
+        let turn = |axis| Motion::new(axis, Vec3::ZERO);
+        let slide = |axis| Motion::new(Vec3::ZERO, axis);
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        match self {
+            Self::Fixed => Vec::new(),
+            Self::Revolute { axis } => [turn(axis)].into_iter().collect(),
+            Self::Prismatic { axis } => [slide(axis)].into_iter().collect(),
+            Self::Universal { first, second } => {
+                [turn(rotation.conjugate() * first), turn(second)].into_iter().collect()
+            }
+            Self::Spherical => axes.map(turn).into_iter().collect(),
+            Self::Free => axes.map(turn).into_iter().chain(axes.map(slide)).collect(),
+        }
+    }
+
+    /// S Sᵀ `motion`: what the joint lets through of a motion in body axes.
+    pub fn project_motion(self, rotation: Quat, motion: Motion) -> Motion {
+        let (angular, linear) = self.project(rotation, motion.angular, motion.linear);
+        Motion { angular, linear }
+    }
+
+    /// S Sᵀ `wrench`: what a drive of this joint has to deliver; the bearings carry the rest. Body axes.
+    pub fn project_wrench(self, rotation: Quat, wrench: Wrench) -> Wrench {
+        let (moment_nm, force_n) = self.project(rotation, wrench.moment_nm, wrench.force_n);
+        Wrench { moment_nm, force_n }
+    }
+
+    fn project(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
+        match self {
+            Self::Fixed => (Vec3::ZERO, Vec3::ZERO),
+            Self::Revolute { axis } => (axis * axis.dot(angular), Vec3::ZERO),
+            Self::Prismatic { axis } => (Vec3::ZERO, axis * axis.dot(linear)),
+            Self::Universal { first, second } => {
+                let first = rotation.conjugate() * first;
+                (first * first.dot(angular) + second * second.dot(angular), Vec3::ZERO)
+            }
+            Self::Spherical => (angular, Vec3::ZERO),
+            Self::Free => (angular, linear),
+        }
+    }
+
+    /// Acceleration that the joint has at constant speed of its axes (Ṡ q̇), body axes: a universal
+    /// joint's first axis moves in the body; the other kinds have none.
+    pub fn bias_acceleration(self, rotation: Quat, velocity: Motion) -> Motion {
+        match self {
+            Self::Universal { first, second } => {
+                let first = rotation.conjugate() * first;
+                let speeds = first.dot(velocity.angular) * second.dot(velocity.angular);
+                Motion::new(first.cross(second) * speeds, Vec3::ZERO)
+            }
+            _ => Motion::ZERO,
+        }
+    }
+
+    /// State of a joint from its coordinates, as servos and encoders give them.
+    ///
+    /// `position`: nothing (fixed), angle in rad (revolute), m (prismatic), two angles (universal), a unit
+    /// quaternion xyzw (spherical), a quaternion then x y z in m (free). `speed`: rad/s or m/s along the
+    /// columns of the motion subspace. `placement`: of the joint frame in the parent's frame.
+    ///
+    /// # Errors
+    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit.
+    ///
+    /// ```
+    /// use sinew_core::{JointKind, Transform, glam::Vec3, math};
+    /// let elbow = JointKind::Revolute { axis: Vec3::X };
+    /// let state = elbow.state(Transform::IDENTITY, &[0.5], &[2.0])?;
+    /// assert_eq!(state.pose.rotation, math::exp(Vec3::X * 0.5));
+    /// assert_eq!(state.velocity.angular, Vec3::X * 2.0);
+    /// # Ok::<(), sinew_core::JointCoordinatesError>(())
+    /// ```
+    pub fn state(
+        self,
+        placement: Transform,
+        position: &[f32],
+        speed: &[f32],
+    ) -> Result<JointState, JointCoordinatesError> {
+        use JointCoordinatesError as E;
+        if let Some(index) = position.iter().chain(speed).position(|x| !x.is_finite()) {
+            return Err(E::NonFinite { index });
+        }
+        let count = E::Count { expected: self.coordinate_count(), found: position.len() };
+        let unit = |q: Quat| {
+            let squared = q.dot(q);
+            if (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE {
+                Ok(math::unit(q))
+            } else {
+                Err(E::NotUnit { squared })
+            }
+        };
+        let in_joint = match (self, position) {
+            (Self::Fixed, []) => Transform::IDENTITY,
+            (Self::Revolute { axis }, &[angle]) => {
+                Transform::new(math::exp(axis * angle), Vec3::ZERO)
+            }
+            (Self::Prismatic { axis }, &[way]) => Transform::from_translation(axis * way),
+            (Self::Universal { first, second }, &[a, b]) => {
+                Transform::new(math::exp(first * a) * math::exp(second * b), Vec3::ZERO)
+            }
+            (Self::Spherical, &[x, y, z, w]) => {
+                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::ZERO)
+            }
+            (Self::Free, &[x, y, z, w, tx, ty, tz]) => {
+                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::new(tx, ty, tz))
+            }
+            _ => return Err(count),
+        };
+        if speed.len() != self.degrees_of_freedom() {
+            return Err(E::Count { expected: self.degrees_of_freedom(), found: speed.len() });
+        }
+        let mut velocity = Motion::ZERO;
+        for (column, speed) in self.motion_subspace(in_joint.rotation).iter().zip(speed) {
+            velocity = velocity + Motion::new(column.angular * *speed, column.linear * *speed);
+        }
+        Ok(JointState { pose: placement * in_joint, velocity })
+    }
+
+    /// Refuses axes that are not finite, not unit, or (universal) not perpendicular.
+    ///
+    /// # Errors
+    /// [`JointError`] with the value that is wrong.
+    pub fn validate(self) -> Result<(), JointError> {
+        let check = |axis: Vec3| {
+            let length = math::length(axis);
+            if !axis.is_finite() {
+                Err(JointError::NonFiniteAxis)
+            } else if (length - 1.0).abs() > UNIT_TOLERANCE {
+                Err(JointError::AxisNotUnit { length })
+            } else {
+                Ok(())
+            }
+        };
+        match self {
+            Self::Revolute { axis } | Self::Prismatic { axis } => check(axis),
+            Self::Universal { first, second } => {
+                check(first)?;
+                check(second)?;
+                let cosine = first.dot(second);
+                if cosine.abs() > UNIT_TOLERANCE {
+                    return Err(JointError::AxesNotPerpendicular { cosine });
+                }
+                Ok(())
+            }
+            Self::Fixed | Self::Spherical | Self::Free => Ok(()),
+        }
+    }
+
+    /// The same joint with axes of unit length to the last bit that f32 allows; a universal joint's
+    /// second axis is made perpendicular. For axes that [`Self::validate`] has passed.
+    #[must_use]
+    pub(crate) fn normalized(self) -> Self {
+        let unit = |axis: Vec3| axis * (1.0 / math::length(axis));
+        match self {
+            Self::Revolute { axis } => Self::Revolute { axis: unit(axis) },
+            Self::Prismatic { axis } => Self::Prismatic { axis: unit(axis) },
+            Self::Universal { first, second } => {
+                let first = unit(first);
+                Self::Universal { first, second: unit(second - first * first.dot(second)) }
+            }
+            other => other,
+        }
+    }
+}
+
+/// Why a joint model cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum JointError {
+    /// An axis has a NaN or infinite component.
+    NonFiniteAxis,
+    /// An axis is not of length 1.
+    AxisNotUnit {
+        /// Its length.
+        length: f32,
+    },
+    /// The two axes of a universal joint are not at a right angle.
+    AxesNotPerpendicular {
+        /// Cosine of the angle between them.
+        cosine: f32,
+    },
+}
+
+impl fmt::Display for JointError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFiniteAxis => f.write_str("a joint axis is not finite"),
+            Self::AxisNotUnit { length } => {
+                write!(f, "a joint axis has length {length}; it must be a unit vector")
+            }
+            Self::AxesNotPerpendicular { cosine } => write!(
+                f,
+                "the axes of a universal joint must be perpendicular; the cosine between them is {cosine}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for JointError {}
+
+/// Why joint coordinates were refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum JointCoordinatesError {
+    /// Too few or too many numbers for this kind of joint.
+    Count {
+        /// How many this kind takes.
+        expected: usize,
+        /// How many came.
+        found: usize,
+    },
+    /// A position (or, counted on after them, a speed) is NaN or infinite.
+    NonFinite {
+        /// Which one.
+        index: usize,
+    },
+    /// The quaternion is not of length 1.
+    NotUnit {
+        /// Its squared length.
+        squared: f32,
+    },
+}
+
+impl fmt::Display for JointCoordinatesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "this kind of joint takes {expected} coordinates, {found} were given")
+            }
+            Self::NonFinite { index } => write!(f, "joint coordinate {index} is not finite"),
+            Self::NotUnit { squared } => {
+                write!(
+                    f,
+                    "the quaternion has squared length {squared}; it must be a unit quaternion"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for JointCoordinatesError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kinds() -> [JointKind; 6] {
+        let (axis, first) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 1.0, 0.0));
+        [
+            JointKind::Fixed,
+            JointKind::Revolute { axis },
+            JointKind::Prismatic { axis },
+            JointKind::Universal { first, second: axis },
+            JointKind::Spherical,
+            JointKind::Free,
+        ]
+    }
+
+    #[test]
+    fn projection_is_the_subspace_times_its_transpose() {
+        let rotation = math::exp(Vec3::new(0.4, -1.1, 0.3));
+        let motion = Motion::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(-0.5, 0.7, 0.2));
+        for kind in kinds() {
+            let columns = kind.motion_subspace(rotation);
+            assert_eq!(columns.len(), kind.degrees_of_freedom());
+            let mut expected = Motion::ZERO;
+            for c in &columns {
+                let along = c.angular.dot(motion.angular) + c.linear.dot(motion.linear);
+                expected = expected + Motion::new(c.angular * along, c.linear * along);
+            }
+            let got = kind.project_motion(rotation, motion);
+            assert!((got.angular - expected.angular).length() < 1e-6, "{kind:?}");
+            assert!((got.linear - expected.linear).length() < 1e-6, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn a_universal_joint_has_the_velocity_and_bias_of_its_rotation() {
+        // Central differences of the rotation in f64-free arithmetic: step chosen for f32, 1e-2 s.
+        let kind = kinds()[3];
+        let h = 1e-2;
+        let (q, qd) = ([0.3f32, -0.8], [1.1f32, -0.7]);
+        let at = |t: f32| {
+            let q = [q[0] + qd[0] * t, q[1] + qd[1] * t];
+            kind.state(Transform::IDENTITY, &q, &qd).unwrap()
+        };
+        let (before, now, after) = (at(-h), at(0.0), at(h));
+        let turned = math::log(before.pose.rotation.conjugate() * after.pose.rotation) / (2.0 * h);
+        // The chord over two steps differs from the tangent by terms of order h².
+        assert!((turned - now.velocity.angular).length() < 1e-3, "{turned}");
+        let rate = (after.velocity.angular - before.velocity.angular) / (2.0 * h);
+        let bias = kind.bias_acceleration(now.pose.rotation, now.velocity).angular;
+        assert!((rate - bias).length() < 1e-3, "{rate} {bias}");
+    }
+
+    #[test]
+    fn bad_axes_are_refused() {
+        let nan = JointKind::Revolute { axis: Vec3::new(f32::NAN, 0.0, 0.0) };
+        assert_eq!(nan.validate(), Err(JointError::NonFiniteAxis));
+        let long = JointKind::Prismatic { axis: Vec3::X * 2.0 };
+        assert_eq!(long.validate(), Err(JointError::AxisNotUnit { length: 2.0 }));
+        let skew = JointKind::Universal { first: Vec3::X, second: Vec3::X };
+        assert_eq!(skew.validate(), Err(JointError::AxesNotPerpendicular { cosine: 1.0 }));
+    }
+
+    #[test]
+    fn bad_coordinates_are_refused() {
+        use JointCoordinatesError as E;
+        let state = |kind: JointKind, q: &[f32], qd: &[f32]| {
+            kind.state(Transform::IDENTITY, q, qd).unwrap_err()
+        };
+        let elbow = JointKind::Revolute { axis: Vec3::X };
+        assert_eq!(state(elbow, &[], &[]), E::Count { expected: 1, found: 0 });
+        assert_eq!(state(elbow, &[0.0], &[]), E::Count { expected: 1, found: 0 });
+        assert_eq!(state(elbow, &[0.0], &[f32::INFINITY]), E::NonFinite { index: 1 });
+        let zero = [0.0; 4];
+        assert_eq!(state(JointKind::Spherical, &zero, &[0.0; 3]), E::NotUnit { squared: 0.0 });
+    }
+}

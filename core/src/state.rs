@@ -1,0 +1,241 @@
+//! States of joints and bodies, and the entrances where states come in.
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::joint::UNIT_TOLERANCE;
+use crate::math;
+use crate::transform::{Motion, Transform};
+use crate::tree::Tree;
+
+/// State of a joint: pose and velocity of its body relative to the parent body.
+///
+/// The same type serves the desired and the measured side: the paper's "complete transforms as joint
+/// parameters". A joint model says which part of it is free.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Pose of the body in its parent's frame.
+    pub pose: Transform,
+    /// Velocity relative to the parent, in body axes.
+    pub velocity: Motion,
+}
+
+impl JointState {
+    /// Whether every component is a number and the rotation is a unit quaternion.
+    fn check(&self) -> Result<(), StateInputError> {
+        if !self.pose.is_finite() || !self.velocity.is_finite() {
+            return Err(StateInputError::NonFinite);
+        }
+        let squared = self.pose.rotation.dot(self.pose.rotation);
+        if (squared - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+            return Err(StateInputError::RotationNotUnit);
+        }
+        Ok(())
+    }
+
+    fn with_unit_rotation(mut self) -> Self {
+        self.pose.rotation = math::unit(self.pose.rotation);
+        self
+    }
+}
+
+/// State of a body: its pose in a reference frame (mostly the world), and its velocity in the axes of
+/// that frame; the linear part is the velocity of the body frame's origin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyState {
+    /// Pose in the reference frame.
+    pub pose: Transform,
+    /// Velocity in the axes of the reference frame.
+    pub velocity: Motion,
+}
+
+impl BodyState {
+    /// The world itself, at rest.
+    pub const WORLD: Self = Self { pose: Transform::IDENTITY, velocity: Motion::ZERO };
+
+    /// This state as body `reference` sees it, in the axes of `reference`. Both are given in one frame.
+    ///
+    /// Eq. (5) of Notman et al. (2011), with the velocities that go with it.
+    ///
+    /// ```
+    /// use sinew_core::{BodyState, Motion, Transform, glam::Vec3};
+    /// let still = BodyState { pose: Transform::from_translation(Vec3::X), ..BodyState::WORLD };
+    /// let spin = BodyState { velocity: Motion::new(Vec3::Z, Vec3::ZERO), ..BodyState::WORLD };
+    /// let seen = still.seen_from(&spin);
+    /// assert_eq!(seen.velocity.angular, -Vec3::Z);
+    /// assert_eq!(seen.velocity.linear, -Vec3::Y);
+    /// ```
+    #[must_use]
+    pub fn seen_from(&self, reference: &Self) -> Self {
+        let to_reference = reference.pose.rotation.conjugate();
+        let arm = self.pose.translation_m - reference.pose.translation_m;
+        let carried = reference.velocity.angular.cross(arm);
+        Self {
+            pose: Transform::new(to_reference * self.pose.rotation, to_reference * arm),
+            velocity: Motion {
+                angular: to_reference * (self.velocity.angular - reference.velocity.angular),
+                linear: to_reference * (self.velocity.linear - reference.velocity.linear - carried),
+            },
+        }
+    }
+
+    /// State of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
+    #[must_use]
+    pub fn joint_state(&self, parent: &Self) -> JointState {
+        let seen = self.seen_from(parent);
+        JointState {
+            pose: seen.pose,
+            velocity: seen.velocity.rotated(seen.pose.rotation.conjugate()),
+        }
+    }
+
+    /// State of a body hung on this one by a joint: the inverse of [`Self::joint_state`].
+    #[must_use]
+    pub fn child(&self, joint: &JointState) -> Self {
+        let arm = self.pose.rotation * joint.pose.translation_m;
+        let rotation = self.pose.rotation * joint.pose.rotation;
+        let relative = joint.velocity.rotated(rotation);
+        Self {
+            pose: Transform::new(rotation, self.pose.translation_m + arm),
+            velocity: Motion {
+                angular: self.velocity.angular + relative.angular,
+                linear: self.velocity.linear + self.velocity.angular.cross(arm) + relative.linear,
+            },
+        }
+    }
+}
+
+/// States of all joints of a tree, as measured; finite and with unit rotations at all times.
+///
+/// This is an entrance: what comes from sensors or a file is refused here, so that the control tick need
+/// not fail.
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, JointState, JointStates, StateInputError, Transform, Tree};
+/// let root = Body {
+///     parent: None,
+///     joint: JointKind::Spherical,
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia::default(),
+/// };
+/// let tree = Tree::<1>::from_bodies(&[root])?;
+/// let mut measured = JointStates::rest(&tree);
+/// let mut bad = JointState::default();
+/// bad.velocity.angular.x = f32::NAN;
+/// assert_eq!(measured.set(0, bad), Err(StateInputError::NonFinite));
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointStates<const N: usize> {
+    states: Vec<JointState, N>,
+}
+
+impl<const N: usize> JointStates<N> {
+    /// All joints of `tree` at rest in its zero pose.
+    pub fn rest(tree: &Tree<N>) -> Self {
+        let states = tree
+            .bodies()
+            .iter()
+            .map(|body| JointState { pose: body.placement, velocity: Motion::ZERO })
+            .collect();
+        Self { states }
+    }
+
+    /// Sets the state of one joint.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there is no such joint, a number is not finite or
+    /// the rotation not unit.
+    pub fn set(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
+        state.check()?;
+        let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
+        *slot = state.with_unit_rotation();
+        Ok(())
+    }
+
+    /// The states by joint.
+    pub fn as_slice(&self) -> &[JointState] {
+        &self.states
+    }
+}
+
+/// Where all joints of a tree should be, how fast, and with what acceleration.
+///
+/// An entrance like [`JointStates`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointTargets<const N: usize> {
+    states: Vec<JointState, N>,
+    accelerations: Vec<Motion, N>,
+}
+
+impl<const N: usize> JointTargets<N> {
+    /// All joints of `tree` at rest in its zero pose.
+    pub fn rest(tree: &Tree<N>) -> Self {
+        let states: Vec<JointState, N> = JointStates::rest(tree).states;
+        let accelerations = states.iter().map(|_| Motion::ZERO).collect();
+        Self { states, accelerations }
+    }
+
+    /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
+    /// body axes: its angular part the derivative of the components of the angular velocity, its linear
+    /// part the second derivative of the position in the parent's frame, turned to body axes.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there is no such joint, a number is not finite or
+    /// the rotation not unit.
+    pub fn set(
+        &mut self,
+        joint: usize,
+        state: JointState,
+        acceleration: Motion,
+    ) -> Result<(), StateInputError> {
+        state.check()?;
+        if !acceleration.is_finite() {
+            return Err(StateInputError::NonFinite);
+        }
+        let (Some(slot), Some(acceleration_slot)) =
+            (self.states.get_mut(joint), self.accelerations.get_mut(joint))
+        else {
+            return Err(StateInputError::NoSuchJoint);
+        };
+        *slot = state.with_unit_rotation();
+        *acceleration_slot = acceleration;
+        Ok(())
+    }
+
+    /// The desired states by joint.
+    pub fn states(&self) -> &[JointState] {
+        &self.states
+    }
+
+    /// The desired accelerations by joint, see [`Self::set`].
+    pub fn accelerations(&self) -> &[Motion] {
+        &self.accelerations
+    }
+}
+
+/// Why a state was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StateInputError {
+    /// A component is NaN or infinite.
+    NonFinite,
+    /// The rotation is not a unit quaternion.
+    RotationNotUnit,
+    /// The tree has no joint of that index.
+    NoSuchJoint,
+}
+
+impl fmt::Display for StateInputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NonFinite => "a component of the state is not finite",
+            Self::RotationNotUnit => "the rotation is not a unit quaternion",
+            Self::NoSuchJoint => "the tree has no joint of that index",
+        })
+    }
+}
+
+impl core::error::Error for StateInputError {}

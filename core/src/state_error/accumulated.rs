@@ -1,0 +1,109 @@
+//! The generalised accumulated error: every body seen from an ancestor of its own choice.
+
+use core::fmt;
+
+use heapless::Vec;
+
+use super::StateError;
+use crate::state::BodyState;
+use crate::tree::Tree;
+
+/// The reference body l of each joint: an ancestor, or `None` for the world. Validated once.
+///
+/// The paper asks only for `l < i`; a body that is not an ancestor would bring in joints that joint `i`
+/// cannot answer for, so it is refused.
+#[derive(Debug, Clone, PartialEq)]
+pub struct References<const N: usize> {
+    bodies: Vec<Option<usize>, N>,
+}
+
+impl<const N: usize> References<N> {
+    /// Reference bodies by joint.
+    ///
+    /// # Errors
+    /// [`ReferencesError`] if there is not one for each joint, or one is not an ancestor.
+    pub fn new(tree: &Tree<N>, references: &[Option<usize>]) -> Result<Self, ReferencesError> {
+        if references.len() != tree.len() {
+            return Err(ReferencesError::Count { expected: tree.len(), found: references.len() });
+        }
+        for (joint, reference) in references.iter().enumerate() {
+            if let Some(reference) = *reference
+                && !tree.is_ancestor(reference, joint)
+            {
+                return Err(ReferencesError::NotAncestor { joint, reference });
+            }
+        }
+        Ok(Self { bodies: references.iter().copied().collect() })
+    }
+
+    /// The egocentric case: every body as the root sees it, the root as the world sees it.
+    pub fn egocentric(tree: &Tree<N>) -> Self {
+        Self { bodies: (0..tree.len()).map(|joint| (joint > 0).then_some(0)).collect() }
+    }
+
+    /// The reference bodies by joint.
+    pub fn as_slice(&self) -> &[Option<usize>] {
+        &self.bodies
+    }
+}
+
+/// Why reference bodies were refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ReferencesError {
+    /// There must be one for each joint.
+    Count {
+        /// Number of joints.
+        expected: usize,
+        /// Number of references.
+        found: usize,
+    },
+    /// The reference is not an ancestor of the joint's body.
+    NotAncestor {
+        /// The joint.
+        joint: usize,
+        /// Its reference body.
+        reference: usize,
+    },
+}
+
+impl fmt::Display for ReferencesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "{expected} joints need as many reference bodies, {found} were given")
+            }
+            Self::NotAncestor { joint, reference } => write!(
+                f,
+                "body {reference} cannot be the reference of joint {joint}: it is not one of its ancestors"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ReferencesError {}
+
+/// Error of each body as its reference body sees it, in the axes of the reference: the desired pose
+/// seen from the desired reference against the measured seen from the measured one.
+///
+/// With the parent as reference this is [`local`](super::local()), with the world
+/// [`world`](super::world()); in between it accumulates the errors of the joints between l and i. O(n).
+pub fn accumulated(
+    references: &[Option<usize>],
+    desired: &[BodyState],
+    measured: &[BodyState],
+    out: &mut [StateError],
+) {
+    let of_reference = |states: &[BodyState], reference: Option<usize>| {
+        reference.and_then(|body| states.get(body)).copied().unwrap_or(BodyState::WORLD)
+    };
+    for (((reference, of_desired), of_measured), error) in
+        references.iter().zip(desired).zip(measured).zip(out)
+    {
+        *error = StateError::between(
+            &of_desired.seen_from(&of_reference(desired, *reference)),
+            &of_measured.seen_from(&of_reference(measured, *reference)),
+        );
+    }
+}

@@ -1,0 +1,93 @@
+//! How far the measured figure is from the desired one, by the methods of Notman, Carlisle & Manning,
+//! "Methods for Measuring State Error for Control of Animated Human Figures" (2011).
+//!
+//! | method | error of body i | reference frame |
+//! | --- | --- | --- |
+//! | [`local`] (3) | of its joint | parent's |
+//! | [`world`] (4) | of its world state | world |
+//! | [`accumulated`] | as an ancestor `l` sees it | `l`'s; `l` = root is the egocentric case |
+//! | [`linear_compensation`] (6)-(10) | of its world state, the desired one turned towards its child's goal | world |
+//!
+//! The difference of two rotations is the rotation vector that takes the measured to the desired one,
+//! `Log(R_d R_mᵀ)`, in the axes of the frame both are seen from.
+
+mod accumulated;
+mod linear_compensation;
+mod local;
+mod world;
+
+pub use accumulated::{References, ReferencesError, accumulated};
+pub use linear_compensation::{
+    Aim, AimStatus, Aims, AimsError, Compensation, RateTerm, compensate, linear_compensation,
+};
+pub use local::local;
+pub use world::world;
+
+use glam::Vec3;
+
+use crate::math;
+use crate::state::BodyState;
+
+/// Difference of the desired and the measured state of one body, and its rate, in the axes of the
+/// method's reference frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StateError {
+    /// Rotation vector from the measured to the desired orientation, rad.
+    pub angular_rad: Vec3,
+    /// Desired minus measured position, m.
+    pub linear_m: Vec3,
+    /// Desired minus measured angular velocity, rad/s.
+    pub angular_rate_rad_s: Vec3,
+    /// Desired minus measured linear velocity, m/s.
+    pub linear_rate_m_s: Vec3,
+}
+
+impl StateError {
+    /// Desired equals measured.
+    pub const ZERO: Self = Self {
+        angular_rad: Vec3::ZERO,
+        linear_m: Vec3::ZERO,
+        angular_rate_rad_s: Vec3::ZERO,
+        linear_rate_m_s: Vec3::ZERO,
+    };
+
+    /// Error of one body whose two states are given in the same frame, in the axes of that frame.
+    ///
+    /// The rate of the rotation vector is `ω_d - ω_m` to first order, and exactly in the direction that
+    /// damping needs: `d/dt |e|²/2 = e · (ω_d - ω_m)`.
+    ///
+    /// ```
+    /// use sinew_core::{BodyState, Transform, glam::Vec3, math, state_error::StateError};
+    /// let turned = Transform::new(math::exp(Vec3::new(0.0, 0.2, 0.0)), Vec3::X);
+    /// let desired = BodyState { pose: turned, ..BodyState::WORLD };
+    /// let error = StateError::between(&desired, &BodyState::WORLD);
+    /// assert!((error.angular_rad.y - 0.2).abs() < 1e-6);
+    /// assert_eq!(error.linear_m, Vec3::X);
+    /// ```
+    pub fn between(desired: &BodyState, measured: &BodyState) -> Self {
+        Self {
+            angular_rad: math::log(desired.pose.rotation * measured.pose.rotation.conjugate()),
+            linear_m: desired.pose.translation_m - measured.pose.translation_m,
+            angular_rate_rad_s: desired.velocity.angular - measured.velocity.angular,
+            linear_rate_m_s: desired.velocity.linear - measured.velocity.linear,
+        }
+    }
+}
+
+/// Which state error is tracked, with what it needs. `N` as of the tree.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method<const N: usize> {
+    /// Local Space Error, eq. (3).
+    Local,
+    /// World Space Error, eq. (4).
+    World,
+    /// Accumulated error seen from an ancestor of each body.
+    Accumulated(References<N>),
+    /// Linear Compensation Error, eq. (6)-(10).
+    LinearCompensation {
+        /// What each body aims at.
+        aims: Aims<N>,
+        /// How much and with which rate.
+        settings: Compensation,
+    },
+}

@@ -1,0 +1,326 @@
+//! A performance as frames of joint poses, and the targets taken from it.
+
+use core::fmt;
+
+use crate::finite_difference::{DifferenceError, Scheme, of_rotations, of_vectors};
+use crate::joint::UNIT_TOLERANCE;
+use crate::math;
+use crate::state::{JointState, JointStates, JointTargets, StateInputError};
+use crate::transform::{Motion, Transform};
+
+/// Evenly spaced frames of the poses of all joints, each in its parent's frame.
+///
+/// It borrows its frames, so that a baked performance stays where it is, in flash.
+///
+/// ```
+/// use sinew_core::{Trajectory, TrajectoryError, Transform, glam::Vec3};
+/// let frames = [0.0, 0.1, 0.4].map(|x| Transform::from_translation(Vec3::new(x, 0.0, 0.0)));
+/// let slide = Trajectory::new(&frames, 1, 0.01)?;
+/// let mut pose = [Transform::IDENTITY];
+/// slide.sample(0.005, &mut pose);
+/// assert_eq!(pose[0].translation_m.x, 0.05);
+/// # Ok::<(), TrajectoryError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trajectory<'a> {
+    poses: &'a [Transform],
+    joint_count: usize,
+    dt_s: f32,
+}
+
+impl<'a> Trajectory<'a> {
+    /// Frames one after the other, each with the poses of `joint_count` joints, `dt_s` seconds apart.
+    /// O(frames): every pose is checked, once.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] if there is no whole number of frames, a pose is not finite or its rotation not
+    /// unit, or the time step is not a positive number.
+    pub fn new(
+        poses: &'a [Transform],
+        joint_count: usize,
+        dt_s: f32,
+    ) -> Result<Self, TrajectoryError> {
+        if !(dt_s.is_finite() && dt_s > 0.0) {
+            return Err(TrajectoryError::TimeStep);
+        }
+        let remainder = poses.len().checked_rem(joint_count);
+        if poses.is_empty() || remainder != Some(0) {
+            return Err(TrajectoryError::Count { joints: joint_count, poses: poses.len() });
+        }
+        let bad = poses.iter().position(|pose| {
+            let squared = pose.rotation.dot(pose.rotation);
+            // Written so that NaN is bad.
+            !(pose.is_finite() && (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE)
+        });
+        if let Some(index) = bad {
+            return Err(TrajectoryError::InvalidPose {
+                frame: index.checked_div(joint_count).unwrap_or_default(),
+                joint: index.checked_rem(joint_count).unwrap_or_default(),
+            });
+        }
+        Ok(Self { poses, joint_count, dt_s })
+    }
+
+    /// Number of frames, at least one.
+    pub fn len(&self) -> usize {
+        self.poses.len().checked_div(self.joint_count).unwrap_or_default()
+    }
+
+    /// Never: a trajectory has at least one frame.
+    pub fn is_empty(&self) -> bool {
+        self.poses.is_empty()
+    }
+
+    /// Time from one frame to the next, s.
+    pub fn dt_s(&self) -> f32 {
+        self.dt_s
+    }
+
+    /// Poses of one frame by joint; the last frame for any index beyond it.
+    pub fn frame(&self, index: usize) -> &'a [Transform] {
+        let index = index.min(self.len().saturating_sub(1));
+        let start = index.saturating_mul(self.joint_count);
+        self.poses.get(start..start.saturating_add(self.joint_count)).unwrap_or_default()
+    }
+
+    /// Poses at a time, spherically interpolated between frames; held before the first and after the last.
+    /// A time that is NaN gives the first frame. O(joints).
+    pub fn sample(&self, time_s: f32, out: &mut [Transform]) {
+        let last = self.len().saturating_sub(1);
+        // A float turned into an integer saturates, and NaN becomes 0: that is what is wanted here.
+        let position = time_s / self.dt_s;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the whole part is wanted, negative and huge times saturate"
+        )]
+        let index = position as usize;
+        let (index, fraction) =
+            if index >= last { (last, 0.0) } else { (index, fraction_of(position)) };
+        let from = self.frame(index);
+        let to = self.frame(index.saturating_add(1));
+        for ((from, to), pose) in from.iter().zip(to).zip(out) {
+            *pose = interpolate(from, to, fraction);
+        }
+    }
+
+    /// Targets at frame `index` by forward differences, as the paper takes them (13): it looks two frames
+    /// ahead, and the last frame is held after the end. O(joints).
+    ///
+    /// # Errors
+    /// [`StateInputError`] if the targets are for fewer joints, or differences overflow.
+    pub fn targets<const N: usize>(
+        &self,
+        index: usize,
+        out: &mut JointTargets<N>,
+    ) -> Result<(), StateInputError> {
+        let window = [0, 1, 2].map(|ahead| self.frame(index.saturating_add(ahead)));
+        forward_targets(window, self.dt_s, out)
+    }
+}
+
+/// The fraction of a position between two frames, in [0, 1).
+fn fraction_of(position: f32) -> f32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        reason = "the position is below the number of frames, which f32 holds"
+    )]
+    let whole = position as i32 as f32;
+    if position > whole { position - whole } else { 0.0 }
+}
+
+/// The pose a fraction of the way from one to the other: the position on the straight line, the rotation
+/// on the great arc.
+///
+/// ```
+/// use sinew_core::{Transform, glam::Vec3};
+/// let there = Transform::from_translation(Vec3::X);
+/// let half_way = sinew_core::trajectory::interpolate(&Transform::IDENTITY, &there, 0.5);
+/// assert_eq!(half_way.translation_m, Vec3::X * 0.5);
+/// ```
+pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform {
+    let way = to.translation_m - from.translation_m;
+    Transform {
+        rotation: math::slerp(from.rotation, to.rotation, fraction),
+        translation_m: from.translation_m + way * fraction,
+    }
+}
+
+/// Targets of all joints at the first of three frames, by forward differences (13): velocities need one
+/// frame ahead, accelerations two.
+///
+/// # Errors
+/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, or the
+/// targets are for fewer joints.
+pub fn forward_targets<const N: usize>(
+    [now, next, after]: [&[Transform]; 3],
+    dt_s: f32,
+    out: &mut JointTargets<N>,
+) -> Result<(), StateInputError> {
+    for (joint, ((now, next), after)) in now.iter().zip(next).zip(after).enumerate() {
+        let window = [now, next, after];
+        let difference = |order: usize| {
+            let count = Scheme::Forward.sample_count(order);
+            joint_difference(Scheme::Forward, order, window.get(..count)?, now, dt_s).ok()
+        };
+        let (Some(velocity), Some(acceleration)) = (difference(1), difference(2)) else {
+            return Err(StateInputError::NonFinite);
+        };
+        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+    }
+    Ok(())
+}
+
+/// Measured states of all joints at the second of two frames, by backward differences: what can be had
+/// from joint sensors without a model.
+///
+/// # Errors
+/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, or the states
+/// are of fewer joints.
+pub fn backward_states<const N: usize>(
+    [before, now]: [&[Transform]; 2],
+    dt_s: f32,
+    out: &mut JointStates<N>,
+) -> Result<(), StateInputError> {
+    for (joint, (before, now)) in before.iter().zip(now).enumerate() {
+        let velocity = joint_difference(Scheme::Backward, 1, &[before, now], now, dt_s)
+            .map_err(|_| StateInputError::NonFinite)?;
+        out.set(joint, JointState { pose: *now, velocity })?;
+    }
+    Ok(())
+}
+
+/// Difference of a joint's poses in the axes of the body at pose `at`.
+fn joint_difference(
+    scheme: Scheme,
+    order: usize,
+    window: &[&Transform],
+    at: &Transform,
+    dt_s: f32,
+) -> Result<Motion, DifferenceError> {
+    // Three frames are the most that orders 1 and 2 of these schemes need.
+    let mut rotations = [at.rotation; 3];
+    let mut positions = [at.translation_m; 3];
+    for ((pose, rotation), position) in window.iter().zip(&mut rotations).zip(&mut positions) {
+        *rotation = pose.rotation;
+        *position = pose.translation_m;
+    }
+    let rotations = rotations.get(..window.len()).unwrap_or_default();
+    let positions = positions.get(..window.len()).unwrap_or_default();
+    let linear_in_parent = of_vectors(scheme, order, positions, dt_s)?;
+    Ok(Motion {
+        angular: of_rotations(scheme, order, rotations, dt_s)?,
+        linear: at.rotation.conjugate() * linear_in_parent,
+    })
+}
+
+/// Why frames were refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TrajectoryError {
+    /// The poses do not make up one or more whole frames.
+    Count {
+        /// Joints in a frame.
+        joints: usize,
+        /// Poses in all.
+        poses: usize,
+    },
+    /// A pose is not finite, or its rotation not a unit quaternion.
+    InvalidPose {
+        /// The frame.
+        frame: usize,
+        /// The joint.
+        joint: usize,
+    },
+    /// The time step is not a positive number.
+    TimeStep,
+}
+
+impl fmt::Display for TrajectoryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { joints, poses } => {
+                write!(f, "{poses} poses are not one or more whole frames of {joints} joints")
+            }
+            Self::InvalidPose { frame, joint } => write!(
+                f,
+                "frame {frame}, joint {joint}: the pose is not finite or its rotation not a unit quaternion"
+            ),
+            Self::TimeStep => f.write_str("the time step must be a positive number of seconds"),
+        }
+    }
+}
+
+impl core::error::Error for TrajectoryError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Body, Inertia, JointKind, Tree};
+    use glam::Vec3;
+
+    fn turning(k: f32) -> Transform {
+        Transform::new(math::exp(Vec3::new(0.0, 0.02 * k, 0.0)), Vec3::new(0.01 * k * k, 0.0, 0.0))
+    }
+
+    #[test]
+    fn targets_look_ahead_and_hold_at_the_end() {
+        let frames = [0.0, 1.0, 2.0].map(turning);
+        let trajectory = Trajectory::new(&frames, 1, 0.01).unwrap();
+        let root = Body {
+            parent: None,
+            joint: JointKind::Free,
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        };
+        let tree = Tree::<1>::from_bodies(&[root]).unwrap();
+        let mut targets = JointTargets::rest(&tree);
+        trajectory.targets(0, &mut targets).unwrap();
+        let (state, acceleration) = (targets.states()[0], targets.accelerations()[0]);
+        // f32 rounding of 0.02 m over h² = 1e-4 s²: 2e-5 m/s²; of a quaternion: 1e-3 rad/s².
+        assert!((state.velocity.angular.y - 2.0).abs() < 5e-5);
+        assert!((state.velocity.linear.x - 1.0).abs() < 1e-5);
+        assert!((acceleration.linear.x - 200.0).abs() < 1e-3);
+        assert!(acceleration.angular.length() < 5e-3);
+        trajectory.targets(2, &mut targets).unwrap();
+        assert_eq!(targets.states()[0].velocity, Motion::ZERO);
+
+        let mut measured = JointStates::rest(&tree);
+        backward_states([&frames[0..1], &frames[1..2]], 0.01, &mut measured).unwrap();
+        assert!((measured.as_slice()[0].velocity.angular.y - 2.0).abs() < 5e-5);
+    }
+
+    #[test]
+    fn sampling_interpolates_and_holds() {
+        let frames = [0.0, 1.0, 2.0].map(turning);
+        let trajectory = Trajectory::new(&frames, 1, 0.5).unwrap();
+        let at = |time_s: f32| {
+            let mut pose = [Transform::IDENTITY];
+            trajectory.sample(time_s, &mut pose);
+            pose[0]
+        };
+        assert!((at(0.75).translation_m.x - 0.025).abs() < 1e-7);
+        assert!((math::log(at(0.25).rotation).y - 0.01).abs() < 1e-7);
+        for (time, frame) in [(-3.0, 0), (0.0, 0), (f32::NAN, 0), (1.0, 2), (f32::INFINITY, 2)] {
+            assert!(
+                (at(time).translation_m - frames[frame].translation_m).length() < 1e-7,
+                "{time}"
+            );
+        }
+    }
+
+    #[test]
+    fn bad_frames_are_refused() {
+        use TrajectoryError as E;
+        let good = [Transform::IDENTITY; 4];
+        assert_eq!(Trajectory::new(&good, 2, 0.0), Err(E::TimeStep));
+        assert_eq!(Trajectory::new(&good, 3, 0.1), Err(E::Count { joints: 3, poses: 4 }));
+        assert_eq!(Trajectory::new(&good, 0, 0.1), Err(E::Count { joints: 0, poses: 4 }));
+        assert_eq!(Trajectory::new(&[], 2, 0.1), Err(E::Count { joints: 2, poses: 0 }));
+        let mut bad = good;
+        bad[3].translation_m.x = f32::NAN;
+        assert_eq!(Trajectory::new(&bad, 2, 0.1), Err(E::InvalidPose { frame: 1, joint: 1 }));
+    }
+}

@@ -1,0 +1,151 @@
+//! Rigid transforms, and the motion and force vectors that go with them.
+
+use core::ops::{Add, Mul};
+
+use glam::{Quat, Vec3};
+
+/// Pose of one frame in another: `p_outer = rotation p_inner + translation_m`.
+///
+/// ```
+/// use sinew_core::{Transform, glam::{Quat, Vec3}};
+/// let half_turn = Quat::from_xyzw(0.0, 0.0, 1.0, 0.0);
+/// let pose = Transform::new(half_turn, Vec3::new(1.0, 0.0, 0.0));
+/// assert_eq!(pose.transform_point(Vec3::X), Vec3::ZERO);
+/// assert_eq!(pose * pose.inverse(), Transform::IDENTITY);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    /// Unit rotation from the inner to the outer frame.
+    pub rotation: Quat,
+    /// Origin of the inner frame in the outer one, in metres.
+    pub translation_m: Vec3,
+}
+
+impl Transform {
+    /// Both frames are the same.
+    pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation_m: Vec3::ZERO };
+
+    /// A pose from its parts.
+    pub const fn new(rotation: Quat, translation_m: Vec3) -> Self {
+        Self { rotation, translation_m }
+    }
+
+    /// A pose that only moves the origin.
+    pub const fn from_translation(translation_m: Vec3) -> Self {
+        Self { rotation: Quat::IDENTITY, translation_m }
+    }
+
+    /// A point of the inner frame, in the outer frame.
+    pub fn transform_point(self, point_m: Vec3) -> Vec3 {
+        self.rotation * point_m + self.translation_m
+    }
+
+    /// Pose of the outer frame in the inner one.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        let rotation = self.rotation.conjugate();
+        Self { rotation, translation_m: -(rotation * self.translation_m) }
+    }
+
+    /// Whether every component is a number.
+    pub fn is_finite(self) -> bool {
+        self.rotation.is_finite() && self.translation_m.is_finite()
+    }
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Mul for Transform {
+    type Output = Self;
+
+    fn mul(self, inner: Self) -> Self {
+        Self {
+            rotation: self.rotation * inner.rotation,
+            translation_m: self.transform_point(inner.translation_m),
+        }
+    }
+}
+
+/// Angular and linear velocity (rad/s, m/s) or acceleration (rad/s², m/s²) of a frame's origin.
+///
+/// The axes are named where a `Motion` is used. The linear part is the plain time derivative of the
+/// origin's path (classical, not spatial, acceleration).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// Angular part.
+    pub angular: Vec3,
+    /// Linear part, of the frame's origin.
+    pub linear: Vec3,
+}
+
+impl Motion {
+    /// At rest.
+    pub const ZERO: Self = Self { angular: Vec3::ZERO, linear: Vec3::ZERO };
+
+    /// A motion from its parts.
+    pub const fn new(angular: Vec3, linear: Vec3) -> Self {
+        Self { angular, linear }
+    }
+
+    /// Whether every component is a number.
+    pub fn is_finite(self) -> bool {
+        self.angular.is_finite() && self.linear.is_finite()
+    }
+
+    /// The same motion in the axes that `rotation` leads to.
+    #[must_use]
+    pub fn rotated(self, rotation: Quat) -> Self {
+        Self { angular: rotation * self.angular, linear: rotation * self.linear }
+    }
+}
+
+impl Add for Motion {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+}
+
+/// Force, and its moment about a frame's origin.
+///
+/// The axes are named where a `Wrench` is used.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// Moment about the frame's origin, in N m.
+    pub moment_nm: Vec3,
+    /// Force, in N.
+    pub force_n: Vec3,
+}
+
+impl Wrench {
+    /// No force, no moment.
+    pub const ZERO: Self = Self { moment_nm: Vec3::ZERO, force_n: Vec3::ZERO };
+
+    /// A wrench from its parts.
+    pub const fn new(moment_nm: Vec3, force_n: Vec3) -> Self {
+        Self { moment_nm, force_n }
+    }
+
+    /// Whether every component is a number.
+    pub fn is_finite(self) -> bool {
+        self.moment_nm.is_finite() && self.force_n.is_finite()
+    }
+
+    /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
+    pub fn power_w(self, velocity: Motion) -> f32 {
+        self.moment_nm.dot(velocity.angular) + self.force_n.dot(velocity.linear)
+    }
+}
+
+impl Add for Wrench {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { moment_nm: self.moment_nm + other.moment_nm, force_n: self.force_n + other.force_n }
+    }
+}

@@ -1,0 +1,325 @@
+//! The rig: a tree of bodies in regular numbering, validated once.
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::body_set::BodySet;
+use crate::inertia::{Inertia, InertiaError};
+use crate::joint::{JointError, JointKind, UNIT_TOLERANCE};
+use crate::math;
+use crate::transform::Transform;
+
+/// One body, and the joint that connects it to its parent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Index of the parent body (λ); `None` only for the root, whose parent is the world.
+    pub parent: Option<usize>,
+    /// What the joint leaves free.
+    pub joint: JointKind,
+    /// Pose of the joint frame in the parent's body frame. The body frame is the joint frame after the
+    /// joint's own motion.
+    pub placement: Transform,
+    /// Mass properties in the body frame.
+    pub inertia: Inertia,
+}
+
+/// A tree of at most `N` bodies (`N` up to 128), immutable once built.
+///
+/// Its sets carry the paper's names: λ parent, κ supporters, ν subtree, µ children.
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, TreeError, glam::Vec3};
+/// let body = |parent, x| Body {
+///     parent,
+///     joint: JointKind::Spherical,
+///     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
+///     inertia: Inertia::default(),
+/// };
+/// let mut rig = Tree::<3>::new();
+/// rig.push(body(None, 0.0))?;
+/// rig.push(body(Some(0), 0.2))?;
+/// rig.push(body(Some(1), 0.3))?;
+/// assert!(rig.is_leaf(2) && !rig.is_leaf(0));
+/// assert_eq!(rig.supporters(2).iter().collect::<Vec<_>>(), [0, 1, 2]);
+/// assert_eq!(rig.push(body(Some(1), 0.1)), Err(TreeError::Full { capacity: 3 }));
+/// # Ok::<(), TreeError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tree<const N: usize> {
+    bodies: Vec<Body, N>,
+    supporters: Vec<BodySet, N>,
+    subtree: Vec<BodySet, N>,
+    children: Vec<BodySet, N>,
+}
+
+impl<const N: usize> Tree<N> {
+    /// A tree without bodies.
+    pub fn new() -> Self {
+        const { assert!(N <= BodySet::CAPACITY, "a tree holds at most 128 bodies") };
+        Self {
+            bodies: Vec::new(),
+            supporters: Vec::new(),
+            subtree: Vec::new(),
+            children: Vec::new(),
+        }
+    }
+
+    /// A tree of the given bodies, in their order.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn from_bodies(bodies: &[Body]) -> Result<Self, TreeError> {
+        let mut tree = Self::new();
+        for body in bodies {
+            tree.push(*body)?;
+        }
+        Ok(tree)
+    }
+
+    /// Adds a body and returns its index. O(depth).
+    ///
+    /// # Errors
+    /// [`TreeError`], and the tree is as before, if the tree is full, the parent is not there yet, there is a
+    /// root already, or the body's numbers cannot be.
+    pub fn push(&mut self, body: Body) -> Result<usize, TreeError> {
+        let index = self.bodies.len();
+        if index == N {
+            return Err(TreeError::Full { capacity: N });
+        }
+        match body.parent {
+            None if index > 0 => return Err(TreeError::SecondRoot { body: index }),
+            Some(parent) if parent >= index => {
+                return Err(TreeError::ParentNotFirst { body: index, parent });
+            }
+            _ => {}
+        }
+        body.joint.validate().map_err(|error| TreeError::Joint { body: index, error })?;
+        let rotation = body.placement.rotation;
+        if !body.placement.is_finite() {
+            return Err(TreeError::NonFinitePlacement { body: index });
+        }
+        if (rotation.dot(rotation) - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+            return Err(TreeError::RotationNotUnit { body: index });
+        }
+        body.inertia.validate().map_err(|error| TreeError::Inertia { body: index, error })?;
+
+        let full = |_| TreeError::Full { capacity: N };
+        let mut supporters =
+            body.parent.and_then(|parent| self.supporters.get(parent).copied()).unwrap_or_default();
+        supporters.insert(index);
+        let placement = Transform::new(math::unit(rotation), body.placement.translation_m);
+        self.bodies
+            .push(Body { joint: body.joint.normalized(), placement, ..body })
+            .map_err(|_| TreeError::Full { capacity: N })?;
+        self.supporters.push(supporters).map_err(full)?;
+        self.subtree.push(BodySet::EMPTY).map_err(full)?;
+        self.children.push(BodySet::EMPTY).map_err(full)?;
+        for ancestor in supporters.iter() {
+            if let Some(subtree) = self.subtree.get_mut(ancestor) {
+                subtree.insert(index);
+            }
+        }
+        if let Some(siblings) = body.parent.and_then(|parent| self.children.get_mut(parent)) {
+            siblings.insert(index);
+        }
+        Ok(index)
+    }
+
+    /// The bodies in regular numbering.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there is no body.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// λ: the parent of a body; `None` for the root and for what is no body.
+    pub fn parent(&self, body: usize) -> Option<usize> {
+        self.bodies.get(body).and_then(|body| body.parent)
+    }
+
+    /// κ: the joints that support a body, from the root to its own.
+    pub fn supporters(&self, body: usize) -> BodySet {
+        self.supporters.get(body).copied().unwrap_or_default()
+    }
+
+    /// ν: the bodies that joint `body` moves, itself among them.
+    pub fn subtree(&self, body: usize) -> BodySet {
+        self.subtree.get(body).copied().unwrap_or_default()
+    }
+
+    /// µ: the children of a body.
+    pub fn children(&self, body: usize) -> BodySet {
+        self.children.get(body).copied().unwrap_or_default()
+    }
+
+    /// Whether a body has no children.
+    pub fn is_leaf(&self, body: usize) -> bool {
+        body < self.len() && self.children(body).is_empty()
+    }
+
+    /// The bodies without children, in rising order.
+    pub fn leaves(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(|body| self.is_leaf(*body))
+    }
+
+    /// Whether `ancestor` supports `body` and is not `body` itself.
+    pub fn is_ancestor(&self, ancestor: usize, body: usize) -> bool {
+        ancestor != body && self.supporters(body).contains(ancestor)
+    }
+}
+
+/// Why a body was not added to a tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TreeError {
+    /// There is no room for another body.
+    Full {
+        /// How many bodies the tree holds.
+        capacity: usize,
+    },
+    /// The parent has not been added before its child (or is the child itself).
+    ParentNotFirst {
+        /// The body.
+        body: usize,
+        /// Its parent.
+        parent: usize,
+    },
+    /// A body after the first has no parent.
+    SecondRoot {
+        /// The body.
+        body: usize,
+    },
+    /// The joint's pose in the parent has a NaN or infinite component.
+    NonFinitePlacement {
+        /// The body.
+        body: usize,
+    },
+    /// The joint's rotation in the parent is not a unit quaternion.
+    RotationNotUnit {
+        /// The body.
+        body: usize,
+    },
+    /// The joint model is not usable.
+    Joint {
+        /// The body.
+        body: usize,
+        /// Why.
+        error: JointError,
+    },
+    /// The mass properties cannot be real.
+    Inertia {
+        /// The body.
+        body: usize,
+        /// Why.
+        error: InertiaError,
+    },
+}
+
+impl fmt::Display for TreeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full { capacity } => write!(f, "the tree is full: it holds {capacity} bodies"),
+            Self::ParentNotFirst { body, parent } => write!(
+                f,
+                "body {body} names body {parent} as its parent; a parent must come before its children"
+            ),
+            Self::SecondRoot { body } => {
+                write!(f, "body {body} has no parent, but body 0 is the root; give it a parent")
+            }
+            Self::NonFinitePlacement { body } => {
+                write!(f, "the placement of joint {body} is not finite")
+            }
+            Self::RotationNotUnit { body } => {
+                write!(f, "the placement of joint {body} needs a unit quaternion")
+            }
+            Self::Joint { body, error } => write!(f, "joint {body}: {error}"),
+            Self::Inertia { body, error } => write!(f, "body {body}: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for TreeError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+
+    fn body(parent: Option<usize>) -> Body {
+        Body {
+            parent,
+            joint: JointKind::Spherical,
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        }
+    }
+
+    #[test]
+    fn every_refusal_has_its_name_and_leaves_the_tree_as_it_was() {
+        let mut tree = Tree::<4>::new();
+        assert_eq!(tree.push(body(Some(0))), Err(TreeError::ParentNotFirst { body: 0, parent: 0 }));
+        tree.push(body(None)).unwrap();
+        assert_eq!(tree.push(body(None)), Err(TreeError::SecondRoot { body: 1 }));
+        assert_eq!(tree.push(body(Some(1))), Err(TreeError::ParentNotFirst { body: 1, parent: 1 }));
+        let nan = Transform::from_translation(Vec3::new(0.0, f32::NAN, 0.0));
+        assert_eq!(
+            tree.push(Body { placement: nan, ..body(Some(0)) }),
+            Err(TreeError::NonFinitePlacement { body: 1 })
+        );
+        let long = Transform::new(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ZERO);
+        assert_eq!(
+            tree.push(Body { placement: long, ..body(Some(0)) }),
+            Err(TreeError::RotationNotUnit { body: 1 })
+        );
+        let axis = JointKind::Revolute { axis: Vec3::ZERO };
+        assert_eq!(
+            tree.push(Body { joint: axis, ..body(Some(0)) }),
+            Err(TreeError::Joint { body: 1, error: JointError::AxisNotUnit { length: 0.0 } })
+        );
+        let inertia = Inertia { mass_kg: f32::INFINITY, ..Inertia::default() };
+        assert_eq!(
+            tree.push(Body { inertia, ..body(Some(0)) }),
+            Err(TreeError::Inertia { body: 1, error: InertiaError::NonFinite("mass") })
+        );
+        assert_eq!(tree.len(), 1);
+    }
+
+    #[test]
+    fn the_sets_follow_the_tree() {
+        //      0
+        //     / \
+        //    1   3
+        //    |   |
+        //    2   4
+        let tree =
+            Tree::<8>::from_bodies(&[None, Some(0), Some(1), Some(0), Some(3)].map(body)).unwrap();
+        let list = |set: BodySet| set.iter().collect::<heapless::Vec<usize, 8>>();
+        assert_eq!(list(tree.supporters(4)), [0, 3, 4]);
+        assert_eq!(list(tree.subtree(3)), [3, 4]);
+        assert_eq!(list(tree.subtree(0)), [0, 1, 2, 3, 4]);
+        assert_eq!(list(tree.children(0)), [1, 3]);
+        assert_eq!(tree.leaves().collect::<heapless::Vec<usize, 8>>(), [2, 4]);
+        assert_eq!(tree.parent(4), Some(3));
+        assert!(tree.is_ancestor(0, 4) && !tree.is_ancestor(1, 4) && !tree.is_ancestor(4, 4));
+    }
+
+    #[test]
+    fn the_largest_tree_can_be_filled() {
+        let mut chain = Tree::<128>::new();
+        for index in 0..128usize {
+            assert_eq!(chain.push(body(index.checked_sub(1))), Ok(index));
+        }
+        assert_eq!(chain.push(body(Some(0))), Err(TreeError::Full { capacity: 128 }));
+        assert_eq!(chain.supporters(127).len(), 128);
+    }
+}
