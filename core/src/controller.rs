@@ -134,8 +134,9 @@ impl<const N: usize> Controller<N> {
         let count = bodies.len().min(desired.len()).min(measured.len());
         let w = workspace;
 
-        kinematics::body_states(bodies, measured, &mut w.measured);
+        // Local errors need no world states: they are the joints' own.
         if !matches!(self.method, Method::Local) {
+            kinematics::body_states(bodies, measured, &mut w.measured);
             kinematics::body_states(bodies, desired, &mut w.desired);
         }
         match &self.method {
