@@ -3,6 +3,7 @@
 //! One way only: a reader makes a [`Clip`]; gaps are filled, the clip is low-passed and resampled;
 //! a skeleton mapping turns it into a [`FigureMotion`], which is all that the rest of the host sees.
 
+pub mod builtin;
 pub mod clip;
 pub mod motion;
 
