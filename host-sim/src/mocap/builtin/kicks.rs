@@ -16,10 +16,9 @@ use super::timing::Beats;
 struct Key {
     /// From the start of the kick, in seconds.
     time_s: f64,
-    /// How far the pelvis is on its way from the guard to above the ball of the supporting foot.
-    support: f64,
-    /// Pelvis above its height in guard, in metres.
-    rise_m: f64,
+    /// Pelvis from the ball of the supporting foot, at its height in guard, in metres: such that the
+    /// centre of mass is above the foot.
+    shift: DVec3,
     /// Pelvis against the stance, in degrees about x, y, z.
     pelvis: DVec3,
     /// Thorax against the pelvis, in degrees.
@@ -50,8 +49,7 @@ const FRONT: Kick = Kick {
     keys: &[
         Key {
             time_s: 0.38,
-            support: 0.7,
-            rise_m: 0.02,
+            shift: v(-0.02, 0.02, -0.09),
             pelvis: v(-8.0, -4.0, -2.0),
             trunk: v(12.0, 0.0, 2.0),
             ankle: v(-0.02, -0.40, 0.30),
@@ -62,8 +60,7 @@ const FRONT: Kick = Kick {
         },
         Key {
             time_s: 0.56,
-            support: 0.7,
-            rise_m: 0.03,
+            shift: v(-0.02, 0.03, -0.04),
             pelvis: v(-24.0, 14.0, -4.0),
             trunk: v(12.0, 2.0, 3.0),
             ankle: v(0.09, 0.08, 0.955),
@@ -74,8 +71,7 @@ const FRONT: Kick = Kick {
         },
         Key {
             time_s: 0.82,
-            support: 0.7,
-            rise_m: 0.02,
+            shift: v(-0.02, 0.02, -0.10),
             pelvis: v(-8.0, 2.0, -2.0),
             trunk: v(12.0, 0.0, 2.0),
             ankle: v(0.0, -0.46, 0.32),
@@ -93,8 +89,7 @@ const SIDE: Kick = Kick {
     keys: &[
         Key {
             time_s: 0.46,
-            support: 0.7,
-            rise_m: 0.03,
+            shift: v(-0.13, 0.03, -0.04),
             pelvis: v(4.0, 60.0, -10.0),
             trunk: v(10.0, -14.0, -4.0),
             ankle: v(0.14, -0.36, 0.24),
@@ -105,8 +100,7 @@ const SIDE: Kick = Kick {
         },
         Key {
             time_s: 0.65,
-            support: 0.7,
-            rise_m: 0.06,
+            shift: v(-0.09, 0.06, 0.07),
             pelvis: v(2.0, 98.0, -40.0),
             trunk: v(2.0, -16.0, -10.0),
             ankle: v(0.0, 0.08, 0.96),
@@ -117,8 +111,7 @@ const SIDE: Kick = Kick {
         },
         Key {
             time_s: 0.94,
-            support: 0.7,
-            rise_m: 0.03,
+            shift: v(-0.13, 0.03, -0.05),
             pelvis: v(4.0, 66.0, -14.0),
             trunk: v(10.0, -12.0, -4.0),
             ankle: v(0.12, -0.40, 0.28),
@@ -136,8 +129,7 @@ const ROUNDHOUSE: Kick = Kick {
     keys: &[
         Key {
             time_s: 0.42,
-            support: 0.7,
-            rise_m: 0.03,
+            shift: v(-0.10, 0.03, -0.06),
             pelvis: v(4.0, 18.0, -20.0),
             trunk: v(6.0, -6.0, -4.0),
             ankle: v(-0.52, -0.16, 0.14),
@@ -147,9 +139,8 @@ const ROUNDHOUSE: Kick = Kick {
             swing: v(0.02, -0.05, 0.06),
         },
         Key {
-            time_s: 0.61,
-            support: 0.7,
-            rise_m: 0.06,
+            time_s: 0.62,
+            shift: v(-0.10, 0.06, 0.04),
             pelvis: v(-2.0, 68.0, -32.0),
             trunk: v(4.0, -16.0, -8.0),
             ankle: v(0.04, 0.12, 0.955),
@@ -160,8 +151,7 @@ const ROUNDHOUSE: Kick = Kick {
         },
         Key {
             time_s: 0.70,
-            support: 0.7,
-            rise_m: 0.06,
+            shift: v(-0.10, 0.06, 0.04),
             pelvis: v(-2.0, 80.0, -30.0),
             trunk: v(4.0, -16.0, -8.0),
             ankle: v(0.34, 0.06, 0.80),
@@ -172,8 +162,7 @@ const ROUNDHOUSE: Kick = Kick {
         },
         Key {
             time_s: 0.97,
-            support: 0.7,
-            rise_m: 0.03,
+            shift: v(-0.12, 0.03, -0.05),
             pelvis: v(2.0, 32.0, -12.0),
             trunk: v(8.0, -8.0, -4.0),
             ankle: v(0.0, -0.54, 0.26),
@@ -227,15 +216,12 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
 
     let stance_at = performer.stance(cue.start_s);
     let to_stance = stance_at.rotation().conjugate();
-    // The foot turns on its ball, so that is what the pelvis goes to.
     let ball_m = performer.ball_m(cue.start_s, support);
-    let over_support = to_stance * (ball_m - stance_at.origin_m) - stance::PELVIS_M;
+    let to_ball = to_stance * (ball_m - stance_at.origin_m) - stance::PELVIS_M.with_y(0.0);
     let support_heading = stance::foot_heading_rad(support);
 
     let mut strike = Move {
-        pelvis_shift: hips.track3(keys.iter().map(|key| {
-            DVec3::new(over_support.x * key.support, key.rise_m, over_support.z * key.support)
-        })),
+        pelvis_shift: hips.track3(keys.iter().map(|key| to_ball + point(key.shift))),
         pelvis_turn: hips
             .track3(keys.iter().map(|key| turn(key.pelvis) - radians(stance::PELVIS_TURN_DEG))),
         trunk_turn: trunk

@@ -4,6 +4,9 @@
 //! A script says what happens when; key poses, minimum-jerk tracks and inverse kinematics make it a
 //! motion of the 18 bodies; noise and gaps make it a recording. All random numbers have explicit
 //! seeds and all functions come from `libm`: every machine makes the same bits.
+//!
+//! After the pipeline's 6 Hz low-pass the knuckles of a punching fist reach 5 to 10 m/s and the toes
+//! of a kicking foot 6 to 12 m/s, in the world.
 
 mod ik;
 mod kicks;

@@ -180,6 +180,46 @@ fn impacts_reach_the_opponent() {
     }
 }
 
+/// Centre of mass, with de Leva's masses (1996, table 4, males) at the middles of the segments.
+fn centre_of_mass(bodies: &[Frame; BODY_COUNT]) -> DVec3 {
+    let (mut moment, mut mass) = (DVec3::ZERO, 0.0);
+    for (body, part) in BODIES.iter().enumerate() {
+        let percent = match part.name.trim_end_matches("_l").trim_end_matches("_r") {
+            "pelvis" => 11.17,
+            "abdomen" => 16.33,
+            "thorax" => 15.96,
+            "head" => 6.94,
+            "upper_arm" => 2.71,
+            "forearm" => 1.62,
+            "hand" => 0.61,
+            "thigh" => 14.16,
+            "shank" => 4.33,
+            "foot" => 1.37,
+            _ => 0.0,
+        };
+        let end = end_site_m(body).map_or_else(
+            || bodies[BODIES.iter().position(|next| next.parent == Some(body)).unwrap()].origin_m,
+            |tip| bodies[body].point(tip),
+        );
+        moment += percent * bodies[body].origin_m.midpoint(end);
+        mass += percent;
+    }
+    moment / mass
+}
+
+#[test]
+fn kicks_are_balanced_on_the_supporting_foot() {
+    for take in TAKES.iter() {
+        for strike in take.strikes().iter().filter(|strike| strike.kind.is_kick()) {
+            let bodies = &take.bodies[frame_at(strike.impact_s)];
+            let [heel, ball, _] = sole(&bodies[strike.side.opposite().foot()]);
+            let off_m = (centre_of_mass(bodies) - heel.midpoint(ball)).with_y(0.0).length();
+            // Half of the way from heel to ball.
+            assert!(off_m < 0.095, "{}: {strike:?}: {off_m} m", take.script.name);
+        }
+    }
+}
+
 /// Heel, ball and toes of a foot.
 fn sole(foot: &Frame) -> [DVec3; 3] {
     [-0.06, ANKLE_TO_BALL_M, 0.198].map(|z| {
@@ -412,5 +452,5 @@ fn clips_are_the_same_bits_everywhere() {
             None => eat(u64::MAX),
         }
     }
-    assert_eq!(hash, 0x6d7b_256b_909e_4bbc, "{hash:#x}");
+    assert_eq!(hash, 0x29c9_f5f2_bdc0_8102, "{hash:#x}");
 }
