@@ -4,8 +4,16 @@
 //! a skeleton mapping turns it into a [`FigureMotion`], which is all that the rest of the host sees.
 
 pub mod builtin;
+pub mod bvh;
 pub mod clip;
+pub mod filter;
+pub mod gaps;
+pub mod mapping;
 pub mod motion;
+pub mod pipeline;
+pub mod resample;
+pub mod tpose;
 
-pub use clip::{Clip, JointSample, Skeleton, SkeletonJoint};
+pub use clip::{Clip, GaplessClip, JointSample, Skeleton, SkeletonJoint};
 pub use motion::FigureMotion;
+pub use pipeline::{Error, Notice, Settings, load_paths, prepare};

@@ -1,0 +1,178 @@
+//! From a recorded skeleton to the 18-body figure.
+//!
+//! A mapping file says for each body of the figure which joint of the recording it hangs on, which
+//! joint's frame it takes, and where its segment ends. The offsets of the figure are those of the
+//! recorded skeleton at rest, so that they are constant over a clip; the rotation of a body relative
+//! to its parent holds the rotations of all joints between the two.
+
+mod file;
+
+use std::sync::LazyLock;
+
+use glam::{DQuat, DVec3};
+
+use super::clip::{GaplessClip, JointSample, Skeleton, forward_kinematics};
+use super::motion::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT};
+
+pub use file::{End, Error, Mapping, Part, Signature};
+
+/// The mapping of every skeleton that is known, in the order in which they are tried.
+pub fn known() -> &'static [Mapping] {
+    static KNOWN: LazyLock<Vec<Mapping>> = LazyLock::new(|| {
+        macro_rules! mappings {
+            ($($name:literal),*) => {
+                [$(include_str!(concat!("../../../mappings/", $name, ".toml"))),*]
+            };
+        }
+        let files = mappings!(
+            "sinew",
+            "cgspeed_mb",
+            "cgspeed_mb_asf",
+            "asfamc",
+            "cgspeed_daz",
+            "m21",
+            "bandai",
+            "geno"
+        );
+        files.iter().map(|text| Mapping::parse(text).expect("the tests read every file")).collect()
+    });
+    &KNOWN
+}
+
+/// The one known mapping whose signature `skeleton` bears.
+///
+/// # Errors
+/// [`Error::NoneMatches`] with the joints found and the mappings tried, or
+/// [`Error::SeveralMatch`] with their names.
+pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
+    let matching: Vec<&Mapping> =
+        known().iter().filter(|mapping| mapping.signature.matches(skeleton)).collect();
+    let names = |mappings: &mut dyn Iterator<Item = &Mapping>| {
+        mappings.map(|mapping| mapping.name.clone()).collect::<Vec<_>>().join(", ")
+    };
+    match matching[..] {
+        [mapping] => Ok(mapping),
+        [] => Err(Error::NoneMatches {
+            found: joint_names(skeleton),
+            tried: names(&mut known().iter()),
+        }),
+        _ => Err(Error::SeveralMatch { names: names(&mut matching.into_iter()) }),
+    }
+}
+
+fn joint_names(skeleton: &Skeleton) -> String {
+    skeleton.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// A mapping bound to one skeleton: names are joints now, and lengths metres.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// The joint at the origin of each body.
+    origin: [usize; BODY_COUNT],
+    /// The joint whose frame each body has.
+    rotation: [usize; BODY_COUNT],
+    /// Position of each body's origin in its parent's frame, in metres; zero for the pelvis.
+    offset_m: [DVec3; BODY_COUNT],
+    /// End of each body's segment in its own frame, in metres.
+    segment_end_m: [DVec3; BODY_COUNT],
+}
+
+impl Binding {
+    /// Binds `mapping` to `skeleton`.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchJoint`] or [`Error::NoEndSite`] if the skeleton lacks what the mapping names.
+    pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
+        let rest_m = skeleton.rest_positions_m();
+        let mut binding = Self {
+            origin: [0; BODY_COUNT],
+            rotation: [0; BODY_COUNT],
+            offset_m: [DVec3::ZERO; BODY_COUNT],
+            segment_end_m: [DVec3::ZERO; BODY_COUNT],
+        };
+        for (i, body) in BODIES.iter().enumerate() {
+            let part = &mapping.parts[i];
+            let find = |joint: &str| {
+                skeleton.find(joint).ok_or_else(|| Error::NoSuchJoint {
+                    mapping: mapping.name.clone(),
+                    body: body.name,
+                    joint: joint.to_owned(),
+                    found: joint_names(skeleton),
+                })
+            };
+            let origin = find(&part.origin)?;
+            binding.origin[i] = origin;
+            binding.rotation[i] = find(&part.rotation)?;
+            if let Some(parent) = body.parent {
+                binding.offset_m[i] = rest_m[origin] - rest_m[binding.origin[parent]];
+            }
+            let end_m = match &part.end {
+                End::Joint(joint) => rest_m[find(joint)?],
+                End::Site { site } => {
+                    let joint = find(site)?;
+                    let ends = &skeleton.joints[joint].end_sites_m;
+                    let end = ends.first().ok_or_else(|| Error::NoEndSite {
+                        mapping: mapping.name.clone(),
+                        body: body.name,
+                        joint: site.clone(),
+                    })?;
+                    rest_m[joint] + *end
+                }
+                End::Beyond { beyond, ratio } => {
+                    let joint = find(beyond)?;
+                    rest_m[joint] + *ratio * skeleton.joints[joint].offset_m
+                }
+            };
+            binding.segment_end_m[i] = end_m - rest_m[origin];
+        }
+        Ok(binding)
+    }
+
+    /// The figure's motion in `clip`, which must be of the skeleton this was bound to.
+    pub fn map(&self, clip: &GaplessClip) -> FigureMotion {
+        let mut motion = FigureMotion {
+            name: clip.name.clone(),
+            dt_s: clip.frame_time_s,
+            offset_m: self.offset_m,
+            segment_end_m: self.segment_end_m,
+            root_position_m: Vec::with_capacity(clip.frames.len()),
+            rotation: Vec::with_capacity(clip.frames.len()),
+        };
+        for frame in 0..clip.frames.len() {
+            let world = clip.world_poses(frame);
+            motion.root_position_m.push(world[self.origin[0]].position_m);
+            motion.rotation.push(std::array::from_fn(|i| {
+                let body = world[self.rotation[i]].rotation;
+                let parent =
+                    BODIES[i].parent.map_or(DQuat::IDENTITY, |p| world[self.rotation[p]].rotation);
+                (parent.inverse() * body).normalize()
+            }));
+        }
+        motion
+    }
+
+    /// World position of each body's origin joint in one frame of the recording, in metres.
+    pub(super) fn joint_positions_m(
+        &self,
+        skeleton: &Skeleton,
+        frame: &[JointSample],
+    ) -> [DVec3; BODY_COUNT] {
+        let world = forward_kinematics(skeleton, frame);
+        self.origin.map(|joint| world[joint].position_m)
+    }
+
+    /// The largest distance over `clip` between each body's origin in `motion` and the joint of the
+    /// recording that it stands for, in metres: what the figure's stiff trunk and neck cost.
+    pub fn worst_distance_m(&self, clip: &GaplessClip, motion: &FigureMotion) -> [f64; BODY_COUNT] {
+        let mut worst_m = [0.0; BODY_COUNT];
+        for (f, frame) in clip.frames.iter().enumerate() {
+            let recorded = self.joint_positions_m(&clip.skeleton, frame);
+            let mapped = motion.world_positions_m(f);
+            for i in 0..BODY_COUNT {
+                worst_m[i] = f64::max(worst_m[i], recorded[i].distance(mapped[i]));
+            }
+        }
+        worst_m
+    }
+}

@@ -1,0 +1,256 @@
+//! From files to the figure's motion, in one line of steps.
+
+use std::path::{Path, PathBuf};
+
+use super::bvh;
+use super::clip::Clip;
+use super::filter::{LowPass, RotationsCancel};
+use super::gaps::{self, Filled, GapTooLong};
+use super::mapping::{self, Binding, Mapping};
+use super::motion::FigureMotion;
+use super::resample::resample;
+use super::tpose;
+
+/// How a clip is prepared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Rate of the figure's motion.
+    pub rate_hz: f64,
+    /// Cutoff of the low-pass.
+    pub cutoff_hz: f64,
+    /// What is left out at the start of every clip: recordings settle there.
+    pub lead_in_s: f64,
+    /// The longest gap that is filled.
+    pub gap_max_s: f64,
+    /// The mapping of all clips; `None` to choose a known one by the skeleton.
+    pub mapping: Option<Mapping>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { rate_hz: 100.0, cutoff_hz: 6.0, lead_in_s: 0.1, gap_max_s: 0.5, mapping: None }
+    }
+}
+
+/// What was done to a clip that its user should know; without the clip's name.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Notice {
+    /// Frame 0 was left out.
+    #[error("skipped frame 0, an inserted T-pose")]
+    TPoseSkipped,
+    /// The start was left out.
+    #[error("skipped the first {seconds} s ({frames} frames)")]
+    LeadInSkipped {
+        /// Frames left out.
+        frames: usize,
+        /// The time asked for.
+        seconds: f64,
+    },
+    /// Missing samples were made up.
+    #[error(
+        "filled {} missing samples in {} gaps, the longest of {} frames",
+        .0.samples, .0.gaps, .0.longest_frames
+    )]
+    GapsFilled(Filled),
+    /// The clip's rate cannot hold the cutoff.
+    #[error("not low-passed: {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz")]
+    NotFiltered {
+        /// Rate of the clip.
+        rate_hz: f64,
+        /// The cutoff asked for.
+        cutoff_hz: f64,
+    },
+}
+
+/// Clips that cannot be read or prepared.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file is not a BVH motion.
+    #[error(transparent)]
+    Bvh(#[from] bvh::Error),
+    /// A folder cannot be listed.
+    #[error("{}: cannot be listed: {source}", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A folder holds no clip.
+    #[error("{}: expected *.bvh files in the folder, found none", folder.display())]
+    NoClips {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The skeleton cannot be mapped.
+    #[error("{clip}: {source}")]
+    Mapping {
+        /// File or name of the clip.
+        clip: String,
+        /// Why not.
+        source: mapping::Error,
+    },
+    /// A gap cannot be filled.
+    #[error("{clip}: {source}")]
+    Gap {
+        /// Name of the clip.
+        clip: String,
+        /// Where; frames count from the first that was kept.
+        source: GapTooLong,
+    },
+    /// A joint cannot be low-passed.
+    #[error("{clip}: {source}")]
+    Filter {
+        /// Name of the clip.
+        clip: String,
+        /// Where; frames count from the first that was kept.
+        source: RotationsCancel,
+    },
+    /// Nothing to move is left.
+    #[error("{clip}: expected at least 2 frames after what is skipped, found {frames}")]
+    TooShort {
+        /// Name of the clip.
+        clip: String,
+        /// Frames left, at the rate asked for.
+        frames: usize,
+    },
+    /// A setting makes no sense.
+    #[error("{name}: expected {expected}, found {value}")]
+    Setting {
+        /// The field of [`Settings`].
+        name: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+impl Settings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a rate or cutoff that is not above zero, a time below zero, NaN or
+    /// infinity.
+    pub fn check(&self) -> Result<(), Error> {
+        let Self { rate_hz, cutoff_hz, lead_in_s, gap_max_s, mapping: _ } = *self;
+        for (name, value) in [("rate_hz", rate_hz), ("cutoff_hz", cutoff_hz)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, expected: "a finite number above 0", value });
+            }
+        }
+        for (name, value) in [("lead_in_s", lead_in_s), ("gap_max_s", gap_max_s)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::Setting { name, expected: "a finite number from 0", value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The BVH files that `paths` name: files as given, folders as their `*.bvh` in order of name.
+///
+/// # Errors
+/// [`Error::Folder`] and [`Error::NoClips`].
+pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut files = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            files.extend(bvh_files(path)?);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+fn bvh_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let listed = || -> std::io::Result<Vec<PathBuf>> {
+        std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect()
+    };
+    let mut files =
+        listed().map_err(|source| Error::Folder { folder: folder.to_path_buf(), source })?;
+    files.retain(|file| {
+        file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh"))
+    });
+    if files.is_empty() {
+        return Err(Error::NoClips { folder: folder.to_path_buf() });
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Reads one BVH file; its mapping tells the unit of length.
+///
+/// # Errors
+/// [`Error::Bvh`] and [`Error::Mapping`].
+pub fn load(file: &Path, settings: &Settings) -> Result<Clip, Error> {
+    let motion = bvh::read(file)?;
+    let mapping = settings.mapping.as_ref().map_or_else(|| mapping::choose(motion.skeleton()), Ok);
+    let mapping =
+        mapping.map_err(|source| Error::Mapping { clip: file.display().to_string(), source })?;
+    Ok(motion.into_clip(mapping.metres_per_unit))
+}
+
+/// Reads all BVH files that `paths` name, see [`expand`] and [`load`].
+///
+/// # Errors
+/// Those of the two, for the first path that has one.
+pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Clip>, Error> {
+    expand(paths)?.iter().map(|file| load(file, settings)).collect()
+}
+
+/// Skips the T-pose and the lead-in, fills gaps, low-passes, resamples and maps, in this order.
+///
+/// The low-pass works at the clip's own rate, so that it also keeps the resampling from aliasing.
+///
+/// # Errors
+/// [`Error::Setting`], [`Error::Mapping`], [`Error::Gap`], [`Error::Filter`], [`Error::TooShort`].
+pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec<Notice>), Error> {
+    settings.check()?;
+    let name = clip.name.clone();
+    let mapping = settings.mapping.as_ref().map_or_else(|| mapping::choose(&clip.skeleton), Ok);
+    let binding = mapping
+        .and_then(|mapping| Binding::new(mapping, &clip.skeleton))
+        .map_err(|source| Error::Mapping { clip: name.clone(), source })?;
+    let mut notices = Vec::new();
+
+    let t_pose = usize::from(tpose::is_inserted(&clip, &binding));
+    if t_pose > 0 {
+        notices.push(Notice::TPoseSkipped);
+    }
+    let lead_in = frames_within(settings.lead_in_s, clip.rate_hz()).min(clip.frames.len() - t_pose);
+    if lead_in > 0 {
+        notices.push(Notice::LeadInSkipped { frames: lead_in, seconds: settings.lead_in_s });
+    }
+    clip.frames.drain(..t_pose + lead_in);
+
+    let (mut clip, filled) = gaps::fill(clip, settings.gap_max_s)
+        .map_err(|source| Error::Gap { clip: name.clone(), source })?;
+    if filled.gaps > 0 {
+        notices.push(Notice::GapsFilled(filled));
+    }
+    let rate_hz = clip.rate_hz();
+    if let Some(filter) = LowPass::new(rate_hz, settings.cutoff_hz) {
+        filter
+            .apply_to_clip(&mut clip)
+            .map_err(|source| Error::Filter { clip: name.clone(), source })?;
+    } else {
+        notices.push(Notice::NotFiltered { rate_hz, cutoff_hz: settings.cutoff_hz });
+    }
+    let clip = resample(&clip, settings.rate_hz);
+    if clip.frames.len() < 2 {
+        return Err(Error::TooShort { clip: name, frames: clip.frames.len() });
+    }
+    Ok((binding.map(&clip), notices))
+}
+
+/// Frames earlier than `seconds`; the small term keeps 0.1 s at 120 Hz at 12.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative, and saturates"
+)]
+fn frames_within(seconds: f64, rate_hz: f64) -> usize {
+    (seconds * rate_hz - 1e-6).ceil().max(0.0) as usize
+}
