@@ -1,2 +1,16 @@
-//! The hardware-free part of the firmware.
+//! The hardware-free part of the firmware: it builds, runs and is tested on the host, and the host's
+//! simulator uses the same code.
+//!
+//! - [`show`]: a performance and its rig, baked into flash and read in place;
+//! - [`app`]: the control tick as the boards run it;
+//! - [`replay`]: a stand-in for servos, so that a board and a host can be compared bit by bit;
+//! - [`indicator`]: the status light.
+
 #![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod app;
+pub mod indicator;
+pub mod replay;
+pub mod show;

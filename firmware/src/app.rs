@@ -1,0 +1,77 @@
+//! The control tick as the boards run it: a show's frame and measured joints in, limited torques out.
+
+use sinew_core::control::Limited;
+use sinew_core::trajectory::{backward_states, forward_targets};
+use sinew_core::{
+    Controller, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
+};
+
+use crate::show::Show;
+
+/// All that a tick needs, in one place of fixed size: put it in a static.
+#[derive(Debug)]
+pub struct App<'a, const N: usize> {
+    show: Show<'a>,
+    controller: Controller<N>,
+    targets: JointTargets<N>,
+    measured: JointStates<N>,
+    workspace: Workspace<N>,
+    window: [[Transform; N]; 3],
+    previous: [Transform; N],
+}
+
+impl<'a, const N: usize> App<'a, N> {
+    /// An application at the first frame of `show`, at rest. The controller must be made of the show's own
+    /// [`Show::tree`].
+    pub fn new(show: Show<'a>, controller: Controller<N>) -> Self {
+        let mut previous = [Transform::IDENTITY; N];
+        show.frame(0, &mut previous);
+        Self {
+            show,
+            targets: JointTargets::rest(controller.tree()),
+            measured: JointStates::rest(controller.tree()),
+            controller,
+            workspace: Workspace::new(),
+            window: [[Transform::IDENTITY; N]; 3],
+            previous,
+        }
+    }
+
+    /// Takes the targets of frame `index` by forward differences, and the measured joints by backward ones
+    /// from the last call's. `measured` has a pose per joint, each in its parent's frame.
+    ///
+    /// # Errors
+    /// [`StateInputError`] if a measured pose is not finite or not unit: the board must then hold its
+    /// servos safe, and not call [`Self::control`].
+    pub fn observe(&mut self, index: usize, measured: &[Transform]) -> Result<(), StateInputError> {
+        let bodies = self.show.body_count().min(N);
+        for (ahead, frame) in self.window.iter_mut().enumerate() {
+            self.show.frame(index.saturating_add(ahead), frame);
+        }
+        let [now, next, after] =
+            self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
+        let dt_s = self.show.dt_s();
+        forward_targets([now, next, after], dt_s, &mut self.targets)?;
+        let previous = self.previous.get(..bodies).unwrap_or_default();
+        backward_states([previous, measured], dt_s, &mut self.measured)?;
+        for (previous, measured) in self.previous.iter_mut().zip(measured) {
+            *previous = *measured;
+        }
+        Ok(())
+    }
+
+    /// The torques for what was observed last, see [`Controller::tick`].
+    pub fn control(&mut self) -> &[Limited<Wrench>] {
+        self.controller.tick(&self.targets, &self.measured, &[], &mut self.workspace)
+    }
+
+    /// The rig's controller.
+    pub fn controller(&self) -> &Controller<N> {
+        &self.controller
+    }
+
+    /// The show.
+    pub fn show(&self) -> &Show<'a> {
+        &self.show
+    }
+}

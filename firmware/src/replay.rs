@@ -1,0 +1,132 @@
+//! A stand-in for servos: a rig that performs the show a little late.
+//!
+//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit
+//! by bit.
+
+use sinew_core::control::{ControlLaw, Gains, Limited};
+use sinew_core::state_error::{Aims, Compensation, Method};
+use sinew_core::{Controller, ControllerError, StateInputError, Transform, Tree, Wrench};
+
+use crate::app::App;
+use crate::show::{Show, ShowError};
+
+/// How many frames the stand-in is late: enough for errors of a few degrees.
+pub const LAG_FRAMES: usize = 3;
+
+/// The paper's gain, kp in 1/s².
+pub const KP: f32 = 200.0;
+
+/// The three methods of the paper, by the names that all reports use.
+pub const METHODS: [&str; 3] = ["local", "world", "linear_compensation"];
+
+/// The method of that name, for a rig.
+pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
+    match name {
+        "local" => Some(Method::Local),
+        "world" => Some(Method::World),
+        "linear_compensation" => Some(Method::LinearCompensation {
+            aims: Aims::heaviest_child(tree),
+            settings: Compensation::default(),
+        }),
+        _ => None,
+    }
+}
+
+/// A run of one method over a show.
+#[derive(Debug)]
+pub struct Replay<'a, const N: usize> {
+    app: App<'a, N>,
+    late: [Transform; N],
+}
+
+impl<'a, const N: usize> Replay<'a, N> {
+    /// A run from the show's first frame, with the paper's gains.
+    ///
+    /// # Errors
+    /// [`ReplayError`] if the show's rig is not usable or there is no such method.
+    pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
+        let tree = show.tree::<N>().map_err(ReplayError::Show)?;
+        let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
+        let gains = Gains::critically_damped(KP).map_err(|_| ReplayError::UnknownMethod)?;
+        let controller = Controller::new(tree, gains, method)
+            .map_err(ReplayError::Controller)?
+            .with_law(ControlLaw::InverseDynamics);
+        Ok(Self { app: App::new(show, controller), late: [Transform::IDENTITY; N] })
+    }
+
+    /// Reads the sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own
+    /// link lengths.
+    ///
+    /// # Errors
+    /// Never for a show that was parsed; [`StateInputError`] as [`App::observe`].
+    pub fn observe(&mut self, tick: usize) -> Result<(), StateInputError> {
+        self.app.show().frame(tick.saturating_sub(LAG_FRAMES), &mut self.late);
+        let bodies = self.app.controller().tree().bodies();
+        for (pose, body) in self.late.iter_mut().zip(bodies).skip(1) {
+            pose.translation_m = body.placement.translation_m;
+        }
+        let count = bodies.len();
+        self.app.observe(tick, self.late.get(..count).unwrap_or_default())
+    }
+
+    /// The torques for what was observed last.
+    pub fn control(&mut self) -> &[Limited<Wrench>] {
+        self.app.control()
+    }
+}
+
+/// FNV-1a, 64 bit, over the bits of all torques in order: moment then force, x y z, body by body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TorqueHash(u64);
+
+impl Default for TorqueHash {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl TorqueHash {
+    /// Adds the torques of one tick.
+    pub fn update(&mut self, torques: &[Limited<Wrench>]) {
+        for component in torques.iter().flat_map(|torque| components(&torque.value)) {
+            for byte in component.to_bits().to_le_bytes() {
+                self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+    }
+
+    /// The hash so far.
+    pub fn value(self) -> u64 {
+        self.0
+    }
+}
+
+/// The six numbers of a wrench: moment in N m, then force in N.
+pub fn components(wrench: &Wrench) -> [f32; 6] {
+    let (m, f) = (wrench.moment_nm, wrench.force_n);
+    [m.x, m.y, m.z, f.x, f.y, f.z]
+}
+
+/// Why a run cannot begin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The show's rig is not usable.
+    Show(ShowError),
+    /// There is no method of that name, see [`METHODS`].
+    UnknownMethod,
+    /// The controller cannot be made.
+    Controller(ControllerError),
+}
+
+impl core::fmt::Display for ReplayError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Show(error) => error.fmt(f),
+            Self::UnknownMethod => write!(f, "unknown method; known are {METHODS:?}"),
+            Self::Controller(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ReplayError {}
