@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// Image, memory, further link scripts.
-const BOARDS: [(&str, &str, &[&str]); 2] = [
-    ("mps2_an386", "memory/mps2_an386.x", &[]),
-    ("nucleo_f446re", "../memory.x", &["-Tdefmt.x"]),
-];
+const BOARDS: [(&str, &str, &[&str]); 2] =
+    [("mps2_an386", "memory/mps2_an386.x", &[]), ("nucleo_f446re", "../memory.x", &["-Tdefmt.x"])];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

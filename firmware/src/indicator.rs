@@ -20,7 +20,11 @@ pub fn breath(time_ms: u32) -> u8 {
     #[expect(clippy::cast_precision_loss, reason = "below 3000")]
     let phase = (time_ms % PERIOD_MS) as f32 / PERIOD_MS as f32;
     let level = 0.5 - 0.5 * F32Ext::cos(phase * core::f32::consts::TAU);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to 0..=255"
+    )]
     let duty = (level * 255.0).clamp(0.0, 255.0) as u8;
     duty
 }

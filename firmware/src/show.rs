@@ -247,9 +247,11 @@ pub fn write<'f, E>(
     }
     for frame in frames {
         let root = frame.first().map_or(Vec3::ZERO, |pose| pose.translation_m);
-        for number in root.to_array().into_iter().chain(
-            frame.iter().take(rig.len()).flat_map(|pose| pose.rotation.to_array()),
-        ) {
+        for number in root
+            .to_array()
+            .into_iter()
+            .chain(frame.iter().take(rig.len()).flat_map(|pose| pose.rotation.to_array()))
+        {
             put(&number.to_le_bytes())?;
         }
     }
@@ -356,7 +358,10 @@ impl fmt::Display for ShowError {
                 write!(f, "not a show: it begins with {found:02x?} instead of `SNWS`")
             }
             Self::Version { found } => {
-                write!(f, "the show is of version {found}; this firmware performs version {VERSION}")
+                write!(
+                    f,
+                    "the show is of version {found}; this firmware performs version {VERSION}"
+                )
             }
             Self::Empty => f.write_str("the show has no bodies or no frames"),
             Self::TimeStep { found } => {

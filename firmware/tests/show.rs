@@ -97,10 +97,7 @@ fn each_fault_has_its_error() {
     assert_eq!(error(&with(12, &0f32.to_le_bytes())), E::TimeStep { found: 0.0 });
     assert!(matches!(error(&with(12, &f32::NAN.to_le_bytes())), E::TimeStep { .. }));
     let found = good.len();
-    assert_eq!(
-        error(&with(8, &41u32.to_le_bytes())),
-        E::Length { expected: found + 60, found }
-    );
+    assert_eq!(error(&with(8, &41u32.to_le_bytes())), E::Length { expected: found + 60, found });
     let mut damaged = good.clone();
     damaged[200] ^= 1;
     assert!(matches!(error(&damaged), E::Checksum { .. }));
