@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
 use sinew_sim::figure::{BODIES, BODY_COUNT};
 use sinew_sim::mocap::mapping::{self, Binding};
 use sinew_sim::mocap::{
-    Clip, GaplessClip, Notice, Settings, bvh, gaps, load_paths, prepare, tpose,
+    Clip, FigureMotion, GaplessClip, Notice, Settings, bvh, gaps, load_paths, prepare, tpose,
 };
 
 /// One line of an `index.csv`.
@@ -119,6 +120,17 @@ fn the_figure_stands_where_the_recording_does() {
     }
 }
 
+/// From the origin of each body to the end of its segment in one frame, in the world, in metres.
+fn world_segments(motion: &FigureMotion, frame: usize) -> [DVec3; BODY_COUNT] {
+    let mut world = motion.rotation[frame];
+    for (i, body) in BODIES.iter().enumerate() {
+        if let Some(parent) = body.parent {
+            world[i] = world[parent] * world[i];
+        }
+    }
+    std::array::from_fn(|i| world[i] * motion.segment_end_m[i])
+}
+
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn walkers_face_their_way_with_the_left_on_the_left() {
@@ -132,21 +144,85 @@ fn walkers_face_their_way_with_the_left_on_the_left() {
             let (motion, notices) = prepare(clip, &settings).expect("a motion");
             assert_eq!(notices.contains(&Notice::TPoseSkipped), !t_pose_or_none, "{name}");
             let (mut sideways, mut way, mut lowest) = (0.0, 0.0, f64::INFINITY);
+            let (mut toes, mut crown) = (0.0, 0.0);
             for f in 1..motion.rotation.len() {
                 let at = motion.world_positions_m(f);
                 let step = (at[0] - motion.root_position_m[f - 1]).with_y(0.0);
                 // Hips and shoulders, from right to left, against the left of the way.
                 for (left, right) in [(12, 15), (5, 9)] {
-                    sideways += (at[left] - at[right]).dot(glam::DVec3::Y.cross(step));
+                    sideways += (at[left] - at[right]).dot(DVec3::Y.cross(step));
                 }
                 way += step.length();
+                let ends = world_segments(&motion, f);
+                toes += (ends[14] + ends[17]).dot(step);
+                crown += ends[3].y * step.length();
                 lowest = f64::min(lowest, at[14].y.min(at[17].y));
             }
             // Breadths of hips and shoulders together; Bandai's figure has the narrowest, 0.33 m.
             let breadth_m = sideways / way;
             assert!((0.3..0.65).contains(&breadth_m), "{name}: {breadth_m} m");
+            // The toes of both feet point ahead (Bandai's mostly down) and the crown of the head up.
+            let (toes_m, crown_m) = (toes / way, crown / way);
+            assert!((0.05..0.4).contains(&toes_m), "{name}: {toes_m} m");
+            assert!((0.2..0.35).contains(&crown_m), "{name}: {crown_m} m");
             // The lower ankle, which stands 4 to 12 cm above a floor that is true to 4 cm.
             assert!((0.0..0.12).contains(&lowest), "{name}: {lowest} m");
         }
+    }
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn every_file_becomes_a_figure_of_human_proportions() {
+    let settings = Settings::default();
+    for entry in entries() {
+        let (clip, _, _) = read(&entry);
+        let name = entry.file.display();
+        let (motion, notices) = prepare(clip, &settings).expect("a motion");
+        assert_eq!(notices.contains(&Notice::TPoseSkipped), entry.t_pose, "{name}");
+        let low_rate = notices.iter().any(|notice| matches!(notice, Notice::NotFiltered { .. }));
+        assert_eq!(low_rate, entry.rate_hz < 12.5, "{name}");
+        check_proportions(&motion);
+    }
+}
+
+fn check_proportions(motion: &FigureMotion) {
+    // Adult segments in metres, as short as the forearms of CMU's subject 05 and the feet of m21 and
+    // Bandai, which end at the toes' joint.
+    let bounds_m = [
+        ("upper_arm", 0.22..0.34),
+        ("forearm", 0.13..0.28),
+        ("hand", 0.10..0.22),
+        ("thigh", 0.35..0.50),
+        ("shank", 0.35..0.50),
+        ("foot", 0.11..0.25),
+    ];
+    for (limb, bounds_m) in bounds_m {
+        let [left_m, right_m] = ["l", "r"].map(|side| {
+            let name = format!("{limb}_{side}");
+            let body = BODIES.iter().position(|body| body.name == name).expect("a body");
+            motion.segment_end_m[body].length()
+        });
+        let name = &motion.name;
+        assert!(bounds_m.contains(&left_m), "{name}: {limb} {left_m} m");
+        assert!((left_m / right_m - 1.0).abs() < 0.15, "{name}: {limb} {left_m} m {right_m} m");
+    }
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn geno_stands_in_his_bind_pose() {
+    let settings = Settings { lead_in_s: 0.0, ..Settings::default() };
+    for file in ["Geno_bind.bvh", "Geno_stance.bvh"] {
+        let clip = load_paths(&[data().join("geno").join(file)], &settings).expect("a clip");
+        let clip = clip.into_iter().next().expect("a clip");
+        assert_eq!((clip.frames.len(), clip.skeleton.joints.len()), (2, 75));
+        let full = gaps::fill(clip.clone(), 0.0).expect("BVH has no gaps").0;
+        // 1.65 m from toe to HeadEnd, say those who gave the data.
+        assert!((height_m(&full) - 1.65).abs() < 0.01, "{file}: {} m", height_m(&full));
+        let (motion, notices) = prepare(clip, &settings).expect("a motion");
+        assert_eq!(notices, [], "{file}: two equal frames are no inserted T-pose");
+        assert_eq!(motion.rotation.len(), 2);
+        check_proportions(&motion);
     }
 }

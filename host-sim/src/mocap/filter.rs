@@ -9,7 +9,8 @@
 //! weighted sum of its quaternions points along their mean rotation up to terms of third order in
 //! that angle; what is lost in length, a term of second order, is restored.
 
-use biquad::{Coefficients, Q_BUTTERWORTH_F64, Type};
+use std::f64::consts::{PI, SQRT_2};
+
 use glam::{DQuat, DVec3};
 
 use super::clip::{GaplessClip, JointSample};
@@ -29,9 +30,17 @@ pub struct RotationsCancel {
 /// A zero-phase low-pass for one sample rate.
 #[derive(Debug, Clone, Copy)]
 pub struct LowPass {
-    pass: Coefficients<f64>,
+    pass: Biquad,
     /// Samples to go on for at both ends.
     padding: usize,
+}
+
+/// `y(k) = b (x(k) + 2 x(k-1) + x(k-2)) - a1 y(k-1) - a2 y(k-2)`: a low-pass of second order.
+#[derive(Debug, Clone, Copy)]
+struct Biquad {
+    b: f64,
+    a1: f64,
+    a2: f64,
 }
 
 impl LowPass {
@@ -43,12 +52,16 @@ impl LowPass {
         }
         // Two passes of corner c have the gain 1/(1 + (f/c)^4), so that c must lie above the cutoff
         // by the factor (sqrt(2) - 1)^(-1/4), 1/0.8022. The factor holds for the analog filter's
-        // frequencies, tan(pi f / rate), which the bilinear transform bends.
-        let per_pass = (std::f64::consts::SQRT_2 - 1.0).powf(0.25);
-        let bent = (std::f64::consts::PI * cutoff_hz / rate_hz).tan() / per_pass;
-        let corner = 2.0 / std::f64::consts::PI * bent.atan();
-        let pass =
-            Coefficients::from_normalized_params(Type::LowPass, corner, Q_BUTTERWORTH_F64).ok()?;
+        // frequencies, tan(pi f / rate), to which the bilinear transform bends the real ones.
+        let per_pass = (SQRT_2 - 1.0).sqrt().sqrt();
+        let k = libm::tan(PI * cutoff_hz / rate_hz) / per_pass;
+        // The bilinear transform of 1/(s^2 + sqrt(2) s + 1), s in units of the corner.
+        let scale = (1.0 + SQRT_2 * k + k * k).recip();
+        let pass = Biquad {
+            b: k * k * scale,
+            a1: 2.0 * (k * k - 1.0) * scale,
+            a2: (1.0 - SQRT_2 * k + k * k) * scale,
+        };
         // Three periods of the cutoff: the start of a pass has faded to below 1e-5 by then.
         #[expect(
             clippy::cast_possible_truncation,
@@ -79,14 +92,14 @@ impl LowPass {
     /// One pass, as if the signal had always been at its first value before.
     fn run(&self, signal: &mut [f64]) {
         let start = signal[0];
-        let Coefficients { a1, a2, b0, b1, b2 } = self.pass;
+        let Biquad { b, a1, a2 } = self.pass;
         // Transposed direct form II of the difference to the start, so that it starts at rest.
         let (mut s1, mut s2) = (0.0, 0.0);
         for value in signal {
             let x = *value - start;
-            let y = b0 * x + s1;
-            s1 = b1 * x - a1 * y + s2;
-            s2 = b2 * x - a2 * y;
+            let y = b * x + s1;
+            s1 = 2.0 * b * x - a1 * y + s2;
+            s2 = b * x - a2 * y;
             *value = start + y;
         }
     }

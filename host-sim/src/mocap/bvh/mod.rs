@@ -9,6 +9,7 @@
 mod error;
 mod token;
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
@@ -25,6 +26,8 @@ const JOINT_COUNT_MAX: usize = 1024;
 const SAMPLE_COUNT_MAX: usize = 100_000_000;
 /// Larger offsets and angles are damage, and would overflow further on.
 const MAGNITUDE_MAX: f64 = 1e9;
+/// Any camera's: what bounds the number of frames after resampling.
+const FRAME_TIME_S: RangeInclusive<f64> = 1e-5..=1.0;
 /// Writers round the frame time (0.0083333, 0.016667, 0.033333): rates this near a whole number
 /// are taken for it. 29.97 and 59.94 Hz, one part in 1001 off, keep their own.
 const RATE_SNAP: f64 = 5e-4;
@@ -229,8 +232,8 @@ impl<'a> Parser<'a> {
     fn frame_time_s(&mut self) -> Result<f64, Failure> {
         let token = self.tokens.next();
         let time_s: f64 = token.text.parse().unwrap_or(f64::NAN);
-        if !(time_s > 0.0 && time_s < MAGNITUDE_MAX && time_s.recip() < MAGNITUDE_MAX) {
-            return Err(unexpected(token, "a frame time above zero, in seconds"));
+        if !FRAME_TIME_S.contains(&time_s) {
+            return Err(unexpected(token, "a frame time from 0.00001 to 1 second"));
         }
         let rate_hz = time_s.recip();
         let whole_hz = rate_hz.round();

@@ -176,3 +176,6 @@ impl Binding {
         worst_m
     }
 }
+
+#[cfg(test)]
+mod tests;

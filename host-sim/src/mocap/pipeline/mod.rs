@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::bvh;
-use super::clip::Clip;
-use super::filter::{LowPass, RotationsCancel};
-use super::gaps::{self, Filled, GapTooLong};
-use super::mapping::{self, Binding, Mapping};
-use super::motion::FigureMotion;
-use super::resample::resample;
-use super::tpose;
+use crate::mocap::bvh;
+use crate::mocap::clip::Clip;
+use crate::mocap::filter::{LowPass, RotationsCancel};
+use crate::mocap::gaps::{self, Filled, GapTooLong};
+use crate::mocap::mapping::{self, Binding, Mapping};
+use crate::mocap::motion::FigureMotion;
+use crate::mocap::resample::resample;
+use crate::mocap::tpose;
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,9 @@ pub enum Notice {
     )]
     GapsFilled(Filled),
     /// The clip's rate cannot hold the cutoff.
-    #[error("not low-passed: {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz")]
+    #[error(
+        "not low-passed: a rate of {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz"
+    )]
     NotFiltered {
         /// Rate of the clip.
         rate_hz: f64,
@@ -95,7 +97,7 @@ pub enum Error {
     Gap {
         /// Name of the clip.
         clip: String,
-        /// Where; frames count from the first that was kept.
+        /// Where, in the frames of the recording.
         source: GapTooLong,
     },
     /// A joint cannot be low-passed.
@@ -103,7 +105,7 @@ pub enum Error {
     Filter {
         /// Name of the clip.
         clip: String,
-        /// Where; frames count from the first that was kept.
+        /// Where, in the frames of the recording.
         source: RotationsCancel,
     },
     /// Nothing to move is left.
@@ -223,18 +225,22 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
     if lead_in > 0 {
         notices.push(Notice::LeadInSkipped { frames: lead_in, seconds: settings.lead_in_s });
     }
-    clip.frames.drain(..t_pose + lead_in);
+    let skipped = t_pose + lead_in;
+    clip.frames.drain(..skipped);
 
-    let (mut clip, filled) = gaps::fill(clip, settings.gap_max_s)
-        .map_err(|source| Error::Gap { clip: name.clone(), source })?;
+    let (mut clip, filled) = gaps::fill(clip, settings.gap_max_s).map_err(|mut source| {
+        source.first_frame += skipped;
+        Error::Gap { clip: name.clone(), source }
+    })?;
     if filled.gaps > 0 {
         notices.push(Notice::GapsFilled(filled));
     }
     let rate_hz = clip.rate_hz();
     if let Some(filter) = LowPass::new(rate_hz, settings.cutoff_hz) {
-        filter
-            .apply_to_clip(&mut clip)
-            .map_err(|source| Error::Filter { clip: name.clone(), source })?;
+        filter.apply_to_clip(&mut clip).map_err(|mut source| {
+            source.frame += skipped;
+            Error::Filter { clip: name.clone(), source }
+        })?;
     } else {
         notices.push(Notice::NotFiltered { rate_hz, cutoff_hz: settings.cutoff_hz });
     }
@@ -254,3 +260,6 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
 fn frames_within(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz - 1e-6).ceil().max(0.0) as usize
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+use glam::DQuat;
+
+use super::*;
+use crate::mocap::builtin;
+use crate::mocap::clip::JointSample;
+
+/// A built-in clip without gaps, of `frame_count` frames that are all the same.
+fn still(frame_count: usize) -> Clip {
+    let mut clip = builtin::clips().swap_remove(0);
+    let pose = clip.frames.iter().find(|frame| frame.iter().all(Option::is_some)).unwrap().clone();
+    clip.frames = vec![pose; frame_count];
+    clip
+}
+
+fn rest(clip: &Clip) -> Vec<Option<JointSample>> {
+    let joints = clip.skeleton.joints.iter();
+    joints
+        .map(|joint| Some(JointSample { rotation: DQuat::IDENTITY, position_m: joint.offset_m }))
+        .collect()
+}
+
+#[test]
+fn prepares_the_built_in_clips_and_says_what_it_did() {
+    let mut frames = 0;
+    for clip in builtin::clips() {
+        let missing = clip.frames[12..].iter().flatten().filter(|s| s.is_none()).count();
+        let seconds = (clip.frames.len() - 1 - 12) as f64 / 120.0;
+        let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
+        let [Notice::LeadInSkipped { frames: 12, .. }, Notice::GapsFilled(filled)] = notices[..]
+        else {
+            panic!("{notices:?}");
+        };
+        assert_eq!(filled.samples, missing);
+        let last_s = (motion.rotation.len() - 1) as f64 * motion.dt_s;
+        assert!((0.0..0.01).contains(&(seconds - last_s + 1e-9)), "{seconds} {last_s}");
+        assert_eq!(motion.root_position_m.len(), motion.rotation.len());
+        assert!(motion.rotation.iter().flatten().all(|rotation| rotation.is_normalized()));
+        frames += motion.rotation.len();
+    }
+    assert!(frames >= 22_560, "{frames}");
+}
+
+#[test]
+fn skips_an_inserted_t_pose_but_no_clip_that_starts_in_one() {
+    let mut clip = still(40);
+    clip.frames[0] = rest(&clip);
+    let (motion, notices) = prepare(clip.clone(), &Settings::default()).unwrap();
+    assert_eq!(notices[0], Notice::TPoseSkipped);
+    assert_eq!(notices[1].to_string(), "skipped the first 0.1 s (12 frames)");
+    // 27 frames at 120 Hz are left, which end 0.2167 s after the first.
+    assert_eq!(motion.rotation.len(), 22);
+
+    clip.frames = vec![rest(&clip); 40];
+    let (_, notices) = prepare(clip, &Settings::default()).unwrap();
+    assert!(!notices.contains(&Notice::TPoseSkipped));
+}
+
+#[test]
+fn leaves_the_low_pass_out_where_the_rate_is_too_low() {
+    let mut clip = still(40);
+    clip.frame_time_s = 1.0 / 12.0;
+    let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
+    assert_eq!(
+        notices[1].to_string(),
+        "not low-passed: a rate of 12 Hz holds nothing above the cutoff of 6 Hz"
+    );
+    // 0.1 s is 1.2 frames, so that 38 frames are left: 37 / 12 s.
+    assert_eq!(motion.rotation.len(), 309);
+}
+
+#[test]
+fn refuses_what_is_too_short() {
+    for frame_count in [0, 1, 12, 13] {
+        let error = prepare(still(frame_count), &Settings::default()).unwrap_err();
+        assert!(matches!(error, Error::TooShort { .. }), "{frame_count}: {error}");
+    }
+    assert!(prepare(still(15), &Settings::default()).is_ok());
+}
+
+#[test]
+fn names_the_clip_and_the_joint_of_a_long_gap() {
+    let mut clip = still(200);
+    clip.name = "take".to_owned();
+    for frame in &mut clip.frames[20..100] {
+        frame[5] = None;
+    }
+    assert_eq!(
+        prepare(clip, &Settings::default()).unwrap_err().to_string(),
+        "take: joint `upper_arm_l` has no sample in 80 frames from frame 20 on; at most 60 can be filled"
+    );
+}
+
+#[test]
+fn refuses_settings_that_make_no_sense() {
+    let settings = Settings { cutoff_hz: f64::NAN, ..Settings::default() };
+    assert_eq!(
+        settings.check().unwrap_err().to_string(),
+        "cutoff_hz: expected a finite number above 0, found NaN"
+    );
+    let settings = Settings { lead_in_s: -0.1, ..Settings::default() };
+    assert_eq!(
+        settings.check().unwrap_err().to_string(),
+        "lead_in_s: expected a finite number from 0, found -0.1"
+    );
+}
+
+#[test]
+fn expands_folders_in_order_and_refuses_empty_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let empty = expand(&[folder.path().to_path_buf()]).unwrap_err().to_string();
+    assert!(empty.ends_with(": expected *.bvh files in the folder, found none"), "{empty}");
+    for name in ["b.bvh", "a.BVH", "c.txt"] {
+        std::fs::write(at(name), "").unwrap();
+    }
+    let files = expand(&[at("c.txt"), folder.path().to_path_buf()]).unwrap();
+    assert_eq!(files, [at("c.txt"), at("a.BVH"), at("b.bvh")]);
+    let error = load_paths(&[at("b.bvh")], &Settings::default()).unwrap_err().to_string();
+    assert!(
+        error.ends_with("b.bvh:1:1: expected `HIERARCHY`, found the end of the file"),
+        "{error}"
+    );
+}
