@@ -1,0 +1,75 @@
+//! `sinew verify`: golden numbers recomputed with the core.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use anyhow::ensure;
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+
+use sinew_sim::verify::{Kind, Report, Tally, verify_folder};
+
+/// Recompute golden files with the core, and print how far off it is.
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Folder of golden files (*.json).
+    folder: PathBuf,
+    /// Kinds of golden files to leave out.
+    #[arg(long, value_delimiter = ',')]
+    skip: Vec<Kind>,
+}
+
+/// Prints a line per quantity.
+///
+/// # Errors
+/// If a quantity is over its limit, a file cannot be computed, or there is no file.
+pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
+    let report = verify_folder(&args.folder, &args.skip)?;
+    let mut out = io::stdout().lock();
+    writeln!(out, "{}", table(&report))?;
+    for (file, kind) in &report.skipped {
+        writeln!(out, "skipped {file}: kind {kind}")?;
+    }
+    let tallies: Vec<_> = report
+        .files
+        .iter()
+        .flat_map(|(file, tallies)| tallies.iter().map(move |tally| (file, tally)))
+        .collect();
+    let mut failed = 0;
+    for (file, tally) in tallies.iter().filter(|(_, tally)| !tally.passed()) {
+        writeln!(out, "FAIL {file}, {}: worst at {}", tally.quantity, tally.worst)?;
+        failed += 1;
+    }
+    ensure!(failed == 0, "{failed} of {} quantities are over their limits", tallies.len());
+    Ok(())
+}
+
+fn table(report: &Report) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(["file", "quantity", "cases", "largest error", "relative", "limit", ""]);
+    for (file, tallies) in &report.files {
+        for tally in tallies {
+            table.add_row(row(file, tally));
+        }
+    }
+    for column in [2, 3, 4, 5] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+fn row(file: &str, tally: &Tally) -> [String; 7] {
+    let result = if tally.passed() { "ok" } else { "FAIL" };
+    [
+        file.to_owned(),
+        tally.quantity.clone(),
+        tally.cases.to_string(),
+        format!("{:.1e}", tally.absolute_error),
+        format!("{:.1e}", tally.relative_error),
+        tally.limit.to_string(),
+        result.to_owned(),
+    ]
+}
