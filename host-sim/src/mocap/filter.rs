@@ -252,6 +252,14 @@ mod tests {
     }
 
     #[test]
+    fn refuses_a_spin_that_cancels_out() {
+        let filter = LowPass::new(120.0, 6.0).unwrap();
+        let mut spin = clip((0..60).map(|k| DQuat::from_rotation_x(3.0 * f64::from(k))));
+        let error = filter.apply_to_clip(&mut spin).unwrap_err();
+        assert_eq!(error.joint, "hip");
+    }
+
+    #[test]
     fn filters_a_swing_as_its_angle() {
         // A swing of 0.3 rad at 3 Hz turns by 0.17 rad in 30 ms; a third of its cube is 1.6e-3.
         let angles: Vec<f64> = cosine(120.0, 3.0, 600).iter().map(|cosine| 0.3 * cosine).collect();

@@ -252,9 +252,9 @@ fn refuses_what_would_not_fit_the_memory() {
         error("Frames: 2", "Frames: 18446744073709551615"),
         "21:1: expected 18446744073709551615 frames of 9 values, found 2 frames and 0 values"
     );
-    let joints: String =
+    let joints: Vec<String> =
         (0..1024).map(|k| format!("JOINT j{k} {{ OFFSET 0 0 0 CHANNELS 0\n")).collect();
-    let text = format!("HIERARCHY ROOT r {{ OFFSET 0 0 0 CHANNELS 0\n{joints}");
+    let text = format!("HIERARCHY ROOT r {{ OFFSET 0 0 0 CHANNELS 0\n{}", joints.concat());
     assert_eq!(error_of(&text), "1025:7: expected at most 1024 joints, found more");
     let text = "HIERARCHY\nROOT r { OFFSET 0 0 0 CHANNELS 0 }\nMOTION\nFrames: 9\nFrame Time: 1\n";
     assert_eq!(error_of(text), "6:1: expected at least one channel in the hierarchy, found none");
