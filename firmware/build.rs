@@ -5,9 +5,10 @@
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Image, memory, further link scripts.
-const BOARDS: [(&str, &str, &[&str]); 2] =
-    [("mps2_an386", "memory/mps2_an386.x", &[]), ("nucleo_f446re", "../memory.x", &["-Tdefmt.x"])];
+/// Images, and the link scripts each needs beside `link.x`. The reference board's memory is the
+/// workspace's `memory.x`, which `link.x` includes; a script of another board overrides its numbers.
+const BOARDS: [(&str, &[&str]); 2] =
+    [("mps2_an386", &["mps2_an386.x"]), ("nucleo_f446re", &["defmt.x"])];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -15,25 +16,24 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    let boards: Vec<_> = BOARDS
-        .iter()
-        .filter(|(board, ..)| {
-            env::var_os(format!("CARGO_FEATURE_{}", board.to_uppercase())).is_some()
-        })
-        .collect();
-    let (image, memory, scripts) = match boards.as_slice() {
+    let has_feature =
+        |board: &str| env::var_os(format!("CARGO_FEATURE_{}", board.to_uppercase())).is_some();
+    let chosen: Vec<_> = BOARDS.iter().filter(|(board, _)| has_feature(board)).collect();
+    let (image, scripts) = match chosen.as_slice() {
         [] => return,
         [board] => board,
-        _ => panic!("choose one board: features {:?} are images of their own", BOARDS.map(|b| b.0)),
+        _ => panic!("choose one board: each of {:?} is an image of its own", BOARDS.map(|b| b.0)),
     };
-    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    println!("cargo:rerun-if-changed={memory}");
-    fs::copy(memory, out.join("memory.x")).expect("the board's memory can be copied to OUT_DIR");
-    println!("cargo:rustc-link-search={}", out.display());
-    for argument in ["--nmagic", "-Tlink.x"].iter().chain(*scripts) {
-        println!("cargo:rustc-link-arg-bin={image}={argument}");
+    let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
+    println!("cargo:rustc-link-search={}", package.join("memory").display());
+    println!("cargo:rerun-if-changed=memory");
+    println!("cargo:rerun-if-changed=../memory.x");
+    println!("cargo:rustc-link-search={}", package.join("..").display());
+    println!("cargo:rustc-link-arg-bin={image}=--nmagic");
+    for script in scripts.iter().chain(&["link.x"]) {
+        println!("cargo:rustc-link-arg-bin={image}=-T{script}");
     }
-    bake(&out);
+    bake(Path::new(&env::var_os("OUT_DIR").expect("cargo sets it")));
 }
 
 /// Puts the show where the image includes it from.

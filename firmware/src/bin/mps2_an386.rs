@@ -14,7 +14,7 @@ use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln, nr, syscall};
+use cortex_m_semihosting::{debug, hprintln, syscall};
 use sinew_firmware::replay::{METHODS, Replay, TorqueHash, components};
 use sinew_firmware::show::Show;
 

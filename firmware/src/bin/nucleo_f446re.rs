@@ -41,8 +41,7 @@ static CONTROL: InterruptExecutor = InterruptExecutor::new();
 static REPLAY: StaticCell<Replay<'static, CAPACITY>> = StaticCell::new();
 
 /// An interrupt that no peripheral of this board uses: software raises it to run the control executor.
-#[interrupt::interrupt]
-#[expect(unsafe_code, reason = "the executor asks that only its own interrupt calls this")]
+#[embassy_stm32::interrupt]
 unsafe fn UART5() {
     // SAFETY: called from the interrupt that `CONTROL` was started with.
     unsafe { CONTROL.on_interrupt() }
@@ -111,6 +110,6 @@ async fn run_light(timer: Peri<'static, TIM2>, pin: Peri<'static, PA5>) {
         ticker.next().await;
         let now_ms = Instant::now().as_millis() % 0x1_0000_0000;
         let duty = indicator::breath(u32::try_from(now_ms).unwrap_or_default());
-        light.set_duty_cycle_fraction(u16::from(duty), u16::from(u8::MAX));
+        light.set_duty_cycle_fraction(u32::from(duty), u32::from(u8::MAX));
     }
 }
