@@ -175,9 +175,15 @@ impl TorqueLimit {
             if largest <= 0.0 {
                 return (wanted, false);
             }
-            // In units of the largest component: the square of a huge torque must not overflow.
-            let length = largest * math::length(wanted * (1.0 / largest));
-            if length > bound { (wanted * (bound / length), true) } else { (wanted, false) }
+            // In units of the largest component: neither the square of a huge torque nor its length may
+            // overflow, nor the reciprocal of a tiny one.
+            let direction = wanted / largest;
+            let length = math::length(direction);
+            if length > bound / largest {
+                (direction * (bound / length), true)
+            } else {
+                (wanted, false)
+            }
         };
         let (moment_nm, moment_cut) = cut(wanted.moment_nm, self.moment_nm);
         let (force_n, force_cut) = cut(wanted.force_n, self.force_n);
@@ -256,5 +262,11 @@ mod tests {
         }
         let huge = wanted(Vec3::X * f32::MAX, Vec3::ZERO);
         assert_eq!(huge.value.moment_nm, Vec3::X * 5.0, "the square of the length overflows");
+        let huge = wanted(Vec3::new(f32::MAX, f32::MAX, 0.0), Vec3::ZERO);
+        let expected = Vec3::new(5.0, 5.0, 0.0) * core::f32::consts::FRAC_1_SQRT_2;
+        assert!((huge.value.moment_nm - expected).length() < 1e-6, "the length overflows");
+        let tiny = wanted(Vec3::X * 1e-40, Vec3::ZERO);
+        assert_eq!(tiny.value.moment_nm, Vec3::X * 1e-40, "the reciprocal overflows");
+        assert_eq!(tiny.reason, None);
     }
 }

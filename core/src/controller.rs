@@ -9,7 +9,9 @@ use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, commanded_accelera
 use crate::dynamics::{BodyMotion, inverse_dynamics};
 use crate::kinematics;
 use crate::state::{BodyState, JointStates, JointTargets};
-use crate::state_error::{self, AimStatus, Method, StateError};
+use crate::state_error::{
+    self, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
+};
 use crate::transform::{Motion, Wrench};
 use crate::tree::Tree;
 
@@ -64,18 +66,18 @@ impl<const N: usize> Controller<N> {
         if tree.is_empty() {
             return Err(ControllerError::EmptyTree);
         }
-        let made_for = match &method {
-            Method::Local | Method::World => tree.len(),
-            Method::Accumulated(references) => references.as_slice().len(),
+        match &method {
+            Method::Local | Method::World => {}
+            Method::Accumulated(references) => {
+                References::new(&tree, references.as_slice())
+                    .map_err(ControllerError::References)?;
+            }
             Method::LinearCompensation { aims, settings } => {
                 if !settings.beta.is_finite() {
                     return Err(ControllerError::NonFinite("beta"));
                 }
-                aims.as_slice().len()
+                Aims::new(&tree, aims.as_slice()).map_err(ControllerError::Aims)?;
             }
-        };
-        if made_for != tree.len() {
-            return Err(ControllerError::Count { expected: tree.len(), found: made_for });
         }
         let limits = tree.bodies().iter().map(|_| TorqueLimit::NONE).collect();
         let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
@@ -287,11 +289,15 @@ impl<const N: usize> Default for Workspace<N> {
 pub enum ControllerError {
     /// The tree has no bodies.
     EmptyTree,
-    /// Something that goes by joint was made for another tree.
+    /// The method's reference bodies were made for another tree.
+    References(ReferencesError),
+    /// The method's aims were made for another tree.
+    Aims(AimsError),
+    /// There must be one torque limit for each joint.
     Count {
         /// Number of joints of the tree.
         expected: usize,
-        /// Number it was made for.
+        /// Number of limits.
         found: usize,
     },
     /// The named setting is NaN or infinite.
@@ -303,8 +309,10 @@ impl fmt::Display for ControllerError {
         match self {
             Self::EmptyTree => f.write_str("the tree has no bodies"),
             Self::Count { expected, found } => {
-                write!(f, "the tree has {expected} joints, but {found} were given")
+                write!(f, "{expected} joints need as many torque limits, {found} were given")
             }
+            Self::References(error) => write!(f, "the method is for another tree: {error}"),
+            Self::Aims(error) => write!(f, "the method is for another tree: {error}"),
             Self::NonFinite(name) => write!(f, "the setting {name} is not finite"),
         }
     }

@@ -4,6 +4,7 @@ use core::fmt;
 
 use glam::{Quat, Vec3};
 
+use crate::joint::UNIT_TOLERANCE;
 use crate::math;
 
 /// Which samples a difference uses, relative to the instant it is for.
@@ -41,8 +42,8 @@ impl Scheme {
 /// either side.
 ///
 /// # Errors
-/// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite, or
-/// `dt_s` is not a positive number.
+/// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite,
+/// `dt_s` is not a positive number, or the result is too large for f32.
 ///
 /// ```
 /// use sinew_core::{finite_difference::{Scheme, of_vectors}, glam::Vec3};
@@ -58,7 +59,7 @@ pub fn of_vectors(
     dt_s: f32,
 ) -> Result<Vec3, DifferenceError> {
     check(scheme, order, samples.len(), samples.iter().all(|sample| sample.is_finite()), dt_s)?;
-    Ok(scheme_difference(scheme, order, samples.len(), dt_s, |k| {
+    finite(scheme_difference(scheme, order, samples.len(), dt_s, |k| {
         samples.get(k).copied().unwrap_or_default()
     }))
 }
@@ -111,7 +112,7 @@ fn rotations(
     let Some(order_of_velocity) = order.checked_sub(1) else {
         return Err(DifferenceError::OrderZero);
     };
-    let unit = |q: &Quat| (q.dot(*q) - 1.0).abs() < 1e-2;
+    let unit = |q: &Quat| (q.dot(*q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE;
     check(scheme, order, samples.len(), samples.iter().all(unit), dt_s)?;
     let velocity = |k: usize| match (samples.get(k), samples.get(k.saturating_add(1))) {
         (Some(from), Some(to)) => math::log(step(*from, *to)) / dt_s,
@@ -120,7 +121,12 @@ fn rotations(
     // Steps are one fewer than orientations, and lie half a step later: a central difference of odd order of
     // the orientations is the mean of the two plain ones of the steps; one of even order is a single one.
     let steps = samples.len().saturating_sub(1);
-    Ok(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
+    finite(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
+}
+
+/// What leaves this module is finite: a high order over a short time step overflows.
+fn finite(difference: Vec3) -> Result<Vec3, DifferenceError> {
+    if difference.is_finite() { Ok(difference) } else { Err(DifferenceError::Overflow) }
 }
 
 /// The plain difference over all `count` items, or the mean of the two that leave out one end.
@@ -196,6 +202,8 @@ pub enum DifferenceError {
     TimeStep,
     /// An orientation is no vector: rotations have differences of order 1 and above.
     OrderZero,
+    /// The result is too large for f32.
+    Overflow,
 }
 
 impl fmt::Display for DifferenceError {
@@ -209,6 +217,9 @@ impl fmt::Display for DifferenceError {
             }
             Self::TimeStep => f.write_str("the time step must be a positive number of seconds"),
             Self::OrderZero => f.write_str("rotations have differences of order 1 and above"),
+            Self::Overflow => f.write_str(
+                "the difference is too large for f32; take a lower order or a longer time step",
+            ),
         }
     }
 }
@@ -276,6 +287,10 @@ mod tests {
         assert_eq!(
             of_vectors(Scheme::Forward, 1, &[Vec3::ZERO, Vec3::X * f32::NAN], 0.1),
             Err(E::InvalidSample)
+        );
+        assert_eq!(
+            of_vectors(Scheme::Forward, 1, &[Vec3::ZERO, Vec3::X], f32::MIN_POSITIVE / 8.0),
+            Err(E::Overflow)
         );
         assert_eq!(of_rotations(Scheme::Forward, 0, &[Quat::IDENTITY], 0.1), Err(E::OrderZero));
         let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);

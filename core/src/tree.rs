@@ -45,7 +45,7 @@ pub struct Body {
 /// assert_eq!(rig.push(body(Some(1), 0.1)), Err(TreeError::Full { capacity: 3 }));
 /// # Ok::<(), TreeError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Tree<const N: usize> {
     bodies: Vec<Body, N>,
     supporters: Vec<BodySet, N>,
@@ -174,6 +174,13 @@ impl<const N: usize> Tree<N> {
     /// Whether `ancestor` supports `body` and is not `body` itself.
     pub fn is_ancestor(&self, ancestor: usize, body: usize) -> bool {
         ancestor != body && self.supporters(body).contains(ancestor)
+    }
+}
+
+// Not derived: a capacity that is too large must not compile this way either.
+impl<const N: usize> Default for Tree<N> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

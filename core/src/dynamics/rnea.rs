@@ -26,8 +26,11 @@ pub struct BodyMotion {
 /// - `gravity_m_s2`: in world axes.
 /// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
 ///   tree, or empty.
+/// - `scratch`: contents do not matter.
 /// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to
 ///   deliver its part along the motion subspace; the power of joint i is `out[i] · velocity[i]`.
+///
+/// If a slice is shorter than the tree, the bodies beyond it are left out.
 ///
 /// For a free root, `out[0]` is what must come from outside to make the root move as given: zero for a
 /// figure that flies freely.
@@ -63,6 +66,11 @@ pub fn inverse_dynamics(
     scratch: &mut [BodyMotion],
     out: &mut [Wrench],
 ) {
+    // What one of the slices does not have is no part of the tree.
+    let count = [joints.len(), accelerations.len(), scratch.len(), out.len()]
+        .into_iter()
+        .fold(bodies.len(), usize::min);
+    let bodies = bodies.get(..count).unwrap_or_default();
     let world = BodyMotion { linear_acceleration: -gravity_m_s2, ..BodyMotion::default() };
     let mut external = external.iter();
 
