@@ -1,1 +1,46 @@
-fn main() {}
+//! Developer commands of Sinew: `cargo xtask COMMAND`.
+
+mod arm;
+mod firmware;
+mod setup;
+mod step;
+mod test;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Developer commands of Sinew
+
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  setup     Installs what is missing: the Arm target, QEMU, rustfmt and clippy
+  test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
+  firmware  Builds both images, prints their flash and RAM, runs one in QEMU and compares it with the host
+  help      Prints this
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let command: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match command.as_slice() {
+        [] | ["help" | "--help" | "-h"] => {
+            print!("{HELP}");
+            Ok(())
+        }
+        ["setup"] => setup::run(),
+        ["test"] => test::run(),
+        ["firmware"] => firmware::run(),
+        other => {
+            eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

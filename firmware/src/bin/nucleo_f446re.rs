@@ -9,6 +9,10 @@
 
 #![no_std]
 #![no_main]
+#![allow(
+    unsafe_code,
+    reason = "the interrupt that drives the control executor; its macro copies the function"
+)]
 
 use defmt_rtt as _;
 use embassy_executor::{InterruptExecutor, Spawner};

@@ -1,0 +1,68 @@
+//! Installs what is missing.
+
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+use crate::arm::{DEBIAN_PACKAGES, TARGET, Toolchain};
+use crate::step;
+
+pub(crate) fn run() -> Result<()> {
+    eprintln!("== set-up");
+    for (component, tool) in [("rustfmt", "fmt"), ("clippy", "clippy")] {
+        let found = || step::output(step::cargo().args([tool, "--version"])).is_some();
+        need(component, found, || {
+            succeeds(step::command("rustup").args(["component", "add", component]))
+        })?;
+    }
+    let arm = || Toolchain::find().is_some();
+    need("the Arm target", arm, || {
+        // Where rustup cannot reach its server, Debian's compiler does as well.
+        (succeeds(step::command("rustup").args(["target", "add", TARGET])) && arm())
+            || apt_install(&DEBIAN_PACKAGES)
+    })?;
+    if let Some(toolchain) = Toolchain::find() {
+        eprintln!("   boards are built with {}", toolchain.name());
+    }
+    let qemu = || step::output(Command::new("qemu-system-arm").arg("--version")).is_some();
+    need("QEMU for Arm", qemu, || apt_install(&["qemu-system-arm"]))
+}
+
+/// Says whether something is there, and installs it if it is not.
+fn need(what: &str, found: impl Fn() -> bool, install: impl FnOnce() -> bool) -> Result<()> {
+    if found() {
+        eprintln!("   {what}: found");
+        return Ok(());
+    }
+    eprintln!("   {what}: missing, installing");
+    if install() && found() {
+        eprintln!("   {what}: installed");
+        return Ok(());
+    }
+    bail!(
+        "{what} could not be installed (see the lines above). By hand: `rustup target add {TARGET}` or, on \
+         Debian, `apt-get install {} qemu-system-arm`",
+        DEBIAN_PACKAGES.join(" ")
+    )
+}
+
+fn apt_install(packages: &[&str]) -> bool {
+    let apt = |arguments: &[&str]| {
+        let is_root = step::output(Command::new("id").arg("-u")).is_some_and(|id| id.trim() == "0");
+        let mut command = if is_root {
+            Command::new("apt-get")
+        } else {
+            let mut command = Command::new("sudo");
+            command.arg("apt-get");
+            command
+        };
+        // The tools' progress is not the command's output: keep standard output clean.
+        succeeds(command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive"))
+    };
+    let install = [&["install", "-y", "-qq", "--no-install-recommends"], packages].concat();
+    apt(&["update", "-qq"]) && apt(&install)
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    command.stdout(std::io::stderr()).status().is_ok_and(|status| status.success())
+}

@@ -1,0 +1,52 @@
+//! Everything that must hold.
+
+use anyhow::Result;
+
+use crate::{firmware, setup, step};
+
+pub(crate) fn run() -> Result<()> {
+    setup::run()?;
+    step::run("format", step::cargo().args(["fmt", "--all", "--check"]))?;
+    let deny = ["--", "--deny", "warnings"];
+    step::run(
+        "clippy",
+        step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
+    )?;
+    step::run(
+        "clippy of the core with defmt",
+        step::cargo()
+            .args(["clippy", "--locked", "-p", "sinew-core", "--features", "defmt"])
+            .args(deny),
+    )?;
+    step::run(
+        "documentation",
+        step::cargo()
+            .args(["doc", "--locked", "--no-deps", "--document-private-items"])
+            .args(["-p", "sinew-core", "-p", "sinew-firmware", "-p", "sinew-sim"])
+            .env("RUSTDOCFLAGS", "--deny warnings"),
+    )?;
+
+    firmware::run()?;
+    firmware::lint()?;
+    let (image, show) = firmware::qemu_image();
+    let mut tests = step::cargo();
+    tests
+        .args(["test", "--locked", "--workspace"])
+        .env("INSTA_UPDATE", "no")
+        .env("SINEW_QEMU_IMAGE", image)
+        .env("SINEW_QEMU_SHOW", show);
+    if std::env::var_os("SINEW_DATA").is_some() {
+        tests.args(["--", "--include-ignored"]);
+        step::run("tests, those on real mocap too", &mut tests)
+    } else {
+        eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
+        step::run("tests", &mut tests)?;
+        let mut parity = step::cargo();
+        let (image, show) = firmware::qemu_image();
+        parity
+            .args(["test", "--locked", "-p", "sinew-tests", "--test", "parity", "--", "--ignored"])
+            .env("SINEW_QEMU_IMAGE", image)
+            .env("SINEW_QEMU_SHOW", show);
+        step::run("bit parity with QEMU", &mut parity)
+    }
+}
