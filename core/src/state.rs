@@ -204,6 +204,20 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
+    /// Sets only the velocity of one joint.
+    pub(crate) fn set_velocity(
+        &mut self,
+        joint: usize,
+        velocity: Motion,
+    ) -> Result<(), StateInputError> {
+        if !velocity.is_finite() {
+            return Err(StateInputError::NonFinite);
+        }
+        let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
+        slot.velocity = velocity;
+        Ok(())
+    }
+
     /// The desired states by joint.
     pub fn states(&self) -> &[JointState] {
         &self.states

@@ -2,11 +2,15 @@
 
 use core::fmt;
 
-use crate::finite_difference::{DifferenceError, Scheme, of_rotations, of_vectors};
+use crate::finite_difference::{
+    DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
+};
 use crate::joint::UNIT_TOLERANCE;
+use crate::kinematics;
 use crate::math;
-use crate::state::{JointState, JointStates, JointTargets, StateInputError};
+use crate::state::{BodyState, JointState, JointStates, JointTargets, StateInputError};
 use crate::transform::{Motion, Transform};
+use crate::tree::Tree;
 
 /// Evenly spaced frames of the poses of all joints, each in its parent's frame.
 ///
@@ -172,6 +176,50 @@ pub fn forward_targets<const N: usize>(
     Ok(())
 }
 
+/// As [`forward_targets`], but with the velocities of the *bodies* differenced: the world states that
+/// follow from these targets move with the forward differences (13) of the bodies' world poses. O(n).
+///
+/// That is the velocity that the world errors (4) and (10) compare. Velocities composed of differences of
+/// joint poses are not quite it: they miss `h/2 ω_parent × ω_joint` (and the like of the positions), since
+/// the parent turns during the step too.
+///
+/// # Errors
+/// As [`forward_targets`].
+pub fn forward_targets_of_bodies<const N: usize>(
+    tree: &Tree<N>,
+    window: [&[Transform]; 3],
+    dt_s: f32,
+    out: &mut JointTargets<N>,
+) -> Result<(), StateInputError> {
+    forward_targets(window, dt_s, out)?;
+    let mut now = [BodyState::WORLD; N];
+    kinematics::body_states(tree.bodies(), out.states(), &mut now);
+
+    let [_, next_joints, _] = window;
+    let mut next = [Transform::IDENTITY; N];
+    for (index, ((body, joint), state)) in
+        tree.bodies().iter().zip(next_joints).zip(&mut now).enumerate()
+    {
+        let pose = kinematics::of_parent(body, &next, Transform::IDENTITY) * *joint;
+        let Some(slot) = next.get_mut(index) else { break };
+        *slot = pose;
+        let rotations = [state.pose.rotation, pose.rotation];
+        let positions = [state.pose.translation_m, pose.translation_m];
+        let (Ok(angular), Ok(linear)) = (
+            of_rotations_in_world(Scheme::Forward, 1, &rotations, dt_s),
+            of_vectors(Scheme::Forward, 1, &positions, dt_s),
+        ) else {
+            return Err(StateInputError::NonFinite);
+        };
+        state.velocity = Motion::new(angular, linear);
+    }
+    for (index, (body, state)) in tree.bodies().iter().zip(&now).enumerate() {
+        let parent = kinematics::of_parent(body, &now, BodyState::WORLD);
+        out.set_velocity(index, state.joint_state(&parent).velocity)?;
+    }
+    Ok(())
+}
+
 /// Measured states of all joints at the second of two frames, by backward differences: what can be had
 /// from joint sensors without a model.
 ///
@@ -290,6 +338,53 @@ mod tests {
         let mut measured = JointStates::rest(&tree);
         backward_states([&frames[0..1], &frames[1..2]], 0.01, &mut measured).unwrap();
         assert!((measured.as_slice()[0].velocity.angular.y - 2.0).abs() < 5e-5);
+    }
+
+    #[test]
+    fn targets_of_bodies_move_as_the_bodies_do() {
+        let body = |parent| Body {
+            parent,
+            joint: if parent.is_none() { JointKind::Free } else { JointKind::Spherical },
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        };
+        let tree = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).unwrap();
+        let joint = |turn: Vec3| Transform::new(math::exp(turn), Vec3::new(0.3, -0.1, 0.0));
+        let frame = |t: f32| {
+            [
+                Vec3::new(0.2, 4.0 * t, 0.0),
+                Vec3::new(-7.0 * t, 0.3, 0.0),
+                Vec3::new(0.1, 0.0, 9.0 * t),
+            ]
+            .map(joint)
+        };
+        let h = 0.01;
+        let frames = [0.0, h, 2.0 * h].map(frame);
+        let window = frames.each_ref().map(<[Transform; 3]>::as_slice);
+        let mut targets = JointTargets::rest(&tree);
+        forward_targets_of_bodies(&tree, window, h, &mut targets).unwrap();
+
+        let [now, next] = [frames[0], frames[1]].map(|joints| {
+            let mut pose = Transform::IDENTITY;
+            joints.map(|joint| {
+                pose = pose * joint;
+                pose
+            })
+        });
+        let mut states = [BodyState::WORLD; 3];
+        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
+        for (state, (now, next)) in states.iter().zip(now.iter().zip(&next)) {
+            let angular = math::log(next.rotation * now.rotation.conjugate()) / h;
+            let linear = (next.translation_m - now.translation_m) / h;
+            // f32 rounding of a quaternion and of a position of some 0.5 m, over h, a few times.
+            assert!((state.velocity.angular - angular).length() < 1e-4);
+            assert!((state.velocity.linear - linear).length() < 1e-4);
+        }
+        // Differences of the joints' poses compose to something else: the reason for this function.
+        forward_targets(window, h, &mut targets).unwrap();
+        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
+        let angular = math::log(next[2].rotation * now[2].rotation.conjugate()) / h;
+        assert!((states[2].velocity.angular - angular).length() > 0.1);
     }
 
     #[test]
