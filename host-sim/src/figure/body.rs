@@ -37,3 +37,8 @@ pub const BODIES: [Body; BODY_COUNT] = [
     body("shank_r", 15),
     body("foot_r", 16),
 ];
+
+/// Whether no joint hangs on this body: head, hands and feet.
+pub fn is_leaf(body: usize) -> bool {
+    BODIES.iter().all(|other| other.parent != Some(body))
+}
