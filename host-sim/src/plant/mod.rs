@@ -1,0 +1,113 @@
+//! What is controlled: a simulated figure behind one trait.
+
+mod rapier;
+
+use std::fmt;
+
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+
+use crate::figure::MassProperties;
+
+pub use rapier::{RapierError, RapierPlant};
+
+/// Pose of a body frame in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Rotation from the body to the world, unit.
+    pub rotation: DQuat,
+    /// Origin of the body frame, which is at the body's joint, in metres.
+    pub position_m: DVec3,
+}
+
+impl Pose {
+    /// Pose of a body at `rotation` and `offset_m` in this body's frame.
+    #[must_use]
+    pub fn child(&self, offset_m: DVec3, rotation: DQuat) -> Self {
+        Self {
+            rotation: (self.rotation * rotation).normalize(),
+            position_m: self.position_m + self.rotation * offset_m,
+        }
+    }
+}
+
+/// Where a body is and how it moves, world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingPose {
+    /// Its pose.
+    pub pose: Pose,
+    /// Angular velocity in rad/s.
+    pub angular_rad_s: DVec3,
+    /// Velocity of the frame's origin in m/s.
+    pub linear_m_s: DVec3,
+}
+
+/// One body of a mechanism in regular numbering: body 0 moves freely, every other one hangs on a
+/// spherical joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantBody {
+    /// Index of the parent body; `None` for body 0.
+    pub parent: Option<usize>,
+    /// Position of the joint in the parent's frame, in metres.
+    pub offset_m: DVec3,
+    /// Mass properties in the body frame.
+    pub mass: MassProperties,
+}
+
+/// What the drives do during one step, world axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Force on the root at the origin of its frame, in N.
+    pub root_force_n: DVec3,
+    /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's comes from
+    /// outside.
+    pub torque_nm: Vec<DVec3>,
+}
+
+/// A simulated mechanism that is driven by torques and tells its poses, nothing else: velocities are for
+/// the controller to find.
+pub trait Plant {
+    /// Advances by one step with the drives held.
+    fn step(&mut self, drive: &Drive);
+
+    /// Poses of all bodies, by body.
+    fn poses(&self) -> &[Pose];
+}
+
+/// What a plant is, for reports.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Description {
+    /// Short name.
+    pub name: &'static str,
+    /// The program that computes it.
+    pub engine: &'static str,
+    /// What is set otherwise than by default.
+    pub settings: Settings,
+}
+
+/// How a plant computes a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Settings {
+    /// Equal parts that a step is cut in, with the torques held.
+    pub substeps: usize,
+    /// Sweeps of the constraint solver in each of them.
+    pub solver_sweeps: usize,
+    /// Where the gyroscopic torque comes from.
+    pub gyroscopic_term: &'static str,
+    /// Whether bodies touch.
+    pub contacts: bool,
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { engine, settings, .. } = self;
+        write!(
+            f,
+            "{engine}, {} substep(s) of {} solver sweeps, gyroscopic term {}, {} contacts",
+            settings.substeps,
+            settings.solver_sweeps,
+            settings.gyroscopic_term,
+            if settings.contacts { "with" } else { "no" },
+        )
+    }
+}
