@@ -1,5 +1,7 @@
 //! The host side of Sinew: mocap in, simulated figure, the paper's tables out.
 
+pub mod evaluate;
 pub mod figure;
 pub mod mocap;
+pub mod plant;
 pub mod verify;

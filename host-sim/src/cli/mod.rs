@@ -1,26 +1,90 @@
-//! The command line, a file per subcommand.
+//! The command line: one file per subcommand.
+//!
+//! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
+mod evaluate;
+mod output;
 mod verify;
+
+use std::io;
+use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Motion core for animatronic servo rigs: simulation and evaluation.
+use output::note;
+
+/// A motion core for animatronic figures, evaluated on motion capture.
+///
+/// Without a subcommand it evaluates: `sinew` is `sinew evaluate`.
 #[derive(Debug, Parser)]
-#[command(version)]
-pub(crate) struct Cli {
+#[command(name = "sinew", version, args_conflicts_with_subcommands = true)]
+struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    #[command(flatten)]
+    evaluate: evaluate::Args,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Evaluate(evaluate::Args),
     Verify(verify::VerifyArgs),
 }
 
-impl Cli {
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
-        match &self.command {
-            Command::Verify(args) => verify::run(args),
+/// Parses the command line and runs it.
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
+    };
+    result.unwrap_or_else(|error| {
+        // The reader has gone, as in `sinew | head`: nothing is wrong.
+        if error.downcast_ref::<io::Error>().is_some_and(is_broken_pipe) {
+            return ExitCode::SUCCESS;
+        }
+        note(format_args!("error: {error:#}"));
+        ExitCode::from(2)
+    })
+}
+
+fn is_broken_pipe(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::BrokenPipe
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn no_subcommand_is_evaluate() {
+        let cli = Cli::try_parse_from(["sinew", "--scale", "1.2"]).unwrap();
+        assert!(cli.command.is_none());
+        Cli::try_parse_from(["sinew", "evaluate", "--scale", "1.2"]).unwrap();
+        assert!(Cli::try_parse_from(["sinew", "--scale", "1.2", "evaluate"]).is_err());
+    }
+
+    #[test]
+    fn values_that_cannot_be_are_refused() {
+        for bad in [
+            ["--scale", "nan"],
+            ["--scale", "1.0,0.05"],
+            ["--scale", "11"],
+            ["--methods", "local,wrold"],
+            ["--seconds", "0"],
+            ["--seconds", "inf"],
+            ["--threads", "0"],
+            ["--format", "xml"],
+        ] {
+            let error = Cli::try_parse_from(["sinew", bad[0], bad[1]]).unwrap_err();
+            assert_eq!(error.exit_code(), 2, "{bad:?}");
         }
     }
 }

@@ -1,0 +1,184 @@
+//! `sinew evaluate`: the paper's tables.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use sinew_sim::evaluate::{
+    EvaluateError, Evaluation, MethodName, Protocol, evaluate, report, step_count,
+};
+use sinew_sim::mocap::{self, Clip, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
+
+use super::output::{note, print};
+
+/// Track motion capture with every method and print the paper's tables.
+///
+/// Every clip is tracked by a simulated figure of every scale with every method of measuring the state
+/// error; the errors are measured in the world, against the clip in its own dimensions. Tables 1 to 4 of
+/// the paper are printed beside the paper's own numbers. What is skipped or filled in a clip is said on
+/// standard error.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// BVH files, or folders of them. Without: the built-in clips.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    clips: Vec<PathBuf>,
+
+    /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
+    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_values_t = [1.0, 1.1], value_parser = scale)]
+    scale: Vec<f64>,
+
+    /// Methods of measuring the state error.
+    #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_values_t = MethodName::ALL)]
+    methods: Vec<MethodName>,
+
+    /// Use only the first S seconds of every clip: for a quick look.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    seconds: Option<f64>,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+
+    /// Also write table.txt, result.json, result.csv and clips.csv (a row per clip) into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Number of threads; the result does not depend on it. Without: one per processor.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+
+    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Aligned tables, the paper's numbers beside.
+    Table,
+    /// One JSON object, schema `sinew-evaluate/1`.
+    Json,
+    /// One row per scale, method and group of joints.
+    Csv,
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(factor) if (0.1..=10.0).contains(&factor) => Ok(factor),
+        _ => Err("expected a number from 0.1 to 10".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a number of seconds above 0".into()),
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    let threads = args.threads.map_or(0, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("the threads could not be started")?;
+    pool.install(|| run_in_pool(args))
+}
+
+fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
+    let protocol = Protocol {
+        scales: args.scale.clone(),
+        methods: args.methods.clone(),
+        seconds: args.seconds,
+    };
+    // Before the work, not after it.
+    if let Some(folder) = &args.out {
+        fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
+    }
+    let motions = motions(args)?;
+    let result = with_progress(step_count(&motions, &protocol), |progress| {
+        evaluate(&motions, &protocol, progress)
+    });
+    let evaluation = match result {
+        Ok(evaluation) => evaluation,
+        // The figure was lost: a result, and a bad one.
+        Err(error @ EvaluateError::Run { .. }) => {
+            note(format_args!("error: {error}"));
+            return Ok(ExitCode::FAILURE);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if let Some(folder) = &args.out {
+        write_files(folder, &evaluation)?;
+    }
+    print(&match args.format {
+        Format::Table => report::tables(&evaluation),
+        Format::Json => report::json(&evaluation),
+        Format::Csv => report::result_csv(&evaluation),
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads and prepares the clips, in their order.
+fn motions(args: &Args) -> anyhow::Result<Vec<FigureMotion>> {
+    let settings = Settings {
+        mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
+        ..Settings::default()
+    };
+    let prepared: Vec<Result<(FigureMotion, Vec<Notice>), mocap::Error>> = if args.clips.is_empty()
+    {
+        prepare(builtin::clips(), &settings)
+    } else {
+        pipeline::expand(&args.clips)?
+            .par_iter()
+            .map(|file| mocap::prepare(pipeline::load(file, &settings)?, &settings))
+            .collect()
+    };
+    let mut motions = Vec::with_capacity(prepared.len());
+    for prepared in prepared {
+        let (motion, notices) = prepared?;
+        for notice in notices {
+            note(format_args!("{}: {notice}", motion.name));
+        }
+        motions.push(motion);
+    }
+    Ok(motions)
+}
+
+fn prepare(
+    clips: Vec<Clip>,
+    settings: &Settings,
+) -> Vec<Result<(FigureMotion, Vec<Notice>), mocap::Error>> {
+    clips.into_par_iter().map(|clip| mocap::prepare(clip, settings)).collect()
+}
+
+/// Shows a bar on standard error while `work` runs, if that is a terminal.
+fn with_progress<T>(steps: usize, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+    let style = ProgressStyle::with_template(
+        "{bar:40} {percent:>3} %  {human_pos} of {human_len} steps, {eta} left",
+    )
+    .expect("the template is sound");
+    let bar = ProgressBar::new(steps as u64).with_style(style);
+    let result = work(&|done| bar.inc(done as u64));
+    bar.finish_and_clear();
+    result
+}
+
+fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {
+    for (name, text) in [
+        ("table.txt", report::tables(evaluation)),
+        ("result.json", report::json(evaluation)),
+        ("result.csv", report::result_csv(evaluation)),
+        ("clips.csv", report::clips_csv(evaluation)),
+    ] {
+        let path = folder.join(name);
+        fs::write(&path, text).with_context(|| format!("{}", path.display()))?;
+    }
+    Ok(())
+}

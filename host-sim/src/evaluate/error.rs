@@ -1,0 +1,77 @@
+//! Why an evaluation has no result.
+
+use sinew_core::{ControllerError, StateInputError, TreeError, control::GainsError};
+use thiserror::Error;
+
+use super::MethodName;
+use crate::figure::BodyModelError;
+use crate::plant::RapierError;
+
+/// Why an evaluation has no result.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum EvaluateError {
+    /// Nothing to evaluate.
+    #[error("there is no clip to evaluate")]
+    NoClips,
+    /// A clip's skeleton cannot be given a body.
+    #[error("clip {clip}: {source}")]
+    Model {
+        /// The clip.
+        clip: String,
+        /// Why.
+        source: BodyModelError,
+    },
+    /// One run failed.
+    #[error("clip {clip}, scale {scale}, method {method}: {kind}")]
+    Run {
+        /// The clip.
+        clip: String,
+        /// Factor on the figure's dimensions.
+        scale: f64,
+        /// The method.
+        method: MethodName,
+        /// Why.
+        kind: RunError,
+    },
+}
+
+/// Why a run failed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RunError {
+    /// Forward differences of second order need three frames.
+    #[error("the clip has {frames} frames; at least 3 are needed")]
+    TooShort {
+        /// Frames of the clip.
+        frames: usize,
+    },
+    /// The figure was lost.
+    #[error("diverged at frame {frame}: the {body} is {linear_m:.3e} m from its goal")]
+    Diverged {
+        /// Frame of the clip.
+        frame: usize,
+        /// The body farthest off, or the first whose pose is no number.
+        body: &'static str,
+        /// How far, in metres.
+        linear_m: f64,
+    },
+    /// A desired or measured state is not one.
+    #[error("frame {frame}: {source}")]
+    State {
+        /// Frame of the clip.
+        frame: usize,
+        /// Why.
+        source: StateInputError,
+    },
+    /// The figure cannot be built.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// The gains cannot be used.
+    #[error(transparent)]
+    Gains(#[from] GainsError),
+    /// The controller cannot be built.
+    #[error(transparent)]
+    Controller(#[from] ControllerError),
+    /// The plant cannot be built.
+    #[error(transparent)]
+    Plant(#[from] RapierError),
+}

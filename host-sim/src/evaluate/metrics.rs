@@ -1,0 +1,136 @@
+//! How far the measured figure is from the desired one, in the world, as the paper reports it.
+
+use glam::DQuat;
+
+use crate::figure::{BODY_COUNT, is_leaf};
+use crate::plant::Pose;
+
+/// Errors over all bodies and over the leaves (head, hands, feet) alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Errors {
+    /// Over all bodies.
+    pub all: ErrorTotals,
+    /// Over the leaves.
+    pub leaf: ErrorTotals,
+}
+
+/// Sums and maxima of the errors of many poses.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorTotals {
+    /// Number of poses.
+    pub n: u64,
+    angular_sum_rad: f64,
+    linear_sum_m: f64,
+    angular_max_rad: f64,
+    linear_max_m: f64,
+}
+
+impl Errors {
+    /// Adds one step: the poses of all bodies where they should be and where they are.
+    pub fn add(&mut self, desired: &[Pose; BODY_COUNT], measured: &[Pose]) {
+        for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
+            let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
+            let linear_m = (desired.position_m - measured.position_m).length();
+            self.all.add(angular_rad, linear_m);
+            if is_leaf(body) {
+                self.leaf.add(angular_rad, linear_m);
+            }
+        }
+    }
+
+    /// Adds the totals of another run.
+    pub fn merge(&mut self, other: &Self) {
+        self.all.merge(&other.all);
+        self.leaf.merge(&other.leaf);
+    }
+}
+
+impl ErrorTotals {
+    fn add(&mut self, angular_rad: f64, linear_m: f64) {
+        self.n += 1;
+        self.angular_sum_rad += angular_rad;
+        self.linear_sum_m += linear_m;
+        self.angular_max_rad = self.angular_max_rad.max(angular_rad);
+        self.linear_max_m = self.linear_max_m.max(linear_m);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.angular_sum_rad += other.angular_sum_rad;
+        self.linear_sum_m += other.linear_sum_m;
+        self.angular_max_rad = self.angular_max_rad.max(other.angular_max_rad);
+        self.linear_max_m = self.linear_max_m.max(other.linear_max_m);
+    }
+
+    /// Mean angular error in degrees.
+    pub fn angular_mean_deg(&self) -> f64 {
+        (self.angular_sum_rad / self.n as f64).to_degrees()
+    }
+
+    /// Mean linear error in centimetres.
+    pub fn linear_mean_cm(&self) -> f64 {
+        self.linear_sum_m / self.n as f64 * 100.0
+    }
+
+    /// Largest angular error in degrees.
+    pub fn angular_max_deg(&self) -> f64 {
+        self.angular_max_rad.to_degrees()
+    }
+
+    /// Largest linear error in centimetres.
+    pub fn linear_max_cm(&self) -> f64 {
+        self.linear_max_m * 100.0
+    }
+
+    /// Means and maxima in the order of the paper's tables: mean angular (deg), mean linear (cm), maximum
+    /// angular (deg), maximum linear (cm).
+    pub fn figures(&self) -> [f64; 4] {
+        [
+            self.angular_mean_deg(),
+            self.linear_mean_cm(),
+            self.angular_max_deg(),
+            self.linear_max_cm(),
+        ]
+    }
+}
+
+/// Angle in [0, π] of the rotation that takes one orientation to the other.
+fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
+    let turn = a * b.conjugate();
+    2.0 * libm::atan2(turn.xyz().length(), turn.w.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn pose(rotation_vector: DVec3, position_m: DVec3) -> Pose {
+        Pose { rotation: DQuat::from_scaled_axis(rotation_vector), position_m }
+    }
+
+    #[test]
+    fn means_and_maxima_are_those_of_known_errors() {
+        let still = [pose(DVec3::ZERO, DVec3::ZERO); BODY_COUNT];
+        let mut off = still;
+        // Body 3, the head, is a leaf; body 0, the pelvis, is not.
+        off[3] = pose(DVec3::new(0.0, 0.18, 0.0), DVec3::new(0.0, 0.03, 0.04));
+        off[0] = pose(DVec3::ZERO, DVec3::new(0.36, 0.0, 0.0));
+        // The other sign of a quaternion is the same orientation.
+        off[7].rotation = -off[7].rotation;
+        let mut errors = Errors::default();
+        errors.add(&still, &off);
+        let mut twice = errors;
+        twice.merge(&errors);
+        for errors in [errors, twice] {
+            assert!((errors.all.angular_mean_deg() - 0.01f64.to_degrees()).abs() < 1e-12);
+            assert!((errors.all.linear_mean_cm() - 41.0 / 18.0).abs() < 1e-12);
+            assert!((errors.leaf.linear_mean_cm() - 1.0).abs() < 1e-12);
+            assert!((errors.leaf.linear_max_cm() - 5.0).abs() < 1e-12);
+            assert!((errors.all.linear_max_cm() - 36.0).abs() < 1e-12);
+            assert!((errors.all.angular_max_deg() - 0.18f64.to_degrees()).abs() < 1e-12);
+        }
+        assert_eq!((errors.all.n, errors.leaf.n, twice.all.n), (18, 5, 36));
+    }
+}

@@ -1,0 +1,127 @@
+//! The paper's own numbers, to stand beside ours: D. Notman, P. Carlisle & R. Manning, "Methods for
+//! Measuring State Error for Control of Animated Human Figures" (2011), tables 1 to 4.
+//!
+//! Its motion, some 80 punches and 40 kicks of one actor, is not available: only directions and rough
+//! sizes of the normalised numbers can be compared.
+
+use super::MethodName;
+
+/// What the paper reports of one method on one figure: mean angular error, mean linear error, maximum
+/// angular error, maximum linear error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Over all joints.
+    pub all: [f64; 4],
+    /// Over the leaves.
+    pub leaf: [f64; 4],
+}
+
+/// The paper's figures: their scales, with the numbers of their normalised and their numerical table.
+const FIGURES: [Figure; 2] = [
+    Figure {
+        scale: 1.0,
+        tables: [1, 3],
+        normalised: [
+            row([1.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
+            row([0.872, 0.880, 0.984, 0.902], [0.846, 0.818, 0.984, 0.902]),
+            row([0.999, 0.856, 0.932, 1.049], [0.888, 0.866, 0.932, 1.049]),
+        ],
+        numerical: [
+            row([1.21, 0.53, 52.91, 13.49], [1.57, 0.74, 52.91, 13.49]),
+            row([1.05, 0.47, 52.09, 12.16], [1.33, 0.60, 52.09, 12.16]),
+            row([1.21, 0.46, 49.30, 14.14], [1.40, 0.64, 49.30, 14.14]),
+        ],
+    },
+    Figure {
+        scale: 1.1,
+        tables: [2, 4],
+        normalised: [
+            row([1.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
+            row([0.877, 1.002, 0.979, 0.933], [0.858, 1.006, 0.979, 0.933]),
+            row([2.516, 0.786, 0.948, 0.937], [0.909, 0.798, 0.948, 0.937]),
+        ],
+        numerical: [
+            row([1.23, 4.26, 55.31, 18.80], [1.63, 6.89, 55.31, 18.80]),
+            row([1.08, 4.27, 54.16, 17.55], [1.40, 6.93, 54.16, 17.55]),
+            row([3.09, 3.35, 52.43, 17.62], [1.48, 5.50, 52.43, 17.62]),
+        ],
+    },
+];
+
+/// A figure of the paper. Rows go by method: local, world, linear compensation.
+#[derive(Debug, Clone, Copy)]
+pub struct Figure {
+    scale: f64,
+    tables: [u8; 2],
+    normalised: [Row; 3],
+    numerical: [Row; 3],
+}
+
+/// The two kinds of table: each method divided by Local, or as it is (degrees and centimetres).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Divided by Local.
+    Normalised,
+    /// In degrees and centimetres.
+    Numerical,
+}
+
+impl Figure {
+    /// The paper's figure of this scale, if it has one.
+    pub fn of_scale(scale: f64) -> Option<&'static Self> {
+        FIGURES.iter().find(|figure| (figure.scale - scale).abs() < 1e-9)
+    }
+
+    /// The number of its table of this kind.
+    pub fn table(&self, kind: Kind) -> u8 {
+        match kind {
+            Kind::Normalised => self.tables[0],
+            Kind::Numerical => self.tables[1],
+        }
+    }
+
+    /// A row of its table of this kind.
+    pub fn row(&self, kind: Kind, method: MethodName) -> Row {
+        let rows = match kind {
+            Kind::Normalised => &self.normalised,
+            Kind::Numerical => &self.numerical,
+        };
+        match method {
+            MethodName::Local => rows[0],
+            MethodName::World => rows[1],
+            MethodName::LinearCompensation => rows[2],
+        }
+    }
+}
+
+const fn row(all: [f64; 4], leaf: [f64; 4]) -> Row {
+    Row { all, leaf }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slip of the pen in one table would show as a contradiction with the other.
+    #[test]
+    fn the_two_kinds_of_table_agree_within_their_rounding() {
+        for figure in &FIGURES {
+            let local = figure.row(Kind::Numerical, MethodName::Local);
+            for method in MethodName::ALL {
+                let numerical = figure.row(Kind::Numerical, method);
+                let normalised = figure.row(Kind::Normalised, method);
+                for (n, r, l) in [
+                    (numerical.all, normalised.all, local.all),
+                    (numerical.leaf, normalised.leaf, local.leaf),
+                ] {
+                    for column in 0..4 {
+                        // Half a unit of the last place of both numbers and of the ratio.
+                        let slack = 0.005 / l[column] * (1.0 + r[column]) + 0.0005;
+                        let difference = (n[column] / l[column] - r[column]).abs();
+                        assert!(difference <= slack, "{method} {column}: {difference} {slack}");
+                    }
+                }
+            }
+        }
+    }
+}

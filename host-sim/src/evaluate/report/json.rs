@@ -1,0 +1,94 @@
+//! The result as one JSON object, schema `sinew-evaluate/1`.
+
+use serde::Serialize;
+
+use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName};
+use crate::plant::{Description, RapierPlant};
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    plant: Description,
+    frames: usize,
+    figures: Vec<Figure>,
+    clips: &'a [ClipLength],
+}
+
+#[derive(Serialize)]
+struct Figure {
+    scale: f64,
+    methods: Methods,
+}
+
+#[derive(Serialize)]
+struct Methods {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    local: Option<Groups>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    world: Option<Groups>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    linear_compensation: Option<Groups>,
+}
+
+#[derive(Serialize)]
+struct Groups {
+    all: Totals,
+    leaf: Totals,
+}
+
+/// Means and maxima of one group of joints.
+#[derive(Serialize)]
+struct Totals {
+    n: u64,
+    angular_mean_deg: f64,
+    linear_mean_cm: f64,
+    angular_max_deg: f64,
+    linear_max_cm: f64,
+}
+
+impl From<&ErrorTotals> for Totals {
+    fn from(totals: &ErrorTotals) -> Self {
+        Self {
+            n: totals.n,
+            angular_mean_deg: totals.angular_mean_deg(),
+            linear_mean_cm: totals.linear_mean_cm(),
+            angular_max_deg: totals.angular_max_deg(),
+            linear_max_cm: totals.linear_max_cm(),
+        }
+    }
+}
+
+impl From<&Errors> for Groups {
+    fn from(errors: &Errors) -> Self {
+        Self { all: (&errors.all).into(), leaf: (&errors.leaf).into() }
+    }
+}
+
+impl From<&FigureResult> for Figure {
+    fn from(figure: &FigureResult) -> Self {
+        let groups =
+            |name: MethodName| figure.method(name).map(|result| Groups::from(&result.total));
+        Self {
+            scale: figure.scale,
+            methods: Methods {
+                local: groups(MethodName::Local),
+                world: groups(MethodName::World),
+                linear_compensation: groups(MethodName::LinearCompensation),
+            },
+        }
+    }
+}
+
+/// The JSON text, with a line end.
+pub fn json(evaluation: &Evaluation) -> String {
+    let document = Document {
+        schema: "sinew-evaluate/1",
+        plant: RapierPlant::description(),
+        frames: evaluation.frames(),
+        figures: evaluation.figures.iter().map(Figure::from).collect(),
+        clips: &evaluation.clips,
+    };
+    let mut text = serde_json::to_string_pretty(&document).expect("plain data turns into JSON");
+    text.push('\n');
+    text
+}

@@ -1,0 +1,131 @@
+//! Tables 1 to 4 of the paper, ours beside the paper's.
+
+use std::fmt::Write as _;
+
+use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+
+use super::super::paper::{self, Kind};
+use super::super::{Errors, Evaluation, FigureResult, MethodName};
+use crate::plant::RapierPlant;
+
+/// All tables, each with its heading: first every figure's numbers divided by Local's (the paper's tables 1
+/// and 2), then the numbers themselves (3 and 4).
+pub fn tables(evaluation: &Evaluation) -> String {
+    let mut out = String::new();
+    let write = |out: &mut String, text: std::fmt::Arguments<'_>| {
+        out.write_fmt(text).expect("a string takes everything");
+    };
+    let clips = evaluation.clips.len();
+    let first = evaluation.figures.first().and_then(|figure| figure.methods.first());
+    let (n_all, n_leaf) = first.map_or((0, 0), |result| (result.total.all.n, result.total.leaf.n));
+    write(
+        &mut out,
+        format_args!(
+            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\n",
+            if clips == 1 { "" } else { "s" },
+            evaluation.frames(),
+            RapierPlant::description(),
+        ),
+    );
+    for kind in [Kind::Normalised, Kind::Numerical] {
+        for figure in &evaluation.figures {
+            let Some(table) = table(figure, kind) else {
+                continue;
+            };
+            write(&mut out, format_args!("\n{}\n{table}\n", heading(figure.scale, kind)));
+        }
+    }
+    if !evaluation.figures.iter().all(|figure| figure.method(MethodName::Local).is_some()) {
+        write(
+            &mut out,
+            format_args!("\nNothing is divided by Local: it is not among the methods.\n"),
+        );
+    }
+    out
+}
+
+fn heading(scale: f64, kind: Kind) -> String {
+    let number = paper::Figure::of_scale(scale)
+        .map_or_else(String::new, |figure| format!("Table {}. ", figure.table(kind)));
+    let figure = if (scale - 1.0).abs() < 1e-9 {
+        "Figure of the clip's dimensions".to_owned()
+    } else {
+        format!("Figure of {scale} times the clip's dimensions")
+    };
+    let what = match kind {
+        Kind::Normalised => "errors divided by Local's",
+        Kind::Numerical => "errors in deg (angular) and cm (linear)",
+    };
+    format!("{number}{figure}: {what}")
+}
+
+/// The table of one figure; `None` if there is nothing to divide by.
+fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
+    let local = figure.method(MethodName::Local);
+    if kind == Kind::Normalised {
+        local?;
+    }
+    let published = paper::Figure::of_scale(figure.scale);
+    let mut header = vec!["joints".to_owned(), "method".to_owned()];
+    for column in ["mean angular", "mean linear", "max angular", "max linear"] {
+        header.push(column.to_owned());
+        if published.is_some() {
+            header.push("paper".to_owned());
+        }
+    }
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(header);
+    for (joints, group) in [("all", group_all as Group), ("leaf", group_leaf as Group)] {
+        for result in &figure.methods {
+            let ours = group(&result.total);
+            let ours = match (kind, local) {
+                (Kind::Normalised, Some(local)) => {
+                    let by = group(&local.total);
+                    std::array::from_fn(|column| ours[column] / by[column])
+                }
+                _ => ours,
+            };
+            let published = published.map(|figure| {
+                let row = figure.row(kind, result.method);
+                if joints == "all" { row.all } else { row.leaf }
+            });
+            let mut cells = vec![joints.to_owned(), label(result.method).to_owned()];
+            for column in 0..4 {
+                cells.push(number(ours[column], kind));
+                if let Some(published) = published {
+                    cells.push(number(published[column], kind));
+                }
+            }
+            table.add_row(cells);
+        }
+    }
+    for column in table.column_iter_mut().skip(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    Some(table)
+}
+
+type Group = fn(&Errors) -> [f64; 4];
+
+fn group_all(errors: &Errors) -> [f64; 4] {
+    errors.all.figures()
+}
+
+fn group_leaf(errors: &Errors) -> [f64; 4] {
+    errors.leaf.figures()
+}
+
+fn label(method: MethodName) -> &'static str {
+    match method {
+        MethodName::Local => "Local",
+        MethodName::World => "World",
+        MethodName::LinearCompensation => "Linear Compensation",
+    }
+}
+
+fn number(value: f64, kind: Kind) -> String {
+    match kind {
+        Kind::Normalised => format!("{value:.3}"),
+        Kind::Numerical => format!("{value:.2}"),
+    }
+}

@@ -1,0 +1,155 @@
+use serde_json::Value;
+use sinew_core::state_error::{Aims, Compensation, Method};
+
+use super::*;
+use crate::figure::fixture::{moving, standing};
+use crate::plant::Pose;
+
+fn motions() -> Vec<FigureMotion> {
+    vec![moving("one", 80), moving("two", 50)]
+}
+
+fn evaluation() -> Evaluation {
+    evaluate(&motions(), &Protocol::default(), |_| ()).unwrap()
+}
+
+/// All poses of a run.
+fn trace(method: Method<BODY_COUNT>) -> Vec<Pose> {
+    let motion = moving("clip", 120);
+    let model = BodyModel::from_motion(&motion).unwrap().scaled(1.1);
+    let mut poses = Vec::new();
+    track(&motion, &model, method, None, |step| poses.extend_from_slice(step.measured)).unwrap();
+    poses
+}
+
+#[test]
+fn linear_compensation_without_weight_is_world() {
+    let model = BodyModel::from_motion(&standing()).unwrap();
+    let without = Method::LinearCompensation {
+        aims: Aims::heaviest_child(&model.tree().unwrap()),
+        settings: Compensation { beta: 0.0, ..Compensation::default() },
+    };
+    let world = trace(Method::World);
+    assert_eq!(trace(without), world);
+    assert_ne!(trace(Method::Local), world, "the motion tells the methods apart");
+}
+
+#[test]
+fn a_figure_of_equal_dimensions_follows_a_slow_motion() {
+    let evaluation = evaluation();
+    for result in &evaluation.figures[0].methods {
+        // Below 1 Hz and 0.3 rad the method's lag is a small part of a degree.
+        let [mean_deg, mean_cm, max_deg, max_cm] = result.total.all.figures();
+        assert!(mean_deg < 0.5 && mean_cm < 0.5, "{}: {mean_deg} {mean_cm}", result.method);
+        assert!(max_deg < 2.0 && max_cm < 2.0, "{}: {max_deg} {max_cm}", result.method);
+    }
+    // A tenth of a leg is some 8 cm: the larger figure cannot be where the clip is.
+    let larger = evaluation.figures[1].method(MethodName::Local).unwrap();
+    assert!(larger.total.leaf.linear_mean_cm() > 3.0);
+}
+
+#[test]
+fn counts_are_those_of_the_steps() {
+    let evaluation = evaluation();
+    let steps = (80 - 2) + (50 - 2);
+    assert_eq!(evaluation.frames(), steps);
+    let motions = motions();
+    assert_eq!(step_count(&motions, &Protocol::default()), steps * 2 * 3);
+    for result in evaluation.figures.iter().flat_map(|figure| &figure.methods) {
+        assert_eq!(result.total.all.n, steps as u64 * 18);
+        assert_eq!(result.total.leaf.n, steps as u64 * 5);
+    }
+    let protocol = Protocol { seconds: Some(0.3), ..Protocol::default() };
+    let short = evaluate(&motions, &protocol, |_| ()).unwrap();
+    assert_eq!(short.frames(), 2 * (30 - 2));
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_number_of_threads() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| report::json(&evaluation()))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+}
+
+#[test]
+fn the_json_has_the_promised_shape() {
+    let evaluation = evaluation();
+    let document: Value = serde_json::from_str(&report::json(&evaluation)).unwrap();
+    assert_eq!(document["schema"], "sinew-evaluate/1");
+    assert_eq!(document["frames"], 126);
+    assert_eq!(document["plant"]["name"], "rapier");
+    assert_eq!(document["clips"][1]["name"], "two");
+    assert_eq!(document["clips"][1]["frames"], 48);
+    assert_eq!(document["figures"][1]["scale"], 1.1);
+    for figure in document["figures"].as_array().unwrap() {
+        for method in MethodName::ALL {
+            for (joints, bodies) in [("all", 18), ("leaf", 5)] {
+                let group = &figure["methods"][method.as_str()][joints];
+                assert_eq!(group["n"], 126 * bodies);
+                for key in
+                    ["angular_mean_deg", "linear_mean_cm", "angular_max_deg", "linear_max_cm"]
+                {
+                    assert!(group[key].as_f64().unwrap() > 0.0, "{method} {joints} {key}");
+                }
+                assert_eq!(group.as_object().unwrap().len(), 5);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_csv_has_a_row_for_everything() {
+    let evaluation = evaluation();
+    // Header; two figures, three methods, two groups; and the same for each of two clips.
+    assert_eq!(report::result_csv(&evaluation).lines().count(), 1 + 12);
+    assert_eq!(report::clips_csv(&evaluation).lines().count(), 1 + 24);
+    assert!(
+        report::clips_csv(&evaluation).starts_with("clip,scale,method,joints,n,angular_mean_deg")
+    );
+    assert!(report::result_csv(&evaluation).contains("\n1.1,linear_compensation,leaf,630,"));
+}
+
+#[test]
+fn tables_stand_beside_the_papers_where_it_has_some() {
+    let text = report::tables(&evaluation());
+    for number in 1..=4 {
+        assert!(text.contains(&format!("Table {number}. ")), "{number}");
+    }
+    assert!(text.contains("| 0.872 |") && text.contains("|  3.35 |"));
+    let protocol = Protocol { scales: vec![0.9], methods: vec![MethodName::World], seconds: None };
+    let text = report::tables(&evaluate(&motions(), &protocol, |_| ()).unwrap());
+    assert!(!text.contains("paper") && !text.contains("Table"), "{text}");
+    assert!(text.contains("not among the methods"));
+}
+
+#[test]
+fn what_cannot_be_evaluated_is_refused_by_name() {
+    let protocol = Protocol::default();
+    assert_eq!(evaluate(&[], &protocol, |_| ()), Err(EvaluateError::NoClips));
+    let error = evaluate(&[moving("short", 2)], &protocol, |_| ()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "clip short, scale 1, method local: the clip has 2 frames; at least 3 are needed"
+    );
+}
+
+#[test]
+fn a_figure_that_is_lost_is_an_error_not_a_mean() {
+    // The clip leaps 1 km away: no figure follows, and the run says where it was lost.
+    let mut motion = moving("leap", 60);
+    for position in &mut motion.root_position_m[30..] {
+        position.x += 1000.0;
+    }
+    let error = evaluate(&[motion], &Protocol::default(), |_| ()).unwrap_err();
+    let EvaluateError::Run { clip, method, kind: RunError::Diverged { frame, .. }, .. } = error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!((clip.as_str(), method), ("leap", MethodName::Local));
+    // Forward differences see the leap coming: the figure may leave before it.
+    assert!((29..=31).contains(&frame), "{frame}");
+}
