@@ -260,7 +260,9 @@ pub fn compensate(
     if distance < SHORTEST_AIM_M {
         return (world, AimStatus::ZeroAim);
     }
-    let way = desired.pose.translation_m + arm - measured.pose.translation_m;
+    // z - p_m; the difference of the origins first, so that its rounding does not grow with the distance
+    // from the world's origin, and a figure without error is not turned.
+    let way = world.linear_m + arm;
     let way_length = math::length(way);
     if way_length < SHORTEST_AIM_M {
         return (world, AimStatus::Coincident);
