@@ -10,8 +10,7 @@ use sinew_firmware::replay::{METHODS, Replay, components};
 use sinew_firmware::show::Show;
 use sinew_sim::figure::{BODIES, BODY_COUNT};
 
-const QUANTITIES: [&str; 6] =
-    ["moment x", "moment y", "moment z", "force x", "force y", "force z"];
+const QUANTITIES: [&str; 6] = ["moment x", "moment y", "moment z", "force x", "force y", "force z"];
 
 fn path(variable: &str) -> PathBuf {
     std::env::var_os(variable)

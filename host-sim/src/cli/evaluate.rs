@@ -1,11 +1,12 @@
 //! `sinew evaluate`: the paper's tables.
 
+use std::fmt::Display;
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -22,6 +23,9 @@ use super::output::{note, print};
 /// error; the errors are measured in the world, against the clip in its own dimensions. Tables 1 to 4 of
 /// the paper are printed beside the paper's own numbers. What is skipped or filled in a clip is said on
 /// standard error.
+///
+/// A clip of f frames is f - 2 steps: forward differences look two frames ahead. A figure that is lost
+/// ends the evaluation with exit code 1 and its clip, method and frame; bad input is exit code 2.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// BVH files, or folders of them. Without: the built-in clips.
@@ -29,11 +33,16 @@ pub(super) struct Args {
     clips: Vec<PathBuf>,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_values_t = [1.0, 1.1], value_parser = scale)]
+    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale)]
     scale: Vec<f64>,
 
     /// Methods of measuring the state error.
-    #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_values_t = MethodName::ALL)]
+    #[arg(
+        long,
+        value_name = "METHOD,..",
+        value_delimiter = ',',
+        default_value = "local,world,linear_compensation"
+    )]
     methods: Vec<MethodName>,
 
     /// Use only the first S seconds of every clip: for a quick look.
@@ -83,12 +92,21 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    ensure_different(&args.scale, "--scale")?;
+    ensure_different(&args.methods, "--methods")?;
     let threads = args.threads.map_or(0, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .context("the threads could not be started")?;
     pool.install(|| run_in_pool(args))
+}
+
+fn ensure_different<T: PartialEq + Display>(values: &[T], option: &str) -> anyhow::Result<()> {
+    for (index, value) in values.iter().enumerate() {
+        ensure!(!values[..index].contains(value), "{option}: {value} is given twice");
+    }
+    Ok(())
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {

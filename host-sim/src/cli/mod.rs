@@ -43,9 +43,22 @@ pub(crate) fn main() -> ExitCode {
         if error.downcast_ref::<io::Error>().is_some_and(is_broken_pipe) {
             return ExitCode::SUCCESS;
         }
-        note(format_args!("error: {error:#}"));
+        note(format_args!("error: {}", chain(&error)));
         ExitCode::from(2)
     })
+}
+
+/// The error and its causes in one line, without what an error already says of its cause.
+fn chain(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if line.is_empty() {
+            line = cause;
+        } else if !line.contains(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    line
 }
 
 fn is_broken_pipe(error: &io::Error) -> bool {
