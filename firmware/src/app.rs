@@ -1,7 +1,7 @@
 //! The control tick as the boards run it: a show's frame and measured joints in, limited torques out.
 
 use sinew_core::control::Limited;
-use sinew_core::trajectory::{backward_states, forward_targets};
+use sinew_core::trajectory::{backward_states, forward_targets_of_bodies};
 use sinew_core::{
     Controller, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
 };
@@ -37,7 +37,7 @@ impl<'a, const N: usize> App<'a, N> {
         }
     }
 
-    /// Takes the targets of frame `index` by forward differences, and the measured joints by backward ones
+    /// Takes the targets of frame `index` by forward differences of the bodies, and the measured joints by backward ones
     /// from the last call's. `measured` has a pose per joint, each in its parent's frame.
     ///
     /// # Errors
@@ -51,7 +51,12 @@ impl<'a, const N: usize> App<'a, N> {
         let [now, next, after] =
             self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
         let dt_s = self.show.dt_s();
-        forward_targets([now, next, after], dt_s, &mut self.targets)?;
+        forward_targets_of_bodies(
+            self.controller.tree(),
+            [now, next, after],
+            dt_s,
+            &mut self.targets,
+        )?;
         let previous = self.previous.get(..bodies).unwrap_or_default();
         backward_states([previous, measured], dt_s, &mut self.measured)?;
         for (previous, measured) in self.previous.iter_mut().zip(measured) {

@@ -4,4 +4,5 @@ pub mod evaluate;
 pub mod figure;
 pub mod mocap;
 pub mod plant;
+pub mod show;
 pub mod verify;

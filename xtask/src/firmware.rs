@@ -61,7 +61,7 @@ pub(crate) fn build() -> Result<()> {
             &format!("bake the show of {board}"),
             step::cargo()
                 .args(["run", "--quiet", "--release", "--package", "sinew-sim", "--", "bake"])
-                .args(["--clip", "punches_01", "--scale", "1.1", "--seconds", seconds, "--out"])
+                .args(["--clip", "kicks_01", "--scale", "1.1", "--seconds", seconds, "--out"])
                 .arg(&show),
         )?;
         step::run(

@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
+mod bake;
 mod evaluate;
 mod output;
 mod verify;
@@ -29,6 +30,7 @@ struct Cli {
 enum Command {
     Evaluate(evaluate::Args),
     Verify(verify::VerifyArgs),
+    Bake(bake::Args),
 }
 
 /// Parses the command line and runs it.
@@ -36,6 +38,7 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

@@ -1,21 +1,10 @@
 //! The clip as the controller, the plant and the measurement of errors take it.
 
 use glam::{DQuat, DVec3};
-use sinew_core::Transform;
 
 use crate::figure::{BODIES, BODY_COUNT};
 use crate::mocap::FigureMotion;
 use crate::plant::{MovingPose, Pose};
-
-/// Poses of the clip's joints in one frame (the last one, beyond the end), as the controller takes them.
-pub(super) fn joint_poses(motion: &FigureMotion, frame: usize) -> [Transform; BODY_COUNT] {
-    let frame = frame.min(motion.rotation.len() - 1);
-    std::array::from_fn(|joint| {
-        let position =
-            if joint == 0 { motion.root_position_m[frame] } else { motion.offset_m[joint] };
-        Transform::new(motion.rotation[frame][joint].as_quat(), position.as_vec3())
-    })
-}
 
 /// World poses of the bodies in one frame of the clip, on a figure with the given offsets.
 pub(super) fn world_poses(

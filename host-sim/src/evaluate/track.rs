@@ -7,7 +7,7 @@ use sinew_core::trajectory::{backward_states, forward_targets_of_bodies};
 use sinew_core::{Controller, JointStates, JointTargets, Transform, Workspace};
 
 use super::error::RunError;
-use super::reference::{joint_poses, moving_poses, one_step_before, world_poses};
+use super::reference::{moving_poses, one_step_before, world_poses};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
 use crate::plant::{Drive, Plant, PlantBody, Pose, RapierPlant};
@@ -85,7 +85,7 @@ pub fn track(
     let mut plant = RapierPlant::new(&plant_bodies(model), &start, motion.dt_s)?;
     let mut drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO; BODY_COUNT] };
 
-    let mut window = [0, 1, 2].map(|frame| joint_poses(motion, frame));
+    let mut window = [0, 1, 2].map(|frame| motion.joint_poses(frame));
     for frame in 0..steps {
         let state_error = |source| RunError::State { frame, source };
         let frames = window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
@@ -108,7 +108,7 @@ pub fn track(
         observe(Step { frame: frame + 1, desired: &desired, measured: plant.poses() });
         before = now;
         let [_, next, after] = window;
-        window = [next, after, joint_poses(motion, frame + 3)];
+        window = [next, after, motion.joint_poses(frame + 3)];
     }
     Ok(steps)
 }

@@ -1,6 +1,7 @@
 //! The motion of the 18-body figure: what every clip becomes.
 
 use glam::{DQuat, DVec3};
+use sinew_core::Transform;
 
 use crate::figure::{BODIES, BODY_COUNT};
 
@@ -37,5 +38,15 @@ impl FigureMotion {
             }
         }
         position_m
+    }
+    /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame, as
+    /// the core takes them.
+    pub fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {
+        let frame = frame.min(self.rotation.len() - 1);
+        std::array::from_fn(|joint| {
+            let position_m =
+                if joint == 0 { self.root_position_m[frame] } else { self.offset_m[joint] };
+            Transform::new(self.rotation[frame][joint].as_quat(), position_m.as_vec3())
+        })
     }
 }
