@@ -59,7 +59,15 @@ pub fn length(v: Vec3) -> f32 {
 #[inline]
 pub fn unit(q: Quat) -> Quat {
     let squared = q.dot(q);
-    if squared > 0.0 && squared.is_finite() { q * (1.0 / sqrt(squared)) } else { Quat::IDENTITY }
+    let excess = squared - 1.0;
+    if excess.abs() < 2e-3 {
+        // The series of 1/√squared, as a correction to add: a factor next to 1 has too few digits.
+        q + q * (excess * (0.375 * excess - 0.5))
+    } else if squared > 0.0 && squared.is_finite() {
+        q * (1.0 / sqrt(squared))
+    } else {
+        Quat::IDENTITY
+    }
 }
 
 /// Below this squared length of a quaternion's vector part the series of [`log`] and [`exp`] are exact to
@@ -154,6 +162,28 @@ mod tests {
             assert!((q.dot(q) - 1.0).abs() < 4.0 * f32::EPSILON);
             // Near π the vector part is stationary in the angle's sine; w carries it: still linear.
             assert!((log(q) - v).abs().max_element() < 1e-6, "{angle}");
+        }
+    }
+
+    #[test]
+    fn unit_has_no_bias() {
+        // What is off by a few units of the last place is put right on the mean, or a long chain of products
+        // grows: with the reciprocal of the root the mean was 3e-8 above 1.
+        let mut sum = 0.0;
+        let mut q = exp(Vec3::new(0.4, -1.1, 0.3));
+        for _ in 0..1000 {
+            q = unit(q * exp(Vec3::new(0.7, 0.2, -0.5)));
+            let q = q.to_array().map(f64::from);
+            sum += q.iter().map(|x| x * x).sum::<f64>() - 1.0;
+        }
+        assert!((sum / 2000.0).abs() < 1e-8, "mean length 1 + {:e}", sum / 2000.0);
+    }
+
+    #[test]
+    fn unit_is_continuous_where_the_series_ends() {
+        for squared in [0.997f32, 0.99799, 0.998_01, 1.001_99, 1.002_01, 1.003] {
+            let q = unit(Quat::from_xyzw(0.6, 0.0, 0.0, 0.8) * sqrt(squared));
+            assert!((q.x - 0.6).abs() < 1e-7 && (q.w - 0.8).abs() < 1e-7, "{squared} {q}");
         }
     }
 

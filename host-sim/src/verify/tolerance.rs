@@ -20,11 +20,11 @@ pub const MASS_MATRIX: f64 = 5e-6;
 
 /// Torques of a control tick, relative to the largest of the state: those of inverse dynamics, for an
 /// acceleration that is itself off by [`COMMAND`].
-pub const CONTROL_TORQUE: f64 = 1e-5;
+pub const CONTROL_TORQUE: f64 = 4e-6;
 
 /// Commanded accelerations, relative to the largest of the state: kp (200) times a rotation error that may
 /// be off by [`ROTATION`], 2e-4 rad/s², and kv (28) times the error of a rate, at some 100 rad/s².
-pub const COMMAND: f64 = 1e-5;
+pub const COMMAND: f64 = 8e-6;
 
 /// World positions down a chain, relative to the largest of the tree: each joint turns an offset and
 /// adds it, which takes some five roundings, and the chains are up to 10 deep.
@@ -63,7 +63,7 @@ pub const RELATIVE_RATE: Limit = Limit::Relative(20.0 * HALF_ULP);
 
 /// As [`RELATIVE_RATE`], by way of joint states: turned three times instead of once, by quaternions whose
 /// own length, off by two roundings, counts twice each time.
-pub const JOINT_RATE: Limit = Limit::Relative(60.0 * HALF_ULP);
+pub const JOINT_RATE: Limit = Limit::Relative(40.0 * HALF_ULP);
 
 /// Rotations that Linear Compensation turns: as [`ROTATION`], and the directions to the goal, over 0.1 m and
 /// more, whose ends are rounded to 1.2e-7 m (half as much below 2 m).
