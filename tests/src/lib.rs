@@ -1,1 +1,20 @@
-//! Cross-crate tests.
+//! What holds across Sinew's crates: the tests are in `tests/`, here is what they share.
+//!
+//! - [`rig`]: random trees of all joint kinds, and random states of them;
+//! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
+
+pub mod reference;
+pub mod rig;
+
+use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
+
+/// Settings of a property: its cases are the same on every run, and failures that were found once are kept
+/// beside the test and run first.
+pub fn property(cases: u32) -> Config {
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(20_261_121),
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..Config::default()
+    }
+}

@@ -1,0 +1,209 @@
+//! Dynamics in f64 from nothing but poses.
+//!
+//! The joints' coordinates are moved along a path in time, the poses of all bodies are multiplied together,
+//! and everything else (velocities, accelerations, momenta, energies) is a numerical derivative of those.
+//! No formula for a relative velocity, a Coriolis term or a recursion of forces is used, so that a mistake
+//! in the core's cannot be here too.
+
+use glam::{DMat3, DQuat, DVec3};
+use sinew_core::{Body, JointKind, Wrench};
+
+use crate::rig::{Coordinates, Rig};
+
+/// Step of the derivatives, s: with four neighbours the error is of the order of `(ω h)⁴` of the result,
+/// 1e-8 at 10 rad/s, and rounding `1e-16 / h²`, 1e-10.
+const STEP_S: f64 = 1e-3;
+
+/// Pose of a body in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose {
+    /// Body axes to world axes.
+    pub rotation: DQuat,
+    /// Origin, m.
+    pub position_m: DVec3,
+}
+
+/// Motion of a body at one instant, world axes.
+#[derive(Debug, Clone, Copy)]
+struct CenterMotion {
+    /// Position of the centre of mass, m.
+    position_m: DVec3,
+    velocity_m_s: DVec3,
+    acceleration_m_s2: DVec3,
+    omega_rad_s: DVec3,
+    alpha_rad_s2: DVec3,
+    /// About the centre of mass.
+    inertia_kg_m2: DMat3,
+    mass_kg: f64,
+}
+
+/// Wrench on a body, world axes, the moment about the body's origin.
+#[derive(Debug, Clone, Copy)]
+pub struct WorldWrench {
+    /// N m.
+    pub moment_nm: DVec3,
+    /// N.
+    pub force_n: DVec3,
+}
+
+/// Poses of all bodies at `time_s` from now, moving with constant acceleration of their coordinates.
+pub fn poses(rig: &Rig, time_s: f64) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = Vec::new();
+    for (body, motion) in rig.tree.bodies().iter().zip(&rig.motions) {
+        let joint = joint_pose(body, motion, time_s);
+        let world = Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+        let parent = body.parent.map_or(world, |parent| poses[parent]);
+        poses.push(parent.times(&joint));
+    }
+    poses
+}
+
+impl Pose {
+    fn times(&self, inner: &Self) -> Self {
+        Self {
+            rotation: (self.rotation * inner.rotation).normalize(),
+            position_m: self.position_m + self.rotation * inner.position_m,
+        }
+    }
+}
+
+fn joint_pose(body: &Body, motion: &Coordinates, time_s: f64) -> Pose {
+    let placement = Pose {
+        rotation: body.placement.rotation.as_dquat().normalize(),
+        position_m: body.placement.translation_m.as_dvec3(),
+    };
+    let way = |k: usize| {
+        f64::from(motion.speed[k]) * time_s
+            + 0.5 * f64::from(motion.acceleration[k]) * time_s * time_s
+    };
+    let along = |k: usize| f64::from(motion.along[k]) + way(k);
+    let ways = |first: usize| DVec3::new(way(first), way(first + 1), way(first + 2));
+    let turn = |axis: DVec3, angle: f64| DQuat::from_scaled_axis(axis.normalize() * angle);
+    // From the start in body axes: there the components of the angular velocity are the derivative.
+    let rotation = motion.rotation.as_dquat().normalize();
+    let turned = || rotation * DQuat::from_scaled_axis(ways(0));
+    let (rotation, position_m) = match body.joint {
+        JointKind::Fixed => (DQuat::IDENTITY, DVec3::ZERO),
+        JointKind::Revolute { axis } => (turn(axis.as_dvec3(), along(0)), DVec3::ZERO),
+        JointKind::Prismatic { axis } => (DQuat::IDENTITY, axis.as_dvec3().normalize() * along(0)),
+        JointKind::Universal { first, second } => {
+            (turn(first.as_dvec3(), along(0)) * turn(second.as_dvec3(), along(1)), DVec3::ZERO)
+        }
+        JointKind::Spherical => (turned(), DVec3::ZERO),
+        // The speeds are in body axes as they are now.
+        JointKind::Free => (turned(), motion.position_m.as_dvec3() + rotation * ways(3)),
+    };
+    placement.times(&Pose { rotation, position_m })
+}
+
+/// First and second derivative at the middle of five samples, fourth order.
+fn derivatives(samples: [DVec3; 5]) -> (DVec3, DVec3) {
+    let [a, b, c, d, e] = samples;
+    let first = (a - b * 8.0 + d * 8.0 - e) / (12.0 * STEP_S);
+    let second = (-a + b * 16.0 - c * 30.0 + d * 16.0 - e) / (12.0 * STEP_S * STEP_S);
+    (first, second)
+}
+
+/// Motion of every body's centre of mass at `time_s`.
+fn motions(rig: &Rig, time_s: f64) -> Vec<CenterMotion> {
+    let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| poses(rig, time_s + k * STEP_S));
+    let of_body = |(index, body): (usize, &Body)| {
+        let inertia = &body.inertia;
+        let center = inertia.center_of_mass_m.as_dvec3();
+        let positions = [0, 1, 2, 3, 4].map(|k: usize| {
+            let pose = &at[k][index];
+            pose.position_m + pose.rotation * center
+        });
+        let now = at[2][index].rotation;
+        // The rotation vector from now on: its derivatives at zero are ω and α.
+        let turns = [0, 1, 2, 3, 4].map(|k: usize| {
+            let turn = at[k][index].rotation * now.inverse();
+            if turn.w < 0.0 { -turn } else { turn }.to_scaled_axis()
+        });
+        let (velocity_m_s, acceleration_m_s2) = derivatives(positions);
+        let (omega_rad_s, alpha_rad_s2) = derivatives(turns);
+        let i = &inertia.rotational_kg_m2;
+        let in_body = DMat3::from_cols_array(
+            &[i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz].map(f64::from),
+        );
+        let axes = DMat3::from_quat(now);
+        CenterMotion {
+            position_m: positions[2],
+            velocity_m_s,
+            acceleration_m_s2,
+            omega_rad_s,
+            alpha_rad_s2,
+            inertia_kg_m2: axes * in_body * axes.transpose(),
+            mass_kg: f64::from(inertia.mass_kg),
+        }
+    };
+    rig.tree.bodies().iter().enumerate().map(of_body).collect()
+}
+
+/// Wrench that each joint has to pass to its body: what all bodies beyond it need by Newton's and Euler's
+/// laws, less gravity, about the joint.
+pub fn joint_wrenches(rig: &Rig, gravity_m_s2: DVec3) -> Vec<WorldWrench> {
+    let (poses, motions) = (poses(rig, 0.0), motions(rig, 0.0));
+    let of_joint = |joint: usize| {
+        let origin = poses[joint].position_m;
+        let zero = WorldWrench { moment_nm: DVec3::ZERO, force_n: DVec3::ZERO };
+        rig.tree.subtree(joint).iter().fold(zero, |sum, body| {
+            let m = &motions[body];
+            let force = (m.acceleration_m_s2 - gravity_m_s2) * m.mass_kg;
+            let spin = m.inertia_kg_m2 * m.omega_rad_s;
+            let moment = m.inertia_kg_m2 * m.alpha_rad_s2 + m.omega_rad_s.cross(spin);
+            WorldWrench {
+                moment_nm: sum.moment_nm + moment + (m.position_m - origin).cross(force),
+                force_n: sum.force_n + force,
+            }
+        })
+    };
+    (0..rig.tree.len()).map(of_joint).collect()
+}
+
+/// Kinetic and potential energy, J.
+fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
+    let of_body = |m: &CenterMotion| {
+        let turning = m.omega_rad_s.dot(m.inertia_kg_m2 * m.omega_rad_s);
+        0.5 * (m.mass_kg * m.velocity_m_s.length_squared() + turning)
+            - m.mass_kg * gravity_m_s2.dot(m.position_m)
+    };
+    motions(rig, time_s).iter().map(of_body).sum()
+}
+
+/// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.
+fn momentum(rig: &Rig, time_s: f64) -> [DVec3; 2] {
+    motions(rig, time_s).iter().fold([DVec3::ZERO; 2], |[linear, angular], m| {
+        let of_body = m.velocity_m_s * m.mass_kg;
+        let spin = m.inertia_kg_m2 * m.omega_rad_s;
+        [linear + of_body, angular + m.position_m.cross(of_body) + spin]
+    })
+}
+
+/// Rate of the energy, W.
+pub fn power_w(rig: &Rig, gravity_m_s2: DVec3) -> f64 {
+    let at = |k: f64| DVec3::X * energy_j(rig, gravity_m_s2, k * STEP_S);
+    derivatives([-2.0, -1.0, 0.0, 1.0, 2.0].map(at)).0.x
+}
+
+/// Rates of linear and angular momentum, N and N m.
+pub fn momentum_rate(rig: &Rig) -> [DVec3; 2] {
+    let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| momentum(rig, k * STEP_S));
+    [0, 1].map(|part| derivatives(at.map(|momentum| momentum[part])).0)
+}
+
+/// Weight of all bodies, N, and its moment about the world's origin, N m.
+pub fn weight(rig: &Rig, gravity_m_s2: DVec3) -> [DVec3; 2] {
+    motions(rig, 0.0).iter().fold([DVec3::ZERO; 2], |[force, moment], m| {
+        let of_body = gravity_m_s2 * m.mass_kg;
+        [force + of_body, moment + m.position_m.cross(of_body)]
+    })
+}
+
+/// The core's wrench of a joint in world axes.
+pub fn in_world(wrench: &Wrench, pose: &Pose) -> WorldWrench {
+    WorldWrench {
+        moment_nm: pose.rotation * wrench.moment_nm.as_dvec3(),
+        force_n: pose.rotation * wrench.force_n.as_dvec3(),
+    }
+}

@@ -1,0 +1,210 @@
+//! Random rigs and random states of them.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::{
+    Body, Inertia, JointKind, JointState, JointStates, Motion, RotationalInertia, Transform, Tree,
+    math,
+};
+
+/// The core's largest capacity.
+pub const CAPACITY: usize = 128;
+
+/// A rig, and one motion of it.
+#[derive(Debug, Clone)]
+pub struct Rig {
+    /// The bodies.
+    pub tree: Tree<CAPACITY>,
+    /// Coordinates of each joint and their first two derivatives.
+    pub motions: Vec<Coordinates>,
+}
+
+/// Coordinates of a joint along the columns of its motion subspace, and where they start from.
+#[derive(Debug, Clone, Copy)]
+pub struct Coordinates {
+    /// Orientation of a spherical or free joint.
+    pub rotation: Quat,
+    /// Position in m of a free joint in its joint frame.
+    pub position_m: Vec3,
+    /// Angle in rad or way in m of the joints with one or two axes.
+    pub along: [f32; 2],
+    /// Speeds, rad/s or m/s; angular ones first, in body axes.
+    pub speed: [f32; 6],
+    /// Their derivatives: of the components in body axes where those turn.
+    pub acceleration: [f32; 6],
+}
+
+/// How the bodies of a rig hang together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Each on the one before.
+    Chain,
+    /// All on the root.
+    Star,
+    /// Any on any before it.
+    Random,
+}
+
+/// What joints a rig has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joints {
+    /// Every kind, anywhere.
+    Mixed,
+    /// A figure of mocap: a free root and spherical joints.
+    Figure,
+}
+
+/// Any number below 1 in size.
+fn unit() -> impl Strategy<Value = f32> {
+    -1.0f32..1.0
+}
+
+/// Rigs of 1 to `most` bodies.
+pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
+    let shape = prop_oneof![Just(Shape::Chain), Just(Shape::Star), Just(Shape::Random)];
+    // A body and its motion are made from this many numbers.
+    let body = (any::<u16>(), 0usize..6, vec(unit(), 48));
+    (shape, vec(body, 1..=most)).prop_map(move |(shape, bodies)| build(shape, joints, &bodies))
+}
+
+fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
+    let mut tree = Tree::new();
+    let mut motions = Vec::new();
+    for (index, (pick, kind, numbers)) in bodies.iter().enumerate() {
+        let mut numbers = Numbers(numbers.iter());
+        let parent = index.checked_sub(1).map(|last| match shape {
+            Shape::Chain => last,
+            Shape::Star => 0,
+            Shape::Random => usize::from(*pick) % index,
+        });
+        let joint = match joints {
+            Joints::Mixed => numbers.joint(*kind),
+            Joints::Figure if index == 0 => JointKind::Free,
+            Joints::Figure => JointKind::Spherical,
+        };
+        let body = Body {
+            parent,
+            joint,
+            placement: Transform::new(numbers.rotation(), numbers.vector() * 0.3),
+            inertia: numbers.inertia(),
+        };
+        tree.push(body).expect("the numbers are chosen so that every body is possible");
+        motions.push(numbers.coordinates());
+    }
+    Rig { tree, motions }
+}
+
+/// Numbers below 1 in size, used up one by one.
+struct Numbers<'a>(std::slice::Iter<'a, f32>);
+
+impl Numbers<'_> {
+    fn next(&mut self) -> f32 {
+        *self.0.next().expect("enough numbers are drawn for a body")
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+
+    fn rotation(&mut self) -> Quat {
+        math::exp(self.vector() * 2.0)
+    }
+
+    /// A unit vector; of the numbers that make none, X.
+    fn axis(&mut self) -> Vec3 {
+        let v = self.vector();
+        let length = math::length(v);
+        if length > 1e-2 { v / length } else { Vec3::X }
+    }
+
+    fn joint(&mut self, kind: usize) -> JointKind {
+        let (axis, other) = (self.axis(), self.axis());
+        match kind {
+            0 => JointKind::Fixed,
+            1 => JointKind::Revolute { axis },
+            2 => JointKind::Prismatic { axis },
+            3 => {
+                let across = axis.cross(other);
+                let length = math::length(across);
+                let helper = if axis.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
+                let second = if length > 1e-2 { across } else { axis.cross(helper) };
+                JointKind::Universal { first: axis, second: second / math::length(second) }
+            }
+            4 => JointKind::Spherical,
+            _ => JointKind::Free,
+        }
+    }
+
+    /// Made from second moments of mass, which any body has: three that are not negative, turned.
+    fn inertia(&mut self) -> Inertia {
+        let mass_kg = 0.1 + 5.0 * self.next().abs();
+        let moments = self.vector().abs() * 0.02 * mass_kg;
+        let rotation = self.rotation();
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| {
+            let in_principal = rotation.conjugate() * axis;
+            let second = rotation * (moments * in_principal);
+            axis * moments.element_sum() - second
+        });
+        let rotational_kg_m2 =
+            RotationalInertia { xx: x.x, xy: y.x, xz: z.x, yy: y.y, yz: z.y, zz: z.z };
+        Inertia { mass_kg, center_of_mass_m: self.vector() * 0.2, rotational_kg_m2 }
+    }
+
+    fn coordinates(&mut self) -> Coordinates {
+        Coordinates {
+            rotation: self.rotation(),
+            position_m: self.vector(),
+            along: [self.next() * 2.0, self.next() * 2.0],
+            speed: std::array::from_fn(|_| self.next() * 3.0),
+            acceleration: std::array::from_fn(|_| self.next() * 20.0),
+        }
+    }
+}
+
+impl Coordinates {
+    /// State of a joint with these coordinates.
+    pub fn state(&self, body: &Body) -> JointState {
+        let (q, p) = (self.rotation.to_array(), self.position_m.to_array());
+        let full = [q[0], q[1], q[2], q[3], p[0], p[1], p[2]];
+        let position = match body.joint {
+            JointKind::Spherical | JointKind::Free => &full[..body.joint.coordinate_count()],
+            joint => &self.along[..joint.coordinate_count()],
+        };
+        let speed = &self.speed[..body.joint.degrees_of_freedom()];
+        body.joint.state(body.placement, position, speed).expect("coordinates are valid")
+    }
+
+    /// Acceleration of the joint, as inverse dynamics takes it.
+    pub fn joint_acceleration(&self, body: &Body) -> Motion {
+        let state = self.state(body);
+        let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+        let columns = body.joint.motion_subspace(in_joint);
+        columns.iter().zip(self.acceleration).fold(
+            body.joint.bias_acceleration(in_joint, state.velocity),
+            |sum, (column, along)| {
+                Motion::new(
+                    sum.angular + column.angular * along,
+                    sum.linear + column.linear * along,
+                )
+            },
+        )
+    }
+}
+
+impl Rig {
+    /// States of the joints.
+    pub fn states(&self) -> JointStates<CAPACITY> {
+        let mut states = JointStates::rest(&self.tree);
+        for (joint, (body, motion)) in self.tree.bodies().iter().zip(&self.motions).enumerate() {
+            states.set(joint, motion.state(body)).expect("coordinates are valid");
+        }
+        states
+    }
+
+    /// Accelerations of the joints, as inverse dynamics takes them.
+    pub fn accelerations(&self) -> Vec<Motion> {
+        let bodies = self.tree.bodies().iter();
+        bodies.zip(&self.motions).map(|(body, motion)| motion.joint_acceleration(body)).collect()
+    }
+}
