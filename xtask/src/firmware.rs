@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use object::{Object, ObjectSection, SectionKind};
+use object::{Object, ObjectSegment};
 use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 
@@ -105,22 +105,19 @@ fn show(board: &str) -> PathBuf {
     step::root().join("target/shows").join(board).with_extension("snws")
 }
 
+/// Where the Cortex-M architecture has SRAM.
+const SRAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
+
 /// Flash and RAM of an image, in bytes: what is stored, and what is static. The stack takes what RAM is left.
 fn size(image: &Path) -> Result<(u64, u64)> {
     let bytes = fs::read(image).with_context(|| format!("{}", image.display()))?;
     let file = object::File::parse(&*bytes)?;
     let (mut flash, mut ram) = (0, 0);
-    for section in file.sections() {
-        let size = section.size();
-        // defmt's strings have addresses but are not loaded; they are of another kind.
-        match section.kind() {
-            SectionKind::Text | SectionKind::ReadOnlyData => flash += size,
-            SectionKind::Data => {
-                flash += size;
-                ram += size;
-            }
-            SectionKind::UninitializedData => ram += size,
-            _ => {}
+    for segment in file.segments() {
+        let (_, stored) = segment.file_range();
+        flash += stored;
+        if SRAM.contains(&segment.address()) {
+            ram += segment.size();
         }
     }
     Ok((flash, ram))
