@@ -54,6 +54,12 @@ pub enum RunError {
         /// How far, in metres.
         linear_m: f64,
     },
+    /// The controller's arithmetic overflowed.
+    #[error("frame {frame}: a torque is not finite")]
+    TorqueNotFinite {
+        /// Frame of the clip.
+        frame: usize,
+    },
     /// A desired or measured state is not one.
     #[error("frame {frame}: {source}")]
     State {

@@ -59,6 +59,9 @@ fn frame_count(motion: &FigureMotion, seconds: Option<f64>) -> usize {
 /// before; its torques take the plant to frame n+1, and there it is compared with the clip. The figure
 /// starts on the clip's pose and with its velocity, with its own dimensions.
 ///
+/// Desired velocities are forward differences of the bodies' world poses, measured ones backward differences
+/// of what the joints' sensors tell, as firmware has them.
+///
 /// # Errors
 /// [`RunError`]: above all, if the figure diverges.
 pub fn track(
@@ -95,6 +98,10 @@ pub fn track(
         backward_states([&before, &now], dt_s, &mut states).map_err(state_error)?;
 
         let torques = controller.tick(&targets, &states, &[], &mut workspace);
+        // No limits are set, so that nothing but an overflow is cut.
+        if torques.iter().any(|torque| torque.reason.is_some()) {
+            return Err(RunError::TorqueNotFinite { frame });
+        }
         for ((torque, pose), drive_nm) in
             torques.iter().zip(plant.poses()).zip(&mut drive.torque_nm)
         {

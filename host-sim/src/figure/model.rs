@@ -76,11 +76,10 @@ impl BodyModel {
             }
         }
         let dimensions = Dimensions::of(motion)?;
-        let mut bodies = [None; BODY_COUNT];
-        for (body, slot) in bodies.iter_mut().enumerate() {
-            *slot = Some(dimensions.mass_properties(body)?);
-        }
-        let bodies = array::from_fn(|body| bodies[body].expect("every body was given a value"));
+        let bodies = (0..BODY_COUNT)
+            .map(|body| dimensions.mass_properties(body))
+            .collect::<Result<Vec<_>, _>>()?;
+        let bodies = array::from_fn(|body| bodies[body]);
         Ok(Self { offset_m: motion.offset_m, bodies })
     }
 
