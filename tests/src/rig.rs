@@ -4,8 +4,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
-    Body, Inertia, JointKind, JointState, JointStates, Motion, RotationalInertia, Transform, Tree,
-    math,
+    Body, BodyState, Inertia, JointKind, JointState, JointStates, Motion, RotationalInertia,
+    Transform, Tree, kinematics, math,
 };
 
 /// The core's largest capacity.
@@ -53,6 +53,23 @@ pub enum Joints {
     Mixed,
     /// A figure of mocap: a free root and spherical joints.
     Figure,
+}
+
+/// Two states of a figure of up to `most` bodies, desired and measured, that differ by up to about `size` rad
+/// (and m of the root, and a tenth of that per second).
+pub fn figures(most: usize, size: f32) -> impl Strategy<Value = (Rig, Rig)> {
+    (rigs(most, Joints::Figure), vec(unit(), 12 * most)).prop_map(move |(desired, numbers)| {
+        let mut measured = desired.clone();
+        for (motion, numbers) in measured.motions.iter_mut().zip(numbers.chunks_exact(12)) {
+            let mut numbers = Numbers(numbers.iter());
+            motion.rotation = math::unit(motion.rotation * math::exp(numbers.vector() * size));
+            motion.position_m += numbers.vector() * size;
+            for speed in &mut motion.speed {
+                *speed += numbers.next();
+            }
+        }
+        (desired, measured)
+    })
 }
 
 /// Any number below 1 in size.
@@ -198,6 +215,26 @@ impl Rig {
         let mut states = JointStates::rest(&self.tree);
         for (joint, (body, motion)) in self.tree.bodies().iter().zip(&self.motions).enumerate() {
             states.set(joint, motion.state(body)).expect("coordinates are valid");
+        }
+        states
+    }
+
+    /// States of the bodies in the world.
+    pub fn world(&self) -> Vec<BodyState> {
+        let mut world = vec![BodyState::WORLD; self.tree.len()];
+        kinematics::body_states(self.tree.bodies(), self.states().as_slice(), &mut world);
+        world
+    }
+
+    /// The same figure, larger by a factor: states only, the tree stays.
+    pub fn scaled_states(&self, factor: f32) -> JointStates<CAPACITY> {
+        let mut states = self.states();
+        for (joint, (state, body)) in
+            self.states().as_slice().iter().zip(self.tree.bodies()).enumerate().skip(1)
+        {
+            let translation_m = body.placement.translation_m * factor;
+            let pose = Transform { translation_m, ..state.pose };
+            states.set(joint, JointState { pose, ..*state }).expect("as valid as it was");
         }
         states
     }

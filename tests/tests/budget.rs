@@ -1,0 +1,30 @@
+//! Memory of the core's types: what grows here grows in every board's RAM.
+//!
+//! The numbers are those of a 64-bit host, where an index takes 8 bytes; a board's are a little smaller.
+
+use std::mem::size_of;
+
+use sinew_core::state_error::Method;
+use sinew_core::{Controller, JointStates, JointTargets, Tree, Workspace};
+
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn types_stay_within_their_budget() {
+    for (name, bytes, budget) in [
+        ("Tree<18>", size_of::<Tree<18>>(), 3_000),
+        ("Tree<128>", size_of::<Tree<128>>(), 20_600),
+        ("Workspace<18>", size_of::<Workspace<18>>(), 4_800),
+        ("Workspace<128>", size_of::<Workspace<128>>(), 34_000),
+        ("JointStates<128>", size_of::<JointStates<128>>(), 6_700),
+        ("JointTargets<128>", size_of::<JointTargets<128>>(), 9_800),
+        ("Method<128>", size_of::<Method<128>>(), 2_100),
+        ("Controller<18>", size_of::<Controller<18>>(), 3_500),
+        ("Controller<128>", size_of::<Controller<128>>(), 23_700),
+    ] {
+        assert!(bytes <= budget, "{name} takes {bytes} bytes, its budget is {budget}");
+        assert!(
+            bytes > budget / 10 * 9,
+            "{name} takes {bytes} of {budget} bytes: lower its budget"
+        );
+    }
+}

@@ -1,0 +1,245 @@
+//! The control tick as a whole: nothing that is not a number comes out, limits hold, capacity does not show.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::state_error::{Aims, Compensation, Method, References};
+use sinew_core::{
+    Controller, JointState, JointStates, JointTargets, Motion, Transform, Tree, Workspace, Wrench,
+};
+use sinew_tests::property;
+use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
+
+fn gains() -> Gains {
+    Gains::critically_damped(200.0).expect("a good gain")
+}
+
+fn methods<const N: usize>(tree: &Tree<N>) -> [Method<N>; 4] {
+    [
+        Method::Local,
+        Method::World,
+        Method::Accumulated(References::egocentric(tree)),
+        Method::LinearCompensation {
+            aims: Aims::heaviest_child(tree),
+            settings: Compensation::default(),
+        },
+    ]
+}
+
+fn targets(rig: &Rig) -> JointTargets<CAPACITY> {
+    let mut targets = JointTargets::rest(&rig.tree);
+    let accelerations = rig.accelerations();
+    let joints = rig.tree.bodies().iter().zip(&rig.motions).zip(accelerations);
+    for (joint, ((body, motion), acceleration)) in joints.enumerate() {
+        targets.set(joint, motion.state(body), acceleration).expect("a good state");
+    }
+    targets
+}
+
+/// Numbers from the whole range of f32.
+fn number() -> impl Strategy<Value = f32> {
+    let exact =
+        [0.0, -0.0, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-44, 1e19, -1e19, 1e30, 1.0, -1.0];
+    prop_oneof![4 => -10.0f32..10.0, 3 => prop::sample::select(exact.to_vec()), 2 => prop::num::f32::NORMAL]
+}
+
+fn vectors(count: usize) -> impl Strategy<Value = Vec<Vec3>> {
+    vec(prop::array::uniform3(number()).prop_map(Vec3::from_array), count)
+}
+
+/// Overwrites all but the rotations of the states with numbers of any size.
+fn with_any_numbers(
+    states: &[JointState],
+    numbers: &mut std::slice::Iter<'_, Vec3>,
+) -> Vec<JointState> {
+    let mut next = || *numbers.next().expect("enough numbers");
+    states
+        .iter()
+        .map(|state| JointState {
+            pose: Transform::new(state.pose.rotation, next()),
+            velocity: Motion::new(next(), next()),
+        })
+        .collect()
+}
+
+fn finite(torques: &[Limited<Wrench>]) -> bool {
+    torques.iter().all(|torque| torque.value.is_finite())
+}
+
+proptest! {
+    #![proptest_config(property(200))]
+
+    #[test]
+    fn nothing_but_numbers_comes_out(
+        (rig, numbers, gravity) in
+            (rigs(16, Joints::Mixed), vectors(16 * 8), prop::array::uniform3(number())),
+    ) {
+        let mut numbers = numbers.iter();
+        let (mut targets, mut measured) = (JointTargets::rest(&rig.tree), JointStates::rest(&rig.tree));
+        let states = rig.states();
+        for (joint, state) in with_any_numbers(states.as_slice(), &mut numbers).into_iter().enumerate() {
+            measured.set(joint, state).expect("finite, and a unit rotation");
+        }
+        for (joint, state) in with_any_numbers(states.as_slice(), &mut numbers).into_iter().enumerate() {
+            let acceleration = Motion::new(numbers.as_slice()[0], Vec3::ZERO);
+            targets.set(joint, state, acceleration).expect("finite, and a unit rotation");
+        }
+        let limits = vec![TorqueLimit::new(5.0, 50.0).expect("good limits"); rig.tree.len()];
+        for method in methods(&rig.tree) {
+            for law in [ControlLaw::InverseDynamics, ControlLaw::ProportionalDerivative] {
+                let free = Controller::new(rig.tree.clone(), gains(), method.clone())
+                    .and_then(|controller| controller.with_gravity(Vec3::from_array(gravity)))
+                    .expect("good settings")
+                    .with_law(law);
+                let limited = free.clone().with_limits(&limits).expect("one for each");
+                let mut workspace = Workspace::new();
+                let wanted = free.tick(&targets, &measured, &[], &mut workspace).to_vec();
+                prop_assert!(finite(&wanted), "{wanted:?}");
+                let mut workspace = Workspace::new();
+                let got = limited.tick(&targets, &measured, &[], &mut workspace);
+                prop_assert!(finite(got), "{got:?}");
+                for (got, wanted) in got.iter().zip(&wanted) {
+                    // In units of the largest component: a square of a subnormal would vanish.
+                    let (moment, force) = (got.value.moment_nm.length(), got.value.force_n.length());
+                    prop_assert!(moment <= 5.0 * (1.0 + 1e-6) && force <= 50.0 * (1.0 + 1e-6));
+                    let kept = got.value == wanted.value;
+                    match got.reason {
+                        None => prop_assert!(kept, "changed without a reason"),
+                        Some(LimitReason::NotFinite) => {
+                            prop_assert_eq!(wanted.reason, Some(LimitReason::NotFinite));
+                        }
+                        Some(_) => prop_assert!(!kept, "a reason without a change"),
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_comes_from_outside_may_be_anything(
+        (rig, wrenches) in (rigs(16, Joints::Mixed), vec(any::<[f32; 6]>(), 0..20)),
+    ) {
+        // External wrenches are no checked type: NaN and infinities too.
+        let external: Vec<_> = wrenches
+            .iter()
+            .map(|w| Wrench::new(Vec3::new(w[0], w[1], w[2]), Vec3::new(w[3], w[4], w[5])))
+            .collect();
+        let controller = Controller::new(rig.tree.clone(), gains(), Method::World).expect("good settings");
+        let mut workspace = Workspace::new();
+        prop_assert!(finite(controller.tick(&targets(&rig), &rig.states(), &external, &mut workspace)));
+    }
+
+    #[test]
+    fn a_tick_does_not_depend_on_the_sign_of_a_quaternion((desired, measured) in figures(18, 0.6)) {
+        let (mut states, mut negated) = (measured.states(), measured.states());
+        for (joint, (body, motion)) in measured.tree.bodies().iter().zip(&measured.motions).enumerate() {
+            let state = motion.state(body);
+            let pose = Transform::new(-state.pose.rotation, state.pose.translation_m);
+            states.set(joint, state).expect("a good state");
+            negated.set(joint, JointState { pose, ..state }).expect("as good");
+        }
+        for method in methods(&desired.tree) {
+            let controller = Controller::new(desired.tree.clone(), gains(), method).expect("good settings");
+            let (mut one, mut other) = (Workspace::new(), Workspace::new());
+            let targets = targets(&desired);
+            let torques = controller.tick(&targets, &states, &[], &mut one);
+            prop_assert_eq!(controller.tick(&targets, &negated, &[], &mut other), torques);
+        }
+    }
+
+    #[test]
+    fn without_an_error_the_feedforward_is_what_the_motion_needs(rig in rigs(24, Joints::Mixed)) {
+        use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
+        let (targets, measured) = (targets(&rig), rig.states());
+        let gravity = Vec3::new(0.0, -9.81, 0.0);
+        let count = rig.tree.len();
+        let (mut scratch, mut wrenches) =
+            (vec![BodyMotion::default(); count], vec![Wrench::ZERO; count]);
+        let (bodies, accelerations) = (rig.tree.bodies(), rig.accelerations());
+        inverse_dynamics(bodies, measured.as_slice(), &accelerations, gravity, &[], &mut scratch, &mut wrenches);
+        let largest = wrenches.iter().fold(1.0f32, |largest, w| {
+            largest.max(w.moment_nm.abs().max_element()).max(w.force_n.abs().max_element())
+        });
+        // A rotation and its inverse leave 1.2e-7 rad, which is acted on with kp, against this
+        // inertia.
+        let inertia: f32 = bodies
+            .iter()
+            .zip(rig.world())
+            .map(|(body, state)| {
+                body.inertia.mass_kg * (1.0 + state.pose.translation_m.length_squared())
+            })
+            .sum();
+        let allowed = 1e-5 * largest + 200.0 * 1.2e-7 * inertia;
+        for method in methods(&rig.tree) {
+            let controller = Controller::new(rig.tree.clone(), gains(), method).expect("good settings");
+            let mut workspace = Workspace::new();
+            let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+            prop_assert_eq!(torques.len(), count);
+            for ((torque, wrench), (body, state)) in
+                torques.iter().zip(&wrenches).zip(bodies.iter().zip(measured.as_slice()))
+            {
+                let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+                let expected = body.joint.project_wrench(in_joint, *wrench);
+                let moment = (torque.value.moment_nm - expected.moment_nm).abs().max_element();
+                let force = (torque.value.force_n - expected.force_n).abs().max_element();
+                prop_assert!(moment.max(force) < allowed, "{moment} {force}, allowed {allowed}");
+            }
+        }
+    }
+}
+
+fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
+    let tree = &Tree::<N>::from_bodies(rig.tree.bodies()).expect("it fits");
+    let mut targets = JointTargets::rest(tree);
+    let measured = JointStates::rest(tree);
+    for (joint, state) in rig.states().as_slice().iter().enumerate() {
+        targets.set(joint, *state, Motion::ZERO).expect("a good state");
+    }
+    methods(tree)
+        .into_iter()
+        .flat_map(|method| {
+            let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+            let mut workspace = Workspace::new();
+            let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+            let bits = torques.iter().map(|torque| {
+                let (m, f) = (torque.value.moment_nm, torque.value.force_n);
+                [m.x, m.y, m.z, f.x, f.y, f.z].map(f32::to_bits)
+            });
+            bits.collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(property(50))]
+
+    #[test]
+    fn capacity_does_not_show(rig in rigs(7, Joints::Mixed)) {
+        prop_assert_eq!(torque_bits::<7>(&rig), torque_bits::<CAPACITY>(&rig));
+    }
+}
+
+#[test]
+fn rotations_that_are_unit_to_rounding_are_taken_and_others_not() {
+    let rig_state = |scale: f32| JointState {
+        pose: Transform::new(Quat::from_xyzw(0.6, 0.0, 0.0, 0.8) * scale, Vec3::ZERO),
+        velocity: Motion::ZERO,
+    };
+    let body = sinew_core::Body {
+        parent: None,
+        joint: sinew_core::JointKind::Spherical,
+        placement: Transform::IDENTITY,
+        inertia: sinew_core::Inertia::default(),
+    };
+    let tree = Tree::<1>::from_bodies(&[body]).expect("a good body");
+    let mut states = JointStates::rest(&tree);
+    for scale in [1.0005, 0.9995] {
+        assert_eq!(states.set(0, rig_state(scale)), Ok(()));
+        let length = states.as_slice()[0].pose.rotation.length();
+        assert!((length - 1.0).abs() < 1e-7, "{length}");
+    }
+    for scale in [1.01, 0.99, 0.0] {
+        assert!(states.set(0, rig_state(scale)).is_err());
+    }
+}

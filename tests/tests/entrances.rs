@@ -1,0 +1,319 @@
+//! Every entrance of the core refuses what is bad, each with its own error that says what would be right; and the
+//! extremes that it must take.
+
+use std::error::Error;
+
+use sinew_core::control::{Gains, GainsError, LimitError, TorqueLimit};
+use sinew_core::finite_difference::{DifferenceError, Scheme, of_rotations, of_vectors};
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::state_error::{
+    Aim, Aims, AimsError, Compensation, Method, References, ReferencesError,
+};
+use sinew_core::trajectory::{backward_states, forward_targets};
+use sinew_core::{
+    Body, BodySet, Controller, ControllerError, Inertia, InertiaError, JointCoordinatesError,
+    JointError, JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia,
+    StateInputError, Trajectory, TrajectoryError, Transform, Tree, TreeError, Workspace,
+};
+
+const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
+
+fn body(parent: Option<usize>) -> Body {
+    Body {
+        parent,
+        joint: JointKind::Spherical,
+        placement: Transform::from_translation(Vec3::new(0.0, 0.1, 0.0)),
+        inertia: Inertia {
+            mass_kg: 1.0,
+            center_of_mass_m: Vec3::ZERO,
+            rotational_kg_m2: RotationalInertia::diagonal(0.1, 0.1, 0.1),
+        },
+    }
+}
+
+/// Two children on a root.
+fn fork() -> Tree<3> {
+    Tree::from_bodies(&[body(None), body(Some(0)), body(Some(0))]).expect("a good tree")
+}
+
+/// Three bodies in a row.
+fn chain() -> Tree<3> {
+    Tree::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).expect("a good tree")
+}
+
+fn gains() -> Gains {
+    Gains::critically_damped(200.0).expect("a good gain")
+}
+
+/// The refusal of a bad input: the expected one, with a message that has these words in it.
+#[track_caller]
+fn refused<T, E: Error + PartialEq>(result: Result<T, E>, expected: &E, words: &[&str]) {
+    let Err(error) = result else { panic!("taken, expected {expected:?}") };
+    assert_eq!(&error, expected);
+    let message = error.to_string();
+    for word in words {
+        assert!(message.contains(word), "{word:?} is missing in: {message}");
+    }
+}
+
+#[test]
+fn trees() {
+    use TreeError as E;
+    let with = |change: fn(&mut Body)| {
+        let mut bad = body(Some(0));
+        change(&mut bad);
+        Tree::<2>::from_bodies(&[body(None), bad])
+    };
+    let first = Tree::<2>::from_bodies(&[body(Some(3))]);
+    refused(first, &E::ParentNotFirst { body: 0, parent: 3 }, &["body 0", "body 3", "before"]);
+    refused(with(|b| b.parent = Some(1)), &E::ParentNotFirst { body: 1, parent: 1 }, &["body 1"]);
+    refused(with(|b| b.parent = None), &E::SecondRoot { body: 1 }, &["body 1", "give it a parent"]);
+    let three = [body(None), body(Some(0)), body(Some(0))];
+    refused(Tree::<2>::from_bodies(&three), &E::Full { capacity: 2 }, &["full", "2"]);
+    refused(Tree::<0>::new().push(body(None)), &E::Full { capacity: 0 }, &["0"]);
+    let nan = with(|b| b.placement.translation_m = NAN);
+    refused(nan, &E::NonFinitePlacement { body: 1 }, &["joint 1", "finite"]);
+    let nan = with(|b| b.placement.rotation = Quat::from_xyzw(f32::INFINITY, 0.0, 0.0, 1.0));
+    refused(nan, &E::NonFinitePlacement { body: 1 }, &["joint 1", "finite"]);
+    let zero = with(|b| b.placement.rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+    refused(zero, &E::RotationNotUnit { body: 1 }, &["joint 1", "unit quaternion"]);
+    let axis = with(|b| b.joint = JointKind::Prismatic { axis: Vec3::ONE * 3.0 });
+    let length = sinew_core::math::length(Vec3::ONE * 3.0);
+    let error = JointError::AxisNotUnit { length };
+    refused(axis, &E::Joint { body: 1, error }, &["joint 1", "5.19", "unit vector"]);
+    let inertia = with(|b| b.inertia.mass_kg = -2.0);
+    let error = InertiaError::NegativeMass;
+    refused(inertia, &E::Inertia { body: 1, error }, &["body 1", "mass", "zero or more"]);
+}
+
+#[test]
+fn joints_and_inertias() {
+    use InertiaError as I;
+    use JointError as J;
+    let nan = JointKind::Revolute { axis: NAN };
+    refused(nan.validate(), &J::NonFiniteAxis, &["axis", "finite"]);
+    let zero = JointKind::Revolute { axis: Vec3::ZERO };
+    refused(zero.validate(), &J::AxisNotUnit { length: 0.0 }, &["0", "unit vector"]);
+    let second = Vec3::new(0.6, 0.8, 0.0);
+    let oblique = JointKind::Universal { first: Vec3::X, second };
+    let error = J::AxesNotPerpendicular { cosine: 0.6 };
+    refused(oblique.validate(), &error, &["perpendicular", "0.6"]);
+    let nan = JointKind::Universal { first: Vec3::X, second: NAN };
+    refused(nan.validate(), &J::NonFiniteAxis, &["finite"]);
+
+    let good = body(None).inertia;
+    let with = |change: fn(&mut Inertia)| {
+        let mut bad = good;
+        change(&mut bad);
+        bad.validate()
+    };
+    refused(with(|i| i.mass_kg = f32::NAN), &I::NonFinite("mass"), &["mass", "finite"]);
+    let error = I::NonFinite("center of mass");
+    refused(with(|i| i.center_of_mass_m = NAN), &error, &["center of mass"]);
+    let error = I::NonFinite("rotational inertia");
+    refused(with(|i| i.rotational_kg_m2.xz = f32::INFINITY), &error, &["rotational inertia"]);
+    refused(with(|i| i.mass_kg = -1.0), &I::NegativeMass, &["mass"]);
+    refused(with(|i| i.rotational_kg_m2.yy = -0.1), &I::NegativeMoment, &["moment"]);
+    refused(with(|i| i.mass_kg = 0.0), &I::InertiaWithoutMass, &["mass above zero"]);
+    refused(
+        with(|i| i.rotational_kg_m2.zz = 0.3),
+        &I::TriangleInequality,
+        &["sum of the other two"],
+    );
+    refused(with(|i| i.rotational_kg_m2.xy = 0.2), &I::TriangleInequality, &["principal"]);
+}
+
+#[test]
+fn joint_coordinates() {
+    use JointCoordinatesError as E;
+    let state = |kind: JointKind, position: &[f32], speed: &[f32]| {
+        kind.state(Transform::IDENTITY, position, speed)
+    };
+    let revolute = JointKind::Revolute { axis: Vec3::X };
+    let error = E::Count { expected: 1, found: 2 };
+    refused(state(revolute, &[0.0, 0.0], &[0.0]), &error, &["1 coordinates", "2 were given"]);
+    refused(state(JointKind::Fixed, &[0.0], &[]), &E::Count { expected: 0, found: 1 }, &["0"]);
+    let error = E::Count { expected: 3, found: 4 };
+    refused(state(JointKind::Spherical, &[0.0, 0.0, 0.0, 1.0], &[0.0; 4]), &error, &["3"]);
+    refused(state(revolute, &[f32::NAN], &[0.0]), &E::NonFinite { index: 0 }, &["coordinate 0"]);
+    let error = E::NotUnit { squared: 4.0 };
+    let long = state(JointKind::Free, &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], &[0.0; 6]);
+    refused(long, &error, &["4", "unit quaternion"]);
+}
+
+#[test]
+fn states() {
+    use StateInputError as E;
+    let tree = chain();
+    let (mut measured, mut targets) = (JointStates::rest(&tree), JointTargets::rest(&tree));
+    let before = (measured.clone(), targets.clone());
+    let good = JointState::default();
+    let nan_position =
+        JointState { pose: Transform::from_translation(NAN), velocity: Motion::ZERO };
+    let nan_velocity = JointState { velocity: Motion::new(Vec3::ZERO, NAN), ..good };
+    let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+    let no_rotation = JointState { pose: Transform::new(zero, Vec3::ZERO), ..good };
+    for (state, error, word) in [
+        (nan_position, E::NonFinite, "finite"),
+        (nan_velocity, E::NonFinite, "finite"),
+        (no_rotation, E::RotationNotUnit, "unit quaternion"),
+    ] {
+        refused(measured.set(0, state), &error, &[word]);
+        refused(targets.set(0, state, Motion::ZERO), &error, &[word]);
+    }
+    refused(measured.set(3, good), &E::NoSuchJoint, &["no joint"]);
+    refused(targets.set(3, good, Motion::ZERO), &E::NoSuchJoint, &["no joint"]);
+    let acceleration = Motion::new(NAN, Vec3::ZERO);
+    refused(targets.set(0, good, acceleration), &E::NonFinite, &["finite"]);
+    assert_eq!((measured, targets), before, "what is refused changes nothing");
+}
+
+#[test]
+fn methods_and_controllers() {
+    use ControllerError as E;
+    let (tree, other) = (chain(), fork());
+    let short = References::new(&tree, &[None]);
+    refused(short, &ReferencesError::Count { expected: 3, found: 1 }, &["3", "1 were given"]);
+    let itself = References::new(&tree, &[None, Some(1), None]);
+    let not_ancestor = |joint, reference| ReferencesError::NotAncestor { joint, reference };
+    refused(itself, &not_ancestor(1, 1), &["joint 1", "body 1", "ancestor"]);
+    let cousin = References::new(&other, &[None, None, Some(1)]);
+    refused(cousin, &not_ancestor(2, 1), &["joint 2", "body 1"]);
+
+    let count = AimsError::Count { expected: 3, found: 0 };
+    refused(Aims::new(&tree, &[]), &count, &["3", "0 were given"]);
+    let grandchild = [Aim::Child(2), Aim::None, Aim::None];
+    let not_a_child = AimsError::NotAChild { body: 0, child: 2 };
+    refused(Aims::new(&tree, &grandchild), &not_a_child, &["body 0", "body 2", "children"]);
+    let nan = [Aim::Point(NAN), Aim::None, Aim::None];
+    refused(Aims::new(&tree, &nan), &AimsError::NonFinite { body: 0 }, &["body 0", "finite"]);
+
+    let new = |method| Controller::new(tree.clone(), gains(), method);
+    let empty = Controller::new(Tree::<3>::new(), gains(), Method::World);
+    refused(empty, &E::EmptyTree, &["no bodies"]);
+    let none = Controller::new(Tree::<0>::new(), gains(), Method::Local);
+    refused(none, &E::EmptyTree, &["no bodies"]);
+    let of_chain = References::new(&tree, &[None, None, Some(1)]).expect("an ancestor");
+    let in_fork = Controller::new(other.clone(), gains(), Method::Accumulated(of_chain));
+    refused(in_fork, &E::References(not_ancestor(2, 1)), &["another tree", "joint 2"]);
+    let settings = Compensation::default();
+    let aims = Aims::heaviest_child(&chain());
+    let in_fork = Method::LinearCompensation { aims, settings };
+    let not_a_child = AimsError::NotAChild { body: 1, child: 2 };
+    let refusal = Controller::new(other, gains(), in_fork);
+    refused(refusal, &E::Aims(not_a_child), &["another tree", "body 1"]);
+    let settings = Compensation { beta: f32::NAN, ..settings };
+    let aims = Aims::heaviest_child(&tree);
+    let nan = new(Method::LinearCompensation { aims, settings });
+    refused(nan, &E::NonFinite("beta"), &["beta"]);
+    let nan = new(Method::World).and_then(|controller| controller.with_gravity(NAN));
+    refused(nan, &E::NonFinite("gravity"), &["gravity"]);
+    let two = new(Method::World).and_then(|c| c.with_limits(&[TorqueLimit::NONE; 2]));
+    refused(two, &E::Count { expected: 3, found: 2 }, &["3 joints", "2 were given"]);
+}
+
+#[test]
+fn gains_and_limits() {
+    use GainsError as E;
+    refused(Gains::new(f32::NAN, 1.0), &E::NonFinite("kp"), &["kp", "finite"]);
+    refused(Gains::new(1.0, -0.1), &E::Negative("kv"), &["kv", "zero or more"]);
+    refused(Gains::critically_damped(f32::INFINITY), &E::NonFinite("kp"), &["kp"]);
+    refused(TorqueLimit::new(-1.0, 0.0), &LimitError, &["zero or more"]);
+    refused(TorqueLimit::new(1.0, f32::NAN), &LimitError, &["infinity for none"]);
+}
+
+#[test]
+fn trajectories_and_differences() {
+    use DifferenceError as D;
+    use TrajectoryError as T;
+    let good = [Transform::IDENTITY; 6];
+    let new = |joints, dt_s| Trajectory::new(&good, joints, dt_s);
+    refused(new(4, 0.01), &T::Count { joints: 4, poses: 6 }, &["6 poses", "4 joints"]);
+    refused(new(0, 0.01), &T::Count { joints: 0, poses: 6 }, &["0 joints"]);
+    for dt_s in [0.0, -0.01, f32::NAN, f32::INFINITY] {
+        refused(new(2, dt_s), &T::TimeStep, &["positive"]);
+    }
+    let mut bad = good;
+    bad[5].rotation = Quat::from_xyzw(0.0, 1.0, 1.0, 0.0);
+    let error = T::InvalidPose { frame: 2, joint: 1 };
+    refused(Trajectory::new(&bad, 2, 0.01), &error, &["frame 2", "joint 1", "unit"]);
+
+    let samples = [Vec3::ZERO, Vec3::X];
+    let forward = |order, samples: &[Vec3], dt_s| of_vectors(Scheme::Forward, order, samples, dt_s);
+    refused(
+        forward(2, &samples, 0.01),
+        &D::Count { expected: 3, found: 2 },
+        &["3", "2 were given"],
+    );
+    refused(forward(1, &[NAN, Vec3::X], 0.01), &D::InvalidSample, &["finite"]);
+    refused(forward(1, &samples, f32::NAN), &D::TimeStep, &["positive"]);
+    refused(forward(1, &samples, 1e-39), &D::Overflow, &["too large", "longer time step"]);
+    let many: Vec<_> = (0..=200u8).map(|k| Vec3::splat(f32::from(k % 2))).collect();
+    refused(forward(200, &many, 1.0), &D::Overflow, &["lower order"]);
+    let none = of_rotations(Scheme::Forward, 0, &[Quat::IDENTITY], 0.01);
+    refused(none, &D::OrderZero, &["order 1"]);
+
+    let tree = fork();
+    let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+    let four = [Transform::IDENTITY; 4];
+    let nan = [Transform::from_translation(NAN); 1];
+    let refusal = forward_targets([&four, &four, &four], 0.01, &mut targets);
+    refused(refusal, &StateInputError::NoSuchJoint, &["no joint"]);
+    let refusal = forward_targets([&four[..1], &nan, &four], 0.01, &mut targets);
+    refused(refusal, &StateInputError::NonFinite, &["finite"]);
+    let refusal = backward_states([&four, &four], 0.01, &mut measured);
+    refused(refusal, &StateInputError::NoSuchJoint, &["no joint"]);
+    let refusal = backward_states([&nan, &four], 0.01, &mut measured);
+    refused(refusal, &StateInputError::NonFinite, &["finite"]);
+}
+
+/// Every method on a tree, from rest to a pose that is a little off: torques for all, all finite.
+fn every_method_runs<const N: usize>(bodies: &[Body]) {
+    let tree = Tree::<N>::from_bodies(bodies).expect("a good tree");
+    let mut targets = JointTargets::rest(&tree);
+    let measured = JointStates::rest(&tree);
+    let last = tree.len() - 1;
+    let placement = tree.bodies()[last].placement;
+    let tilted = JointKind::Spherical.state(placement, &[0.6, 0.0, 0.0, 0.8], &[0.1, 0.0, 0.0]);
+    targets.set(last, tilted.expect("a good state"), Motion::ZERO).expect("a good target");
+    let aims = Aims::heaviest_child(&tree);
+    let settings = Compensation::default();
+    for method in [
+        Method::Local,
+        Method::World,
+        Method::Accumulated(References::egocentric(&tree)),
+        Method::LinearCompensation { aims, settings },
+    ] {
+        let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+        let mut workspace = Workspace::new();
+        let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+        assert_eq!(torques.len(), bodies.len());
+        assert!(torques.iter().all(|t| t.reason.is_none() && t.value.is_finite()));
+        assert!(torques[last].value.moment_nm.x > 1.0, "{:?}", torques[last]);
+    }
+}
+
+#[test]
+fn extremes_are_taken() {
+    const N: usize = BodySet::CAPACITY;
+    every_method_runs::<1>(&[body(None)]);
+    every_method_runs::<N>(&[body(None)]);
+    let chain: Vec<_> = (0..N).map(|index| body(index.checked_sub(1))).collect();
+    every_method_runs::<N>(&chain);
+    let star: Vec<_> = (0..N).map(|index| body((index > 0).then_some(0))).collect();
+    every_method_runs::<N>(&star);
+
+    let deepest = Tree::<N>::from_bodies(&chain).expect("a good tree");
+    assert_eq!(deepest.supporters(N - 1).len(), N);
+    assert_eq!(deepest.leaves().collect::<Vec<_>>(), [N - 1]);
+    let widest = Tree::<N>::from_bodies(&star).expect("a good tree");
+    assert_eq!(widest.children(0).len(), N - 1);
+    assert_eq!(widest.leaves().count(), N - 1);
+
+    let nothing = Tree::<0>::default();
+    assert!(nothing.is_empty() && nothing.leaves().next().is_none() && !nothing.is_leaf(0));
+    assert!(JointStates::rest(&nothing).as_slice().is_empty());
+    assert!(Aims::heaviest_child(&nothing).as_slice().is_empty());
+    assert!(References::egocentric(&nothing).as_slice().is_empty());
+    assert_eq!(Trajectory::new(&[], 0, 0.1), Err(TrajectoryError::Count { joints: 0, poses: 0 }));
+}

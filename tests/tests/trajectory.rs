@@ -1,0 +1,165 @@
+//! Interpolation and finite differences, there and back.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use sinew_core::finite_difference::{Scheme, of_rotations, of_rotations_in_world, of_vectors};
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::trajectory::{backward_states, interpolate};
+use sinew_core::{
+    Body, Inertia, JointKind, JointStates, JointTargets, Trajectory, Transform, Tree, math,
+};
+use sinew_tests::property;
+
+const DT_S: f32 = 0.01;
+
+fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from_array)
+}
+
+/// Any orientation, with either sign of its quaternion.
+fn rotation() -> impl Strategy<Value = Quat> {
+    (vector(2.0), any::<bool>()).prop_map(|(v, negate)| {
+        let q = math::exp(v);
+        if negate { -q } else { q }
+    })
+}
+
+fn pose() -> impl Strategy<Value = Transform> {
+    (rotation(), vector(2.0)).prop_map(|(rotation, way)| Transform::new(rotation, way))
+}
+
+/// Frames that go on from each other by up to 0.2 rad and 5 cm.
+fn frames() -> impl Strategy<Value = Vec<Transform>> {
+    (pose(), vec((vector(0.1), vector(0.05), any::<bool>()), 3..12)).prop_map(|(first, steps)| {
+        let mut frames = vec![first];
+        for (turn, way, negate) in steps {
+            let last = frames[frames.len() - 1];
+            let rotation = math::unit(last.rotation * math::exp(turn));
+            let rotation = if negate { -rotation } else { rotation };
+            frames.push(Transform::new(rotation, last.translation_m + way));
+        }
+        frames
+    })
+}
+
+fn angle_between(a: Quat, b: Quat) -> f32 {
+    math::length(math::log(a.conjugate() * b))
+}
+
+fn one_joint() -> Tree<1> {
+    let root = Body {
+        parent: None,
+        joint: JointKind::Free,
+        placement: Transform::IDENTITY,
+        inertia: Inertia::default(),
+    };
+    Tree::from_bodies(&[root]).expect("a good body")
+}
+
+proptest! {
+    #![proptest_config(property(500))]
+
+    #[test]
+    fn interpolation_meets_both_ends_and_goes_evenly(
+        (from, to, t) in (pose(), pose(), 0.0f32..1.0),
+    ) {
+        let whole = angle_between(from.rotation, to.rotation);
+        prop_assume!(whole < 3.1, "half a turn has no shorter way");
+        let start = interpolate(&from, &to, 0.0);
+        let end = interpolate(&from, &to, 1.0);
+        prop_assert!(angle_between(start.rotation, from.rotation) < 1e-6);
+        prop_assert!(angle_between(end.rotation, to.rotation) < 1e-6);
+        prop_assert_eq!(start.translation_m, from.translation_m);
+        prop_assert!((end.translation_m - to.translation_m).abs().max_element() < 1e-6);
+        let between = interpolate(&from, &to, t);
+        // An angle near π is good to the rounding of its cosine, 1e-7, over its sine.
+        let allowed = 1e-6 / (0.5 * (3.1 - whole)).min(1.0);
+        prop_assert!((angle_between(from.rotation, between.rotation) - t * whole).abs() < allowed);
+        prop_assert!((angle_between(between.rotation, to.rotation) - (1.0 - t) * whole).abs() < allowed);
+        let length = between.rotation.length();
+        prop_assert!((length - 1.0).abs() < 2e-7, "length {length}");
+    }
+
+    #[test]
+    fn a_velocity_leads_from_frame_to_frame(frames in frames()) {
+        for pair in frames.windows(2) {
+            let rotations = [pair[0].rotation, pair[1].rotation];
+            let positions = [pair[0].translation_m, pair[1].translation_m];
+            for scheme in [Scheme::Forward, Scheme::Backward] {
+                let in_body = of_rotations(scheme, 1, &rotations, DT_S).expect("good frames");
+                let in_world = of_rotations_in_world(scheme, 1, &rotations, DT_S).expect("good frames");
+                let linear = of_vectors(scheme, 1, &positions, DT_S).expect("good frames");
+                let next = rotations[0] * math::exp(in_body * DT_S);
+                prop_assert!(angle_between(next, rotations[1]) < 1e-6);
+                let next = math::exp(in_world * DT_S) * rotations[0];
+                prop_assert!(angle_between(next, rotations[1]) < 1e-6);
+                let next = positions[0] + linear * DT_S;
+                prop_assert!((next - positions[1]).abs().max_element() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn an_acceleration_is_the_difference_of_velocities(frames in frames()) {
+        for window in frames.windows(3) {
+            let rotations = [0, 1, 2].map(|k: usize| window[k].rotation);
+            let velocity = |k: usize| of_rotations(Scheme::Forward, 1, &rotations[k..=k + 1], DT_S);
+            let (first, second) = (velocity(0).expect("good"), velocity(1).expect("good"));
+            for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
+                let got = of_rotations(scheme, 2, &rotations, DT_S).expect("good frames");
+                prop_assert_eq!(got, (second - first) / DT_S);
+            }
+            let central = of_rotations(Scheme::Central, 1, &rotations, DT_S).expect("good frames");
+            prop_assert!((central - (first + second) * 0.5).abs().max_element() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn frames_come_back_at_their_times(frames in frames()) {
+        let trajectory = Trajectory::new(&frames, 1, DT_S).expect("good frames");
+        for (index, frame) in frames.iter().enumerate() {
+            let mut sampled = [Transform::IDENTITY];
+            trajectory.sample(index as f32 * DT_S, &mut sampled);
+            // The time is off by a rounding: 1e-6 of a step of 0.2 rad and 5 cm.
+            prop_assert!(angle_between(sampled[0].rotation, frame.rotation) < 2e-6);
+            prop_assert!((sampled[0].translation_m - frame.translation_m).abs().max_element() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_is_measured_at_a_frame_was_the_target_one_frame_before(frames in frames()) {
+        let tree = one_joint();
+        let trajectory = Trajectory::new(&frames, 1, DT_S).expect("good frames");
+        let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+        for index in 0..frames.len() - 2 {
+            trajectory.targets(index, &mut targets).expect("good frames");
+            let window = [trajectory.frame(index), trajectory.frame(index + 1)];
+            backward_states(window, DT_S, &mut measured).expect("good frames");
+            let (target, measured) = (targets.states()[0], measured.as_slice()[0]);
+            // Body axes of both ends of a steady turn: the same components.
+            prop_assert_eq!(target.velocity.angular, measured.velocity.angular);
+            let (forward, backward) = (
+                target.pose.rotation * target.velocity.linear,
+                measured.pose.rotation * measured.velocity.linear,
+            );
+            prop_assert!((forward - backward).abs().max_element() < 1e-5, "m/s in the parent's axes");
+        }
+    }
+
+    #[test]
+    fn differences_of_a_polynomial_are_its_derivative(
+        (order, coefficients, at) in (1usize..5, vec(-3i8..=3, 5), -4i8..=4),
+    ) {
+        // Whole numbers, so that f32 is exact: p(t) of degree `order`, whose derivative of that order is
+        // order! times its first coefficient.
+        let value = |t: f32| coefficients[..=order].iter().fold(0.0, |sum, c| sum * t + f32::from(*c));
+        let factorial = (1..=order).fold(1.0, |product, k| product * k as f32);
+        for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
+            let samples: Vec<_> = (0..scheme.sample_count(order))
+                .map(|k| Vec3::splat(value(f32::from(at) + k as f32)))
+                .collect();
+            let got = of_vectors(scheme, order, &samples, 1.0).expect("good samples");
+            prop_assert_eq!(got, Vec3::splat(factorial * f32::from(coefficients[0])));
+        }
+    }
+}
