@@ -21,7 +21,7 @@ pub(crate) fn run() -> Result<()> {
     step::run(
         "documentation",
         step::cargo()
-            .args(["doc", "--locked", "--no-deps", "--document-private-items"])
+            .args(["doc", "--locked", "--no-deps"])
             .args(["-p", "sinew-core", "-p", "sinew-firmware", "-p", "sinew-sim"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;

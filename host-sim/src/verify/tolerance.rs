@@ -1,7 +1,7 @@
 //! What error each quantity may have, and why.
 //!
 //! The golden numbers are f64, the core computes in f32. A number is rounded by at most half a unit of its
-//! last place, [`HALF_ULP`] = 6e-8 of its size; every rounding of an input and of a step of the computation
+//! last place, `HALF_ULP` = 6e-8 of its size; every rounding of an input and of a step of the computation
 //! adds one. Each limit is that rounding times the number of steps it takes, two to five times what is
 //! reached today, so that a mistake shows and another order of additions does not.
 
