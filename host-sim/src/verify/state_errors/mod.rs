@@ -1,0 +1,194 @@
+//! State errors by every method (`errors/1`).
+
+mod compensation;
+mod difference;
+
+use serde::Deserialize;
+use sinew_core::state_error::{References, StateError, accumulated, local, world};
+use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Motion, Transform, kinematics};
+
+use super::CaseError;
+use super::figure::{self, Tree};
+use super::golden::{Rotation, Scalar, Vector, expect_count};
+use super::tally::{Quantity, Tallies};
+use super::tolerance as limit;
+use compensation::{Compensated, check_compensation};
+use difference::{Difference, Limits, add_difference};
+
+#[derive(Deserialize)]
+pub(super) struct Case {
+    n: usize,
+    parent: Vec<i64>,
+    leaf: Vec<bool>,
+    aim: Vec<Vector>,
+    aim_child: Vec<i64>,
+    desired: States,
+    measured: States,
+    expected: Expected,
+}
+
+/// World states of all bodies.
+#[derive(Deserialize)]
+struct States {
+    pos: Vec<Vector>,
+    quat: Vec<Rotation>,
+    lin_vel: Vec<Vector>,
+    ang_vel: Vec<Vector>,
+}
+
+#[derive(Deserialize)]
+struct Expected {
+    local: Vec<Difference>,
+    world: Vec<Difference>,
+    egocentric: Vec<Difference>,
+    grandparent: Grandparent,
+    linear_compensation: Vec<Compensated>,
+    metrics: Metrics,
+}
+
+#[derive(Deserialize)]
+struct Grandparent {
+    frame: Vec<i64>,
+    error: Vec<Difference>,
+}
+
+#[derive(Deserialize)]
+struct Metrics {
+    angular_deg: Statistics,
+    linear_cm: Statistics,
+}
+
+#[derive(Deserialize)]
+struct Statistics {
+    mean_all: Scalar,
+    max_all: Scalar,
+    mean_leaf: Scalar,
+    max_leaf: Scalar,
+}
+
+pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
+    let at = format!("case {name}");
+    let tree = tree(case)?;
+    let desired = case.desired.rounded("desired", case.n)?;
+    let measured = case.measured.rounded("measured", case.n)?;
+    for (field, count) in [("leaf", case.leaf.len()), ("aim", case.aim.len())] {
+        expect_count(field, count, case.n)?;
+    }
+    for (body, leaf) in case.leaf.iter().enumerate() {
+        tallies.add_equal("leaf", format_args!("{at}, body {body}"), tree.is_leaf(body) == *leaf);
+    }
+
+    let joints = |world: &[BodyState]| {
+        let mut joints = vec![JointState::default(); case.n];
+        kinematics::joint_states(tree.bodies(), world, &mut joints);
+        joints
+    };
+    let errors = |compute: &dyn Fn(&mut [StateError])| {
+        let mut out = vec![StateError::ZERO; case.n];
+        compute(&mut out);
+        out
+    };
+    let seen_from = |references: &References<128>| {
+        errors(&|out| accumulated(references.as_slice(), &desired, &measured, out))
+    };
+    let references = |field: &str, frames: &[i64]| {
+        let bodies: Result<Vec<_>, _> =
+            frames.iter().map(|frame| figure::parent(*frame, field)).collect();
+        References::new(&tree, &bodies?).map_err(|error| CaseError::new(field, error))
+    };
+
+    let expected = &case.expected;
+    let parents = references("parent", &case.parent)?;
+    let grandparents = references("expected.grandparent.frame", &expected.grandparent.frame)?;
+    let world_errors = errors(&|out| world(&desired, &measured, out));
+    let by_joints = errors(&|out| local(&joints(&desired), &joints(&measured), out));
+    for (method, got, expected) in [
+        ("local", &by_joints, &expected.local),
+        ("local, accumulated", &seen_from(&parents), &expected.local),
+        ("world", &world_errors, &expected.world),
+        ("egocentric", &seen_from(&References::egocentric(&tree)), &expected.egocentric),
+        ("grandparent", &seen_from(&grandparents), &expected.grandparent.error),
+    ] {
+        expect_count(&format!("expected.{method}"), expected.len(), case.n)?;
+        let limits = match method {
+            "world" => Limits::direct(case),
+            "local" => Limits::through_joints(case),
+            _ => Limits::relative(case),
+        };
+        for (body, (got, expected)) in got.iter().zip(expected).enumerate() {
+            add_difference(method, &format!("{at}, body {body}"), got, expected, &limits, tallies);
+        }
+    }
+    check_metrics(case, &at, &world_errors, tallies);
+    if expected.linear_compensation.is_empty() {
+        return Err(CaseError::new(
+            "expected.linear_compensation",
+            "none; expected one for each β",
+        ));
+    }
+    for compensated in &expected.linear_compensation {
+        check_compensation(case, &tree, &at, compensated, [&desired, &measured], tallies)?;
+    }
+    Ok(())
+}
+
+impl States {
+    fn rounded(&self, side: &str, n: usize) -> Result<Vec<BodyState>, CaseError> {
+        expect_count(&format!("{side}.quat"), self.quat.len(), n)?;
+        let vectors = [("pos", &self.pos), ("lin_vel", &self.lin_vel), ("ang_vel", &self.ang_vel)];
+        for (field, list) in vectors {
+            expect_count(&format!("{side}.{field}"), list.len(), n)?;
+        }
+        let state = |body: usize| BodyState {
+            pose: Transform::new(self.quat[body].rounded(), self.pos[body].rounded()),
+            velocity: Motion::new(self.ang_vel[body].rounded(), self.lin_vel[body].rounded()),
+        };
+        Ok((0..n).map(state).collect())
+    }
+}
+
+/// A tree without masses: state errors need none.
+fn tree(case: &Case) -> Result<Tree, CaseError> {
+    expect_count("parent", case.parent.len(), case.n)?;
+    figure::expect_bodies(case.n)?;
+    let mut tree = Tree::new();
+    for (index, parent) in case.parent.iter().enumerate() {
+        let field = format!("parent[{index}]");
+        tree.push(Body {
+            parent: figure::parent(*parent, &field)?,
+            joint: if index == 0 { JointKind::Free } else { JointKind::Spherical },
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        })
+        .map_err(|error| CaseError::new(field, error))?;
+    }
+    Ok(tree)
+}
+
+fn check_metrics(case: &Case, at: &str, errors: &[StateError], tallies: &mut Tallies) {
+    let leaves = |of: &dyn Fn(&StateError) -> f64| {
+        let all: Vec<f64> = errors.iter().map(of).collect();
+        let leaf: Vec<f64> =
+            all.iter().zip(&case.leaf).filter(|(_, leaf)| **leaf).map(|(x, _)| *x).collect();
+        [all, leaf]
+    };
+    let degrees = leaves(&|error| error.angular_rad.as_dvec3().length().to_degrees());
+    let centimetres = leaves(&|error| error.linear_m.as_dvec3().length() * 100.0);
+    let metrics = &case.expected.metrics;
+    for (name, limit, scale, [all, leaf], expected) in [
+        ("metric, angle", limit::METRIC_ANGLE, 180.0, degrees, &metrics.angular_deg),
+        ("metric, distance", limit::METRIC_DISTANCE, 100.0, centimetres, &metrics.linear_cm),
+    ] {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let max = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        for (got, Scalar(expected)) in [
+            (mean(&all), expected.mean_all),
+            (max(&all), expected.max_all),
+            (mean(&leaf), expected.mean_leaf),
+            (max(&leaf), expected.max_leaf),
+        ] {
+            let quantity = Quantity { name, limit, scale };
+            tallies.add_error(quantity, format_args!("{at}"), got - expected);
+        }
+    }
+}
