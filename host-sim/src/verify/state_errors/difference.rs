@@ -16,7 +16,7 @@ use crate::verify::tolerance as limit;
 #[derive(Deserialize, Clone, Copy)]
 pub(super) struct Difference {
     pub(super) e_rot: Vector,
-    e_lin: Vector,
+    pub(super) e_lin: Vector,
     pub(super) ed_rot: Vector,
     pub(super) ed_lin: Vector,
 }
