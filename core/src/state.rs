@@ -240,6 +240,8 @@ pub enum StateInputError {
     RotationNotUnit,
     /// The tree has no joint of that index.
     NoSuchJoint,
+    /// The time step of a difference is not a positive number.
+    TimeStep,
 }
 
 impl fmt::Display for StateInputError {
@@ -248,6 +250,7 @@ impl fmt::Display for StateInputError {
             Self::NonFinite => "a component of the state is not finite",
             Self::RotationNotUnit => "the rotation is not a unit quaternion",
             Self::NoSuchJoint => "the tree has no joint of that index",
+            Self::TimeStep => "the time step must be a positive number of seconds",
         })
     }
 }

@@ -111,6 +111,8 @@ impl<'a> Trajectory<'a> {
     /// Targets at frame `index` by forward differences, as the paper takes them (13): it looks two frames
     /// ahead, and the last frame is held after the end. O(joints).
     ///
+    /// A performance that ends in motion is stopped within one frame by that: end it at rest.
+    ///
     /// # Errors
     /// [`StateInputError`] if the targets are for fewer joints, or differences overflow.
     pub fn targets<const N: usize>(
@@ -155,22 +157,19 @@ pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform
 /// frame ahead, accelerations two.
 ///
 /// # Errors
-/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, or the
-/// targets are for fewer joints.
+/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step
+/// is not positive, or the targets are for fewer joints.
 pub fn forward_targets<const N: usize>(
     [now, next, after]: [&[Transform]; 3],
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
     for (joint, ((now, next), after)) in now.iter().zip(next).zip(after).enumerate() {
-        let window = [now, next, after];
-        let difference = |order: usize| {
-            let count = Scheme::Forward.sample_count(order);
-            joint_difference(Scheme::Forward, order, window.get(..count)?, now, dt_s).ok()
+        let difference = |order: usize, window: &[&Transform]| {
+            joint_difference(Scheme::Forward, order, window, now, dt_s).map_err(refusal)
         };
-        let (Some(velocity), Some(acceleration)) = (difference(1), difference(2)) else {
-            return Err(StateInputError::NonFinite);
-        };
+        let velocity = difference(1, &[now, next])?;
+        let acceleration = difference(2, &[now, next, after])?;
         out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
     }
     Ok(())
@@ -205,13 +204,11 @@ pub fn forward_targets_of_bodies<const N: usize>(
         *slot = pose;
         let rotations = [state.pose.rotation, pose.rotation];
         let positions = [state.pose.translation_m, pose.translation_m];
-        let (Ok(angular), Ok(linear)) = (
-            of_rotations_in_world(Scheme::Forward, 1, &rotations, dt_s),
-            of_vectors(Scheme::Forward, 1, &positions, dt_s),
-        ) else {
-            return Err(StateInputError::NonFinite);
+        state.velocity = Motion {
+            angular: of_rotations_in_world(Scheme::Forward, 1, &rotations, dt_s)
+                .map_err(refusal)?,
+            linear: of_vectors(Scheme::Forward, 1, &positions, dt_s).map_err(refusal)?,
         };
-        state.velocity = Motion::new(angular, linear);
     }
     for (index, (body, state)) in tree.bodies().iter().zip(&now).enumerate() {
         let parent = kinematics::of_parent(body, &now, BodyState::WORLD);
@@ -224,19 +221,27 @@ pub fn forward_targets_of_bodies<const N: usize>(
 /// from joint sensors without a model.
 ///
 /// # Errors
-/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, or the states
-/// are of fewer joints.
+/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step is
+/// not positive, or the states are of fewer joints.
 pub fn backward_states<const N: usize>(
     [before, now]: [&[Transform]; 2],
     dt_s: f32,
     out: &mut JointStates<N>,
 ) -> Result<(), StateInputError> {
     for (joint, (before, now)) in before.iter().zip(now).enumerate() {
-        let velocity = joint_difference(Scheme::Backward, 1, &[before, now], now, dt_s)
-            .map_err(|_| StateInputError::NonFinite)?;
+        let velocity =
+            joint_difference(Scheme::Backward, 1, &[before, now], now, dt_s).map_err(refusal)?;
         out.set(joint, JointState { pose: *now, velocity })?;
     }
     Ok(())
+}
+
+/// What a difference that cannot be taken says of the states it was for: the number of samples is ours.
+fn refusal(error: DifferenceError) -> StateInputError {
+    match error {
+        DifferenceError::TimeStep => StateInputError::TimeStep,
+        _ => StateInputError::NonFinite,
+    }
 }
 
 /// Difference of a joint's poses in the axes of the body at pose `at`.
@@ -338,6 +343,13 @@ mod tests {
         let mut measured = JointStates::rest(&tree);
         backward_states([&frames[0..1], &frames[1..2]], 0.01, &mut measured).unwrap();
         assert!((measured.as_slice()[0].velocity.angular.y - 2.0).abs() < 5e-5);
+        for dt_s in [0.0, -0.01, f32::NAN] {
+            let window = [&frames[0..1], &frames[1..2]];
+            assert_eq!(
+                backward_states(window, dt_s, &mut measured),
+                Err(StateInputError::TimeStep)
+            );
+        }
     }
 
     #[test]

@@ -79,7 +79,8 @@ async fn run_control(
     let mut ticker = Ticker::every(Duration::from_micros(period_us));
     let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
     watchdog.unleash();
-    for tick in (0..show.frame_count()).cycle() {
+    let mut tick = 0usize;
+    loop {
         ticker.next().await;
         let start = Instant::now();
         if replay.observe(tick).is_err() {
@@ -92,6 +93,8 @@ async fn run_control(
         if tick % 100 == 0 {
             defmt::info!("tick {}: {} us, {} limited", tick, start.elapsed().as_micros(), limited);
         }
+        // To the show's end and no further: its last frame is held. Starting over would be a jump.
+        tick = tick.saturating_add(1);
     }
 }
 
