@@ -83,16 +83,18 @@ async fn run_control(
     loop {
         ticker.next().await;
         let start = Instant::now();
-        if replay.observe(tick).is_err() {
-            defmt::error!("tick {}: a measured state was refused, no torque", tick);
-            watchdog.pet();
-            continue;
+        match replay.observe(tick) {
+            Ok(()) => {
+                let torques = replay.control().iter();
+                let limited = torques.filter(|torque| torque.reason.is_some()).count();
+                if tick % 100 == 0 {
+                    let took_us = start.elapsed().as_micros();
+                    defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
+                }
+            }
+            Err(_) => defmt::error!("tick {}: a measured state was refused, no torque", tick),
         }
-        let limited = replay.control().iter().filter(|torque| torque.reason.is_some()).count();
         watchdog.pet();
-        if tick % 100 == 0 {
-            defmt::info!("tick {}: {} us, {} limited", tick, start.elapsed().as_micros(), limited);
-        }
         // To the show's end and no further: its last frame is held. Starting over would be a jump.
         tick = tick.saturating_add(1);
     }
