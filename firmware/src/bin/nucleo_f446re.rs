@@ -83,16 +83,15 @@ async fn run_control(
     loop {
         ticker.next().await;
         let start = Instant::now();
-        match replay.observe(tick) {
-            Ok(()) => {
-                let torques = replay.control().iter();
-                let limited = torques.filter(|torque| torque.reason.is_some()).count();
-                if tick % 100 == 0 {
-                    let took_us = start.elapsed().as_micros();
-                    defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
-                }
+        if replay.observe(tick).is_ok() {
+            let torques = replay.control().iter();
+            let limited = torques.filter(|torque| torque.reason.is_some()).count();
+            if tick.is_multiple_of(100) {
+                let took_us = start.elapsed().as_micros();
+                defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
             }
-            Err(_) => defmt::error!("tick {}: a measured state was refused, no torque", tick),
+        } else {
+            defmt::error!("tick {}: a measured state was refused, no torque", tick);
         }
         watchdog.pet();
         // To the show's end and no further: its last frame is held. Starting over would be a jump.
