@@ -18,14 +18,13 @@ pub struct App<'a, const N: usize> {
     workspace: Workspace<N>,
     window: [[Transform; N]; 3],
     previous: [Transform; N],
+    /// Ticks since `previous` was measured; zero before anything was.
+    age_ticks: u16,
 }
 
 impl<'a, const N: usize> App<'a, N> {
-    /// An application at the first frame of `show`, at rest. The controller must be made of the show's own
-    /// [`Show::tree`].
+    /// An application at the first frame of `show`. The controller must be made of the show's own [`Show::tree`].
     pub fn new(show: Show<'a>, controller: Controller<N>) -> Self {
-        let mut previous = [Transform::IDENTITY; N];
-        show.frame(0, &mut previous);
         Self {
             show,
             targets: JointTargets::rest(controller.tree()),
@@ -33,18 +32,23 @@ impl<'a, const N: usize> App<'a, N> {
             controller,
             workspace: Workspace::new(),
             window: [[Transform::IDENTITY; N]; 3],
-            previous,
+            previous: [Transform::IDENTITY; N],
+            age_ticks: 0,
         }
     }
 
     /// Takes the targets of frame `index` by forward differences of the bodies, and the measured joints by backward ones
-    /// from the last call's. `measured` has a pose per joint, each in its parent's frame.
+    /// from the last call that was not refused. `measured` has a pose per joint, each in its parent's frame.
+    ///
+    /// The first poses count as at rest: where the rig stood before is not known, and it need not be where the show
+    /// begins.
     ///
     /// # Errors
-    /// [`StateInputError`] if a measured pose is not finite or not unit: the board must then hold its
-    /// servos safe, and not call [`Self::control`].
+    /// [`StateInputError`] if a joint has no measured pose, or one that is not finite or not unit: the board must
+    /// then hold its servos safe, and not call [`Self::control`].
     pub fn observe(&mut self, index: usize, measured: &[Transform]) -> Result<(), StateInputError> {
         let bodies = self.show.body_count().min(N);
+        let measured = measured.get(..bodies).ok_or(StateInputError::NoSuchJoint)?;
         for (ahead, frame) in self.window.iter_mut().enumerate() {
             self.show.frame(index.saturating_add(ahead), frame);
         }
@@ -57,8 +61,16 @@ impl<'a, const N: usize> App<'a, N> {
             dt_s,
             &mut self.targets,
         )?;
-        let previous = self.previous.get(..bodies).unwrap_or_default();
-        backward_states([previous, measured], dt_s, &mut self.measured)?;
+        let age_ticks = self.age_ticks;
+        let previous = match age_ticks {
+            0 => measured,
+            _ => self.previous.get(..bodies).unwrap_or_default(),
+        };
+        // Ages before the poses are looked at: one that is refused has taken its tick all the same.
+        self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
+        let elapsed_s = dt_s * f32::from(age_ticks.max(1));
+        backward_states([previous, measured], elapsed_s, &mut self.measured)?;
+        self.age_ticks = 1;
         for (previous, measured) in self.previous.iter_mut().zip(measured) {
             *previous = *measured;
         }

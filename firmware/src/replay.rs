@@ -3,7 +3,7 @@
 //! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit
 //! by bit.
 
-use sinew_core::control::{ControlLaw, Gains, Limited};
+use sinew_core::control::{ControlLaw, Gains, GainsError, Limited};
 use sinew_core::state_error::{Aims, Compensation, Method};
 use sinew_core::{Controller, ControllerError, StateInputError, Transform, Tree, Wrench};
 
@@ -47,7 +47,7 @@ impl<'a, const N: usize> Replay<'a, N> {
     pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
         let tree = show.tree::<N>().map_err(ReplayError::Show)?;
         let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
-        let gains = Gains::critically_damped(KP).map_err(|_| ReplayError::UnknownMethod)?;
+        let gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
         let controller = Controller::new(tree, gains, method)
             .map_err(ReplayError::Controller)?
             .with_law(ControlLaw::InverseDynamics);
@@ -115,6 +115,8 @@ pub enum ReplayError {
     Show(ShowError),
     /// There is no method of that name, see [`METHODS`].
     UnknownMethod,
+    /// The gains cannot be.
+    Gains(GainsError),
     /// The controller cannot be made.
     Controller(ControllerError),
 }
@@ -124,6 +126,7 @@ impl core::fmt::Display for ReplayError {
         match self {
             Self::Show(error) => error.fmt(f),
             Self::UnknownMethod => write!(f, "unknown method; known are {METHODS:?}"),
+            Self::Gains(error) => error.fmt(f),
             Self::Controller(error) => error.fmt(f),
         }
     }

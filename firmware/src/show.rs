@@ -161,7 +161,10 @@ impl<'a> Show<'a> {
 
     fn rig_body(&self, body: usize) -> Result<Body, ShowError> {
         let mut at = Reader { bytes: self.rig, at: body.saturating_mul(BODY_LEN) };
-        let parent = usize::try_from(at.u16()?.cast_signed()).ok();
+        let parent = match at.u16()?.cast_signed() {
+            -1 => None,
+            found => Some(usize::try_from(found).map_err(|_| ShowError::Parent { body, found })?),
+        };
         let kind = at.u16()?;
         let (first, second) = (at.vec3()?, at.vec3()?);
         let joint = match kind {
@@ -333,6 +336,13 @@ pub enum ShowError {
         /// The CRC of its content.
         computed: u32,
     },
+    /// The parent of a body is neither a body nor the world.
+    Parent {
+        /// The body.
+        body: usize,
+        /// The number of its parent.
+        found: i16,
+    },
     /// A joint is of a kind that there is not.
     JointKind {
         /// The body.
@@ -373,6 +383,10 @@ impl fmt::Display for ShowError {
             Self::Checksum { stored, computed } => write!(
                 f,
                 "the show is damaged: it carries CRC {stored:08x}, its content has {computed:08x}"
+            ),
+            Self::Parent { body, found } => write!(
+                f,
+                "body {body} has parent {found}; it must be the index of a body, or -1 for the world"
             ),
             Self::JointKind { body, found } => {
                 write!(f, "body {body} has joint kind {found}; kinds are 0 to 5")

@@ -1,8 +1,14 @@
 //! Shows: what is written is read back, and nothing that is not a show is performed.
 
 use proptest::prelude::*;
+use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
-use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
+use sinew_core::state_error::Method;
+use sinew_core::{
+    Body, Controller, Inertia, JointKind, RotationalInertia, StateInputError, Transform, TreeError,
+    math,
+};
+use sinew_firmware::app::App;
 use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::{Show, ShowError, write};
 
@@ -108,6 +114,7 @@ fn each_fault_has_its_error() {
 
     let tree = |bytes: &[u8]| Show::parse(bytes).unwrap().tree::<3>().unwrap_err();
     assert_eq!(tree(&with(16 + 2, &[9, 0])), E::JointKind { body: 0, found: 9 });
+    assert_eq!(tree(&with(16 + 108, &(-2i16).to_le_bytes())), E::Parent { body: 1, found: -2 });
     let second_root = with(16 + 108, &(-1i16).to_le_bytes());
     assert_eq!(tree(&second_root), E::Rig(TreeError::SecondRoot { body: 1 }));
     let full = Show::parse(&good).unwrap().tree::<2>().unwrap_err();
@@ -133,6 +140,69 @@ fn a_replay_is_the_same_every_time_and_differs_by_method() {
     let hashes = METHODS.map(run);
     assert_eq!(hashes, METHODS.map(run));
     assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2] && hashes[0] != hashes[2]);
+}
+
+/// A show of one pose throughout, on a rig a tenth larger than the performer.
+fn still_show() -> Vec<u8> {
+    let (mut bytes, frame, mut rig) = (Vec::new(), frames()[7], rig());
+    for (body, pose) in rig.iter_mut().zip(frame).skip(1) {
+        body.placement.translation_m = pose.translation_m * 1.1;
+    }
+    let sink = |piece: &[u8]| {
+        bytes.extend_from_slice(piece);
+        Ok::<(), std::convert::Infallible>(())
+    };
+    let Ok(()) = write(&rig, 0.01, vec![frame.as_slice(); 10].into_iter(), sink);
+    bytes
+}
+
+#[test]
+fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
+    let bytes = still_show();
+    for method in METHODS {
+        let mut replay = Replay::<3>::new(Show::parse(&bytes).unwrap(), method).unwrap();
+        replay.observe(0).unwrap();
+        let first = replay.control().to_vec();
+        replay.observe(1).unwrap();
+        assert_eq!(replay.control(), first, "{method}");
+    }
+}
+
+#[test]
+fn velocities_span_the_ticks_whose_state_was_refused() {
+    let bytes = still_show();
+    let show = Show::parse(&bytes).unwrap();
+    let mut rest = [Transform::IDENTITY; BODIES];
+    show.frame(0, &mut rest);
+    // The second joint turns evenly, 0.02 rad in a tick.
+    let turned = |tick: u8| {
+        let mut poses = rest;
+        poses[1].rotation *= math::exp(Vec3::X * (0.02 * f32::from(tick)));
+        poses
+    };
+    let run = |lost: Option<u8>| {
+        let tree = show.tree::<BODIES>().unwrap();
+        let gains = Gains::critically_damped(200.0).unwrap();
+        let controller = Controller::new(tree, gains, Method::Local).unwrap();
+        let mut app = App::new(show, controller);
+        for tick in 0..6u8 {
+            let mut poses = turned(tick);
+            if lost == Some(tick) {
+                poses[2].translation_m.x = f32::NAN;
+            }
+            let too_few = app.observe(usize::from(tick), &poses[..2]);
+            assert_eq!(too_few, Err(StateInputError::NoSuchJoint));
+            let observed = app.observe(usize::from(tick), &poses);
+            assert_eq!(observed.is_err(), lost == Some(tick));
+        }
+        app.control().iter().map(|torque| torque.value.moment_nm).collect::<Vec<_>>()
+    };
+    // The last state is differenced from the one before the lost one: rounding apart, the same velocity.
+    for (with, without) in run(Some(4)).iter().zip(run(None)) {
+        assert!((*with - without).length() < 1e-3 * without.length(), "{with} {without}");
+    }
+    // Nothing to difference from but what came after it.
+    assert!(run(Some(0)).iter().all(|moment| moment.is_finite()));
 }
 
 /// Whatever the bytes are: an error, or a show that can be performed to its end.
