@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::MethodName;
 use crate::figure::BodyModelError;
-use crate::plant::RapierError;
+use crate::plant::PlantError;
 
 /// Why an evaluation has no result.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -79,5 +79,5 @@ pub enum RunError {
     Controller(#[from] ControllerError),
     /// The plant cannot be built.
     #[error(transparent)]
-    Plant(#[from] RapierError),
+    Plant(#[from] PlantError),
 }

@@ -10,7 +10,7 @@ use super::error::RunError;
 use super::reference::{moving_poses, one_step_before, world_poses};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
-use crate::plant::{Drive, Plant, PlantBody, Pose, RapierPlant};
+use crate::plant::{Drive, Mechanism, PlantBody, PlantSettings, Pose, Root};
 
 /// Stiffness of eq. (11) in 1/s², critically damped: the paper's.
 const KP: f32 = 200.0;
@@ -85,7 +85,8 @@ pub fn track(
 
     let start = moving_poses(motion, &model.offset_m);
     let mut before = measured_joints(&one_step_before(&start, motion.dt_s), &model.offset_m);
-    let mut plant = RapierPlant::new(&plant_bodies(model), &start, motion.dt_s)?;
+    let mechanism = Mechanism { root: Root::Driven, bodies: plant_bodies(model).to_vec() };
+    let mut plant = PlantSettings::default().build(&mechanism, &start, motion.dt_s)?;
     let mut drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO; BODY_COUNT] };
 
     let mut window = [0, 1, 2].map(|frame| motion.joint_poses(frame));

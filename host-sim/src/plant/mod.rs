@@ -5,11 +5,102 @@ mod rapier;
 use std::fmt;
 
 use glam::{DQuat, DVec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::figure::MassProperties;
 
-pub use rapier::{RapierError, RapierPlant};
+pub use rapier::RapierPlant;
+
+/// Which plant, and how its steps are cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlantSettings {
+    /// The plant.
+    pub kind: PlantKind,
+    /// Equal parts that a step is cut in, with the torques held; at least 1.
+    pub substeps: usize,
+}
+
+impl Default for PlantSettings {
+    fn default() -> Self {
+        Self { kind: PlantKind::Rapier, substeps: 1 }
+    }
+}
+
+/// The plants there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum PlantKind {
+    /// The game engine rapier in maximal coordinates, set up for torque control.
+    Rapier,
+}
+
+/// A mechanism in regular numbering.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    /// How body 0 is held.
+    pub root: Root,
+    /// The bodies, parents before children.
+    pub bodies: Vec<PlantBody>,
+}
+
+/// How body 0 is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Root {
+    /// It moves freely, driven by a force and a torque from outside.
+    #[default]
+    Driven,
+    /// It is bolted to the world where it starts.
+    Fixed,
+}
+
+/// Why a plant could not be built.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PlantError {
+    /// A step cannot be cut in no parts.
+    #[error("substeps: expected 1 or more, found 0")]
+    NoSubsteps,
+    /// The principal axes found do not give the inertia back.
+    #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
+    Inertia {
+        /// The body.
+        body: usize,
+        /// Largest difference over the largest element.
+        relative: f64,
+    },
+}
+
+impl PlantSettings {
+    /// Builds the mechanism in the given state, one of `start` per body; the poses must fit the joints.
+    ///
+    /// # Errors
+    /// [`PlantError`].
+    pub fn build(
+        &self,
+        mechanism: &Mechanism,
+        start: &[MovingPose],
+        dt_s: f64,
+    ) -> Result<Box<dyn Plant>, PlantError> {
+        if self.substeps == 0 {
+            return Err(PlantError::NoSubsteps);
+        }
+        match self.kind {
+            PlantKind::Rapier => {
+                Ok(Box::new(RapierPlant::new(mechanism, start, dt_s, self.substeps)?))
+            }
+        }
+    }
+
+    /// What the plant is, for reports.
+    pub fn description(&self) -> Description {
+        match self.kind {
+            PlantKind::Rapier => RapierPlant::description(self.substeps),
+        }
+    }
+}
 
 /// Pose of a body frame in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,8 +133,7 @@ pub struct MovingPose {
     pub linear_m_s: DVec3,
 }
 
-/// One body of a mechanism in regular numbering: body 0 moves freely, every other one hangs on a
-/// spherical joint.
+/// One body of a mechanism: body 0 as [`Root`] says, every other one on a spherical joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantBody {
     /// Index of the parent body; `None` for body 0.

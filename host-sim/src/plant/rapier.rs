@@ -9,20 +9,18 @@ use glam::{DMat3, DQuat, DVec3};
 use rapier3d_f64::prelude::{
     BroadPhaseBvh, CCDSolver, ColliderSet, ImpulseJointSet, IntegrationParameters, IslandManager,
     MassProperties as EngineMass, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
-    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Rotation, SoftBodySet, SphericalJointBuilder,
-    Vector,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType, Rotation, SoftBodySet,
+    SphericalJointBuilder, Vector,
 };
-use thiserror::Error;
 
-use super::{Description, Drive, MovingPose, Plant, PlantBody, Pose as BodyPose, Settings};
+use super::{
+    Description, Drive, Mechanism, MovingPose, Plant, PlantBody, PlantError, Pose as BodyPose,
+    Root, Settings,
+};
 use crate::figure::MassProperties;
 
 /// Acceleration of gravity in m/s², world axes; the controller's.
 const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
-
-/// One step is one substep: the engine would hold a torque over more of them, while the inverse dynamics
-/// that it comes from hold for the start of the step only.
-const SUBSTEPS: usize = 1;
 
 /// Sweeps of the constraint solver. The engine's one diverges when there is one substep; from 4 on the
 /// results agree in three digits.
@@ -53,30 +51,25 @@ struct Link {
     rotational_kg_m2: DMat3,
 }
 
-/// Why a mechanism could not be built.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum RapierError {
-    /// The principal axes found do not give the inertia back.
-    #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
-    Inertia {
-        /// The body.
-        body: usize,
-        /// Largest difference over the largest element.
-        relative: f64,
-    },
-}
-
 impl RapierPlant {
     /// Builds the mechanism in the given state.
     ///
-    /// `start` holds a state per body; the poses must fit the joints, else the first step snaps them.
+    /// `start` holds a state per body; the poses must fit the joints, else the first step snaps them. The
+    /// engine holds a torque over all substeps, while the inverse dynamics that it comes from hold for the
+    /// start of the step only: one is best.
     ///
     /// # Errors
-    /// [`RapierError::Inertia`] if the engine does not hold a body's inertia as given.
-    pub fn new(bodies: &[PlantBody], start: &[MovingPose], dt_s: f64) -> Result<Self, RapierError> {
+    /// [`PlantError::Inertia`] if the engine does not hold a body's inertia as given.
+    pub fn new(
+        mechanism: &Mechanism,
+        start: &[MovingPose],
+        dt_s: f64,
+        substeps: usize,
+    ) -> Result<Self, PlantError> {
+        let bodies = &mechanism.bodies;
         let parameters = IntegrationParameters {
             dt: dt_s,
-            num_solver_iterations: SUBSTEPS,
+            num_solver_iterations: substeps,
             num_internal_pgs_iterations: SWEEPS,
             max_ccd_substeps: 0,
             ..IntegrationParameters::default()
@@ -99,18 +92,23 @@ impl RapierPlant {
         for (index, (body, start)) in bodies.iter().zip(start).enumerate() {
             plant.insert(index, body, start)?;
         }
+        if mechanism.root == Root::Fixed
+            && let Some(root) = plant.links.first()
+        {
+            plant.bodies[root.handle].set_body_type(RigidBodyType::Fixed, true);
+        }
         plant.read_poses();
         Ok(plant)
     }
 
     /// What this plant is.
-    pub const fn description() -> Description {
+    pub const fn description(substeps: usize) -> Description {
         Description {
             name: "rapier",
             // The version that Cargo.toml pins.
             engine: "rapier3d-f64 0.36.1",
             settings: Settings {
-                substeps: SUBSTEPS,
+                substeps,
                 solver_sweeps: SWEEPS,
                 gyroscopic_term: "explicit",
                 contacts: false,
@@ -123,11 +121,11 @@ impl RapierPlant {
         index: usize,
         body: &PlantBody,
         start: &MovingPose,
-    ) -> Result<(), RapierError> {
+    ) -> Result<(), PlantError> {
         let mass = mass_properties(&body.mass);
         let relative = inertia_difference(&mass, &body.mass.rotational_kg_m2);
         if relative > 1e-12 {
-            return Err(RapierError::Inertia { body: index, relative });
+            return Err(PlantError::Inertia { body: index, relative });
         }
         // The engine's velocity is that of the centre of mass.
         let arm = start.pose.rotation * body.mass.center_of_mass_m;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName};
-use crate::plant::{Description, RapierPlant};
+use crate::plant::{Description, PlantSettings};
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -83,7 +83,7 @@ impl From<&FigureResult> for Figure {
 pub fn json(evaluation: &Evaluation) -> String {
     let document = Document {
         schema: "sinew-evaluate/1",
-        plant: RapierPlant::description(),
+        plant: PlantSettings::default().description(),
         frames: evaluation.frames(),
         figures: evaluation.figures.iter().map(Figure::from).collect(),
         clips: &evaluation.clips,

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use super::super::paper::{self, Kind};
 use super::super::{Errors, Evaluation, FigureResult, MethodName};
-use crate::plant::RapierPlant;
+use crate::plant::PlantSettings;
 
 /// All tables, each with its heading: first every figure's numbers divided by Local's (the paper's tables 1
 /// and 2), then the numbers themselves (3 and 4).
@@ -24,7 +24,7 @@ pub fn tables(evaluation: &Evaluation) -> String {
             "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\n",
             if clips == 1 { "" } else { "s" },
             evaluation.frames(),
-            RapierPlant::description(),
+            PlantSettings::default().description(),
         ),
     );
     for kind in [Kind::Normalised, Kind::Numerical] {

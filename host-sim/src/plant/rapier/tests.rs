@@ -14,6 +14,10 @@ fn at_rest(position_m: DVec3, rotation: DQuat) -> MovingPose {
     }
 }
 
+fn driven(bodies: &[PlantBody]) -> Mechanism {
+    Mechanism { root: Root::Driven, bodies: bodies.to_vec() }
+}
+
 fn diagonal(x: f64, y: f64, z: f64) -> DMat3 {
     DMat3::from_diagonal(DVec3::new(x, y, z))
 }
@@ -63,7 +67,7 @@ fn a_pendulum_swings_as_the_equation_says() {
         at_rest(DVec3::ZERO, DQuat::IDENTITY),
         at_rest(DVec3::ZERO, DQuat::from_rotation_z(angle)),
     ];
-    let mut plant = RapierPlant::new(&bodies, &start, DT_S).unwrap();
+    let mut plant = RapierPlant::new(&driven(&bodies), &start, DT_S, 1).unwrap();
     let drive = Drive {
         root_force_n: -GRAVITY_M_S2 * (block_kg + mass_kg),
         torque_nm: vec![DVec3::ZERO; 2],
@@ -96,7 +100,7 @@ fn a_free_body_keeps_its_angular_momentum() {
     let spin = DVec3::new(3.0, 2.0, -1.0);
     let start = MovingPose { angular_rad_s: spin, ..at_rest(DVec3::ZERO, DQuat::IDENTITY) };
     let dt_s = 0.001;
-    let mut plant = RapierPlant::new(&[body], &[start], dt_s).unwrap();
+    let mut plant = RapierPlant::new(&driven(&[body]), &[start], dt_s, 1).unwrap();
     let drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO] };
     let momentum = |plant: &RapierPlant| {
         let axes = DMat3::from_quat(plant.poses[0].rotation);
@@ -125,7 +129,7 @@ fn a_torque_acts_on_the_body_and_back_on_its_parent() {
         PlantBody { parent: Some(0), offset_m: DVec3::ZERO, mass: unit },
     ];
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 2];
-    let mut plant = RapierPlant::new(&bodies, &start, DT_S).unwrap();
+    let mut plant = RapierPlant::new(&driven(&bodies), &start, DT_S, 1).unwrap();
     let torque = DVec3::new(0.0, 0.3, 0.0);
     plant.step(&Drive { root_force_n: -GRAVITY_M_S2 * 2.0, torque_nm: vec![DVec3::ZERO, torque] });
     // h² τ / I; a rotation of 3e-4 rad is its sine to 1e-8.
