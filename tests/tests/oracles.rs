@@ -28,7 +28,8 @@ fn refusal(folder: &TempDir) -> String {
 fn all_are_within_their_limits() {
     let report = verify_folder(&oracles(), &[]).expect("the oracles can be computed");
     let files: Vec<_> = report.files.iter().map(|(file, _)| file.as_str()).collect();
-    let expected = ["control", "errors", "finite_difference", "rnea_05", "rnea_18", "rnea_32"];
+    let expected =
+        ["control", "errors", "finite_difference", "rnea_05", "rnea_18", "rnea_32", "solids"];
     assert_eq!(files, expected.map(|name| format!("{name}.json")));
     for (file, tallies) in &report.files {
         for tally in tallies {
@@ -43,6 +44,7 @@ fn a_wrong_number_is_over_its_limit() {
     // A torque, a rotation error, a velocity and a command, each off by a thousandth or so.
     for (file, quantity, right, wrong) in [
         ("rnea_05.json", "tau", "\"tau\":[[", "\"tau\":[[1"),
+        ("solids.json", "volume", "\"volume\":", "\"volume\":1"),
         ("errors.json", "local e_rot", "\"local\":[{\"e_rot\":[", "\"local\":[{\"e_rot\":[1"),
         ("finite_difference.json", "forward lin_vel", "\"lin_vel\":[[", "\"lin_vel\":[[1"),
         (

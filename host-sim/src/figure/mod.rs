@@ -5,6 +5,7 @@ pub mod body;
 pub(crate) mod fixture;
 pub mod model;
 mod segments;
+pub mod solids;
 
 pub use body::{BODIES, BODY_COUNT, Body, is_leaf};
 pub use model::{BodyModel, BodyModelError, MassProperties};

@@ -7,6 +7,7 @@ mod figure;
 mod finite_difference;
 mod golden;
 mod rnea;
+mod solids;
 mod state_errors;
 mod tally;
 pub mod tolerance;
@@ -135,6 +136,9 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
             golden
                 .for_each_case(|name, case| finite_difference::check(name, &case, &mut tallies))?;
         }
+        "solids/1" => {
+            golden.for_each_case(|name, case| solids::check(name, &case, &mut tallies))?;
+        }
         unknown => return Err(FileError::UnknownSchema { schema: unknown.to_owned() }),
     }
     Ok(tallies.into_inner())
@@ -179,8 +183,8 @@ pub enum FileError {
     Malformed(serde_json::Error),
     /// Of a kind or version that is not known, or not computed yet.
     #[error(
-        "cannot compute schema `{schema}`, only rnea/1, control/1, errors/1 and finite_difference/1; \
-         a kind is left out with --skip"
+        "cannot compute schema `{schema}`, only rnea/1, control/1, errors/1, finite_difference/1 and \
+         solids/1; a kind is left out with --skip"
     )]
     UnknownSchema {
         /// The schema that the file names.
