@@ -17,23 +17,28 @@ use crate::transform::{Motion, Wrench};
 pub struct Gains {
     kp: f32,
     kv: f32,
+    linear_kp: f32,
+    linear_kv: f32,
 }
 
 impl Gains {
-    /// Gains as given.
+    /// Gains as given, of the angular and the linear error alike.
     ///
     /// # Errors
     /// [`GainsError`] if one is not finite or negative.
     pub fn new(kp: f32, kv: f32) -> Result<Self, GainsError> {
-        for (name, value) in [("kp", kp), ("kv", kv)] {
-            if !value.is_finite() {
-                return Err(GainsError::NonFinite(name));
-            }
-            if value < 0.0 {
-                return Err(GainsError::Negative(name));
-            }
-        }
-        Ok(Self { kp, kv })
+        check([("kp", kp), ("kv", kv)])?;
+        Ok(Self { kp, kv, linear_kp: kp, linear_kv: kv })
+    }
+
+    /// The same gains with others for the linear error: without inverse dynamics the two have different
+    /// units.
+    ///
+    /// # Errors
+    /// [`GainsError`] if one is not finite or negative.
+    pub fn with_linear(self, kp: f32, kv: f32) -> Result<Self, GainsError> {
+        check([("linear kp", kp), ("linear kv", kv)])?;
+        Ok(Self { linear_kp: kp, linear_kv: kv, ..self })
     }
 
     /// `kv = 2 √kp`: the fastest return without overshoot, for unit inertia.
@@ -51,23 +56,45 @@ impl Gains {
         Self::new(kp, 2.0 * math::sqrt(kp))
     }
 
-    /// Gain of the error.
+    /// Gain of the angular error.
     pub const fn kp(self) -> f32 {
         self.kp
     }
 
-    /// Gain of the error's rate.
+    /// Gain of the angular error's rate.
     pub const fn kv(self) -> f32 {
         self.kv
+    }
+
+    /// Gain of the linear error.
+    pub const fn linear_kp(self) -> f32 {
+        self.linear_kp
+    }
+
+    /// Gain of the linear error's rate.
+    pub const fn linear_kv(self) -> f32 {
+        self.linear_kv
     }
 
     /// `kp e + kv ė`, in the axes of the error.
     pub fn apply(self, error: &StateError) -> Motion {
         Motion {
             angular: error.angular_rad * self.kp + error.angular_rate_rad_s * self.kv,
-            linear: error.linear_m * self.kp + error.linear_rate_m_s * self.kv,
+            linear: error.linear_m * self.linear_kp + error.linear_rate_m_s * self.linear_kv,
         }
     }
+}
+
+fn check(gains: [(&'static str, f32); 2]) -> Result<(), GainsError> {
+    for (name, value) in gains {
+        if !value.is_finite() {
+            return Err(GainsError::NonFinite(name));
+        }
+        if value < 0.0 {
+            return Err(GainsError::Negative(name));
+        }
+    }
+    Ok(())
 }
 
 /// Why gains were refused.

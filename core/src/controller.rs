@@ -50,7 +50,7 @@ use crate::tree::Tree;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller<const N: usize> {
     tree: Tree<N>,
-    gains: Gains,
+    gains: Vec<Gains, N>,
     method: Method<N>,
     law: ControlLaw,
     gravity_m_s2: Vec3,
@@ -58,7 +58,8 @@ pub struct Controller<const N: usize> {
 }
 
 impl<const N: usize> Controller<N> {
-    /// A controller with inverse dynamics, gravity of 9.81 m/s² along -y and no torque limits.
+    /// A controller with the same gains for all joints, inverse dynamics, gravity of 9.81 m/s² along -y and
+    /// no torque limits.
     ///
     /// # Errors
     /// [`ControllerError`] if the tree is empty or the method was made for another tree.
@@ -79,6 +80,7 @@ impl<const N: usize> Controller<N> {
                 Aims::new(&tree, aims.as_slice()).map_err(ControllerError::Aims)?;
             }
         }
+        let gains = tree.bodies().iter().map(|_| gains).collect();
         let limits = tree.bodies().iter().map(|_| TorqueLimit::NONE).collect();
         let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
         Ok(Self { tree, gains, method, law: ControlLaw::default(), gravity_m_s2, limits })
@@ -99,6 +101,18 @@ impl<const N: usize> Controller<N> {
             return Err(ControllerError::NonFinite("gravity"));
         }
         Ok(Self { gravity_m_s2, ..self })
+    }
+
+    /// The same controller with gains of their own for each joint.
+    ///
+    /// # Errors
+    /// [`ControllerError::GainsCount`] if there are not as many as joints.
+    pub fn with_joint_gains(self, gains: &[Gains]) -> Result<Self, ControllerError> {
+        if gains.len() != self.tree.len() {
+            let (expected, found) = (self.tree.len(), gains.len());
+            return Err(ControllerError::GainsCount { expected, found });
+        }
+        Ok(Self { gains: gains.iter().copied().collect(), ..self })
     }
 
     /// The same controller with a torque limit for each joint.
@@ -160,15 +174,16 @@ impl<const N: usize> Controller<N> {
             ),
         }
 
-        for (joint, ((((body, desired), measured), feedforward), (error, command))) in bodies
-            .iter()
-            .zip(desired)
-            .zip(measured)
-            .zip(targets.accelerations())
-            .zip(w.errors.iter().zip(&mut w.commands))
-            .enumerate()
+        for (joint, ((((body, desired), measured), feedforward), ((error, gains), command))) in
+            bodies
+                .iter()
+                .zip(desired)
+                .zip(measured)
+                .zip(targets.accelerations())
+                .zip(w.errors.iter().zip(&self.gains).zip(&mut w.commands))
+                .enumerate()
         {
-            let correction = self.gains.apply(error);
+            let correction = gains.apply(error);
             let to_body = self.error_axes_to_body(joint, measured.pose.rotation, &w.measured);
             let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
             *command = match self.law {
@@ -300,6 +315,13 @@ pub enum ControllerError {
         /// Number of limits.
         found: usize,
     },
+    /// There must be gains for each joint.
+    GainsCount {
+        /// Number of joints of the tree.
+        expected: usize,
+        /// Number of gains.
+        found: usize,
+    },
     /// The named setting is NaN or infinite.
     NonFinite(&'static str),
 }
@@ -310,6 +332,9 @@ impl fmt::Display for ControllerError {
             Self::EmptyTree => f.write_str("the tree has no bodies"),
             Self::Count { expected, found } => {
                 write!(f, "{expected} joints need as many torque limits, {found} were given")
+            }
+            Self::GainsCount { expected, found } => {
+                write!(f, "{expected} joints need as many gains, {found} were given")
             }
             Self::References(error) => write!(f, "the method is for another tree: {error}"),
             Self::Aims(error) => write!(f, "the method is for another tree: {error}"),

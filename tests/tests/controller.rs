@@ -189,6 +189,57 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(property(50))]
+
+    #[test]
+    fn gains_by_joint_are_those_of_the_joint((desired, measured) in figures(18, 0.6), odd in 1.0f32..900.0) {
+        let (targets, states) = (targets(&desired), measured.states());
+        let tree = &desired.tree;
+        let odd = Gains::critically_damped(odd).expect("a good gain");
+        let by_joint: Vec<_> =
+            (0..tree.len()).map(|joint| if joint % 2 == 0 { gains() } else { odd }).collect();
+        let same = vec![gains(); tree.len()];
+        for method in methods(tree) {
+            // Without inverse dynamics no joint's torque depends on another's gains.
+            let tick = |uniform: Gains, by_joint: Option<&[Gains]>| {
+                let mut controller = Controller::new(tree.clone(), uniform, method.clone())
+                    .expect("good settings")
+                    .with_law(ControlLaw::ProportionalDerivative);
+                if let Some(gains) = by_joint {
+                    controller = controller.with_joint_gains(gains).expect("one for each");
+                }
+                controller.tick(&targets, &states, &[], &mut Workspace::new()).to_vec()
+            };
+            let (of_even, of_odd) = (tick(gains(), None), tick(odd, None));
+            prop_assert_eq!(&tick(odd, Some(&same)), &of_even);
+            for (joint, torque) in tick(gains(), Some(&by_joint)).iter().enumerate() {
+                prop_assert_eq!(torque, if joint % 2 == 0 { &of_even[joint] } else { &of_odd[joint] });
+            }
+        }
+    }
+
+    #[test]
+    fn linear_gains_are_of_the_linear_error_alone((desired, measured) in figures(6, 0.6)) {
+        let (targets, states) = (targets(&desired), measured.states());
+        let weak = gains().with_linear(3.0, 0.5).expect("good gains");
+        let (mut one, mut other) = (Workspace::new(), Workspace::new());
+        let new = |gains| {
+            Controller::new(desired.tree.clone(), gains, Method::World)
+                .expect("good settings")
+                .with_law(ControlLaw::ProportionalDerivative)
+        };
+        let both = new(gains()).tick(&targets, &states, &[], &mut one).to_vec();
+        let got = new(weak).tick(&targets, &states, &[], &mut other).to_vec();
+        let error = one.errors()[0];
+        prop_assert_eq!(got[0].value.moment_nm, both[0].value.moment_nm);
+        let force = measured.world()[0].pose.rotation.conjugate()
+            * (error.linear_m * 3.0 + error.linear_rate_m_s * 0.5);
+        let difference = (got[0].value.force_n - force).abs().max_element();
+        prop_assert!(difference < 1e-5 * (1.0 + force.length()), "{difference}");
+    }
+}
+
 fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
     let tree = &Tree::<N>::from_bodies(rig.tree.bodies()).expect("it fits");
     let mut targets = JointTargets::rest(tree);

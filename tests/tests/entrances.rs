@@ -209,7 +209,9 @@ fn methods_and_controllers() {
     let nan = new(Method::World).and_then(|controller| controller.with_gravity(NAN));
     refused(nan, &E::NonFinite("gravity"), &["gravity"]);
     let two = new(Method::World).and_then(|c| c.with_limits(&[TorqueLimit::NONE; 2]));
-    refused(two, &E::Count { expected: 3, found: 2 }, &["3 joints", "2 were given"]);
+    refused(two, &E::Count { expected: 3, found: 2 }, &["3 joints", "limits", "2 were given"]);
+    let four = new(Method::World).and_then(|c| c.with_joint_gains(&[gains(); 4]));
+    refused(four, &E::GainsCount { expected: 3, found: 4 }, &["3 joints", "gains", "4 were given"]);
 }
 
 #[test]
@@ -217,6 +219,8 @@ fn gains_and_limits() {
     use GainsError as E;
     refused(Gains::new(f32::NAN, 1.0), &E::NonFinite("kp"), &["kp", "finite"]);
     refused(Gains::new(1.0, -0.1), &E::Negative("kv"), &["kv", "zero or more"]);
+    refused(gains().with_linear(f32::NAN, 1.0), &E::NonFinite("linear kp"), &["linear kp"]);
+    refused(gains().with_linear(1.0, -1.0), &E::Negative("linear kv"), &["linear kv"]);
     refused(Gains::critically_damped(f32::INFINITY), &E::NonFinite("kp"), &["kp"]);
     refused(TorqueLimit::new(-1.0, 0.0), &LimitError, &["zero or more"]);
     refused(TorqueLimit::new(1.0, f32::NAN), &LimitError, &["infinity for none"]);
