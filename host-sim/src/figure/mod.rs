@@ -1,11 +1,14 @@
 //! The 18-body figure of the paper: its bodies, and what they weigh.
 
 pub mod body;
+mod cut;
+mod de_leva;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod model;
-mod segments;
+mod placement;
 pub mod solids;
 
 pub use body::{BODIES, BODY_COUNT, Body, is_leaf};
+pub use de_leva::mass_fraction as de_leva_mass_fraction;
 pub use model::{BodyModel, BodyModelError, MassProperties};

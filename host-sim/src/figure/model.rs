@@ -1,7 +1,5 @@
 //! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
 
-use core::array;
-
 use glam::{DMat3, DVec3};
 use sinew_core::{
     Body as RigBody, Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError,
@@ -9,7 +7,8 @@ use sinew_core::{
 use thiserror::Error;
 
 use super::body::{BODIES, BODY_COUNT};
-use super::segments::{self, Segment, UpperTrunkParts};
+use super::de_leva;
+use super::placement::{Placement, Skeleton};
 use crate::mocap::FigureMotion;
 
 /// What a body weighs and how its mass is spread, in its own frame.
@@ -25,18 +24,8 @@ pub struct MassProperties {
 
 /// The figure as a mechanism: where its joints are, and the mass properties of its bodies.
 ///
-/// Built from de Leva's segment table, on the joints that a clip's skeleton has:
-/// - A limb (upper arm, forearm, thigh, shank) is as long as in the clip: its ends are joint centres in
-///   the table too. All other segments end at landmarks that a skeleton lacks (or has at no distance
-///   from each other), so their lengths are the table's share of the stature, and the stature is the
-///   one whose share the clip's legs are.
-/// - The longitudinal axis of a segment points from its joint to its end. The sagittal axis is the
-///   figure's forward direction made perpendicular to it; for a segment that points forward itself, as
-///   the feet do, the transverse axis is the figure's left instead. Forward and left are those of the
-///   zero pose, in which all body frames are parallel.
-/// - The lower trunk's centre of mass is placed from the middle of the hips, not from the pelvis joint.
-/// - The upper trunk is cut in thorax and shoulder parts (see `segments.rs`); a shoulder part lies along
-///   its clavicle.
+/// Built from de Leva's segment table or from the Hanavan-Kwon solids of a measured subject, on the joints that
+/// a clip's skeleton has. How segments lie on it is said in `placement.rs`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyModel {
     /// Position of joint `i` in the frame of body `i`'s parent, in metres; zero for the root.
@@ -61,26 +50,14 @@ pub enum BodyModelError {
     NoOrientation,
 }
 
-/// Shorter than this a bone has no direction, in metres.
-const SHORTEST_BONE_M: f64 = 1e-3;
-
 impl BodyModel {
-    /// The mean man of the table, 73 kg, with the dimensions of a clip.
+    /// The mean man of de Leva's table, 73 kg, with the dimensions of a clip.
     ///
     /// # Errors
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
     pub fn from_motion(motion: &FigureMotion) -> Result<Self, BodyModelError> {
-        for (body, (offset, end)) in motion.offset_m.iter().zip(&motion.segment_end_m).enumerate() {
-            if !(offset.is_finite() && end.is_finite()) {
-                return Err(BodyModelError::NonFinite(BODIES[body].name));
-            }
-        }
-        let dimensions = Dimensions::of(motion)?;
-        let bodies = (0..BODY_COUNT)
-            .map(|body| dimensions.mass_properties(body))
-            .collect::<Result<Vec<_>, _>>()?;
-        let bodies = array::from_fn(|body| bodies[body]);
-        Ok(Self { offset_m: motion.offset_m, bodies })
+        let placement = Placement::new(Skeleton::of(motion))?;
+        Ok(Self { offset_m: motion.offset_m, bodies: de_leva::bodies(&placement)? })
     }
 
     /// The same figure with all dimensions times `factor`, at the same density.
@@ -140,141 +117,6 @@ fn rotational_f32(inertia: &DMat3) -> RotationalInertia {
         yz: i.z_axis.y,
         zz: i.z_axis.z,
     }
-}
-
-/// What a clip's skeleton tells about the body.
-struct Dimensions<'a> {
-    motion: &'a FigureMotion,
-    stature_m: f64,
-    middle_of_hips_m: DVec3,
-    left: DVec3,
-    up: DVec3,
-    forward: DVec3,
-    upper_trunk: UpperTrunkParts,
-}
-
-/// How a segment lies on its body.
-enum Lie {
-    /// Along the bone, which is as long as in the table's definition.
-    Limb,
-    /// Along the bone, from its joint, as long as the table's share of stature.
-    Share,
-    /// Upwards from the middle of the hips.
-    LowerTrunk,
-    /// A shoulder part: the bone is its breadth.
-    Shoulder,
-}
-
-impl<'a> Dimensions<'a> {
-    fn of(motion: &'a FigureMotion) -> Result<Self, BodyModelError> {
-        let [abdomen, thorax, head] = named(["abdomen", "thorax", "head"]);
-        let [thigh_l, thigh_r] = named(["thigh_l", "thigh_r"]);
-        let legs = named(["thigh_l", "shank_l", "thigh_r", "shank_r"]);
-        let offset = &motion.offset_m;
-
-        let two_legs: f64 = legs.iter().map(|leg| motion.segment_end_m[*leg].length()).sum();
-        let stature_m = 0.5 * two_legs / (segments::THIGH.length + segments::SHANK.length);
-
-        let middle_of_hips_m = 0.5 * (offset[thigh_l] + offset[thigh_r]);
-        let neck = offset[abdomen] + offset[thorax] + offset[head];
-        let left = (offset[thigh_l] - offset[thigh_r]).try_normalize();
-        let forward = left.and_then(|left| left.cross(neck - middle_of_hips_m).try_normalize());
-        let (Some(left), Some(forward)) = (left, forward) else {
-            return Err(BodyModelError::NoOrientation);
-        };
-        Ok(Self {
-            motion,
-            stature_m,
-            middle_of_hips_m,
-            left,
-            up: forward.cross(left),
-            forward,
-            upper_trunk: UpperTrunkParts::new(),
-        })
-    }
-
-    fn mass_properties(&self, body: usize) -> Result<MassProperties, BodyModelError> {
-        let name = BODIES[body].name;
-        let (segment, lie) = self.segment(name);
-        let bone = self.motion.segment_end_m[body];
-        let direction = self.direction(body);
-        let length = match lie {
-            Lie::Limb if bone.length() < SHORTEST_BONE_M => {
-                return Err(BodyModelError::NoLength(name));
-            }
-            Lie::Limb => bone.length(),
-            _ => segment.length * self.stature_m,
-        };
-        let center_of_mass_m = match lie {
-            Lie::Limb | Lie::Share => direction * (segment.center * length),
-            Lie::LowerTrunk => self.middle_of_hips_m + direction * (segment.center * length),
-            Lie::Shoulder => bone * segment.center,
-        };
-        // Columns: sagittal, transverse, longitudinal.
-        let axes = match lie {
-            Lie::Shoulder => {
-                let forward = perpendicular(self.forward, direction);
-                DMat3::from_cols(forward, direction, forward.cross(direction))
-            }
-            _ if direction.dot(self.forward).abs() < core::f64::consts::FRAC_1_SQRT_2 => {
-                let forward = perpendicular(self.forward, direction);
-                DMat3::from_cols(forward, direction.cross(forward), direction)
-            }
-            _ => {
-                let left = perpendicular(self.left, direction);
-                DMat3::from_cols(left.cross(direction), left, direction)
-            }
-        };
-        let mass_kg = segment.mass * segments::MASS_KG;
-        let [s, t, l] = segment.gyration.map(|k| mass_kg * (k * length) * (k * length));
-        let rotational = axes * DMat3::from_diagonal(DVec3::new(s, t, l)) * axes.transpose();
-        Ok(MassProperties {
-            mass_kg,
-            center_of_mass_m,
-            // Rounding must not leave it unsymmetric.
-            rotational_kg_m2: (rotational + rotational.transpose()) * 0.5,
-        })
-    }
-
-    fn segment(&self, name: &str) -> (Segment, Lie) {
-        match name.trim_end_matches("_l").trim_end_matches("_r") {
-            "pelvis" => (segments::LOWER_TRUNK, Lie::LowerTrunk),
-            "abdomen" => (segments::MID_TRUNK, Lie::Share),
-            "thorax" => (self.upper_trunk.thorax, Lie::Share),
-            "head" => (segments::HEAD, Lie::Share),
-            "clavicle" => (self.upper_trunk.shoulder, Lie::Shoulder),
-            "upper_arm" => (segments::UPPER_ARM, Lie::Limb),
-            "forearm" => (segments::FOREARM, Lie::Limb),
-            "hand" => (segments::HAND, Lie::Share),
-            "thigh" => (segments::THIGH, Lie::Limb),
-            "shank" => (segments::SHANK, Lie::Limb),
-            _ => (segments::FOOT, Lie::Share),
-        }
-    }
-
-    /// Unit direction of a segment. One whose end is at its joint goes on in the direction of its
-    /// parent's, the trunk upwards.
-    fn direction(&self, body: usize) -> DVec3 {
-        let along = |v: DVec3| (v.length() >= SHORTEST_BONE_M).then(|| v.normalize());
-        match BODIES[body].parent {
-            None => self.up,
-            Some(parent) => along(self.motion.segment_end_m[body])
-                .or_else(|| along(self.motion.offset_m[body]))
-                .unwrap_or_else(|| self.direction(parent)),
-        }
-    }
-}
-
-/// The unit vector of `v` made perpendicular to the unit vector `axis`; any perpendicular one if `v` is
-/// along it.
-fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
-    v.reject_from_normalized(axis).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector())
-}
-
-fn named<const K: usize>(names: [&str; K]) -> [usize; K] {
-    names.map(|name| {
-        BODIES.iter().position(|body| body.name == name).expect("the figure has this body")
-    })
 }
 
 #[cfg(test)]
