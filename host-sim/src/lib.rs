@@ -4,5 +4,6 @@ pub mod evaluate;
 pub mod figure;
 pub mod mocap;
 pub mod plant;
+mod random;
 pub mod show;
 pub mod verify;

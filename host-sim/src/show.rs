@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use sinew_core::{Transform, TreeError};
 use sinew_firmware::show;
 
-use crate::figure::{BODY_COUNT, BodyModel};
+use crate::figure::{BODY_COUNT, BodyModel, Root};
 use crate::mocap::FigureMotion;
 
 /// Bakes the first `frames` frames of a clip (all, if it has fewer) for a figure, in the format of
@@ -14,7 +14,7 @@ use crate::mocap::FigureMotion;
 /// # Errors
 /// [`TreeError`] if the figure cannot be a rig.
 pub fn bake(motion: &FigureMotion, model: &BodyModel, frames: usize) -> Result<Vec<u8>, TreeError> {
-    let tree = model.tree()?;
+    let tree = model.tree(Root::Driven)?;
     let poses: Vec<[Transform; BODY_COUNT]> =
         (0..motion.rotation.len().min(frames)).map(|frame| motion.joint_poses(frame)).collect();
     #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]

@@ -11,11 +11,12 @@ use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use sinew_sim::evaluate::{
-    EvaluateError, Evaluation, MethodName, Protocol, evaluate, report, step_count,
+    EvaluateError, Evaluation, MethodName, Protocol, evaluate, report, steps_of_all,
 };
 use sinew_sim::mocap::{self, Clip, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
 
 use super::output::{note, print};
+use super::setup::SetupArgs;
 
 /// Track motion capture with every method and print the paper's tables.
 ///
@@ -44,6 +45,9 @@ pub(super) struct Args {
         default_value = "local,world,linear_compensation"
     )]
     methods: Vec<MethodName>,
+
+    #[command(flatten)]
+    setup: SetupArgs,
 
     /// Use only the first S seconds of every clip: for a quick look.
     #[arg(long, value_name = "S", value_parser = seconds)]
@@ -111,6 +115,7 @@ fn ensure_different<T: PartialEq + Display>(values: &[T], option: &str) -> anyho
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let protocol = Protocol {
+        setup: args.setup.setup()?,
         scales: args.scale.clone(),
         methods: args.methods.clone(),
         seconds: args.seconds,
@@ -120,7 +125,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
     let motions = motions(args)?;
-    let result = with_progress(step_count(&motions, &protocol), |progress| {
+    let result = with_progress(steps_of_all(&motions, &protocol), |progress| {
         evaluate(&motions, &protocol, progress)
     });
     let evaluation = match result {

@@ -5,6 +5,7 @@
 mod bake;
 mod evaluate;
 mod output;
+mod setup;
 mod verify;
 
 use std::io;

@@ -3,7 +3,7 @@
 use sinew_core::{ControllerError, StateInputError, TreeError, control::GainsError};
 use thiserror::Error;
 
-use super::MethodName;
+use super::{MethodName, SetupError};
 use crate::figure::BodyModelError;
 use crate::plant::PlantError;
 
@@ -13,14 +13,9 @@ pub enum EvaluateError {
     /// Nothing to evaluate.
     #[error("there is no clip to evaluate")]
     NoClips,
-    /// A clip's skeleton cannot be given a body.
-    #[error("clip {clip}: {source}")]
-    Model {
-        /// The clip.
-        clip: String,
-        /// Why.
-        source: BodyModelError,
-    },
+    /// The setup cannot be.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     /// One run failed.
     #[error("clip {clip}, scale {scale}, method {method}: {kind}")]
     Run {
@@ -45,7 +40,7 @@ pub enum RunError {
         frames: usize,
     },
     /// The figure was lost.
-    #[error("diverged at frame {frame}: the {body} is {linear_m:.3e} m from its goal")]
+    #[error("diverged at frame {frame}: the {body} is {linear_m:.3} m from its goal")]
     Diverged {
         /// Frame of the clip.
         frame: usize,
@@ -68,6 +63,9 @@ pub enum RunError {
         /// Why.
         source: StateInputError,
     },
+    /// The clip's skeleton cannot be given a body.
+    #[error(transparent)]
+    Model(#[from] BodyModelError),
     /// The figure cannot be built.
     #[error(transparent)]
     Tree(#[from] TreeError),

@@ -2,6 +2,7 @@
 
 use glam::DQuat;
 
+use super::Step;
 use crate::figure::{BODY_COUNT, is_leaf};
 use crate::plant::Pose;
 
@@ -12,6 +13,10 @@ pub struct Errors {
     pub all: ErrorTotals,
     /// Over the leaves.
     pub leaf: ErrorTotals,
+    /// The widest gap at a joint, in metres: what the plant's constraints let through.
+    pub widest_gap_m: f64,
+    /// How often a joint was not given the torque that it wanted.
+    pub limited: u64,
 }
 
 /// Sums and maxima of the errors of many poses.
@@ -38,10 +43,19 @@ impl Errors {
         }
     }
 
+    /// Adds one step of a run.
+    pub fn add_step(&mut self, step: &Step<'_>) {
+        self.add(step.desired, step.measured);
+        self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
+        self.limited += step.limited as u64;
+    }
+
     /// Adds the totals of another run.
     pub fn merge(&mut self, other: &Self) {
         self.all.merge(&other.all);
         self.leaf.merge(&other.leaf);
+        self.widest_gap_m = self.widest_gap_m.max(other.widest_gap_m);
+        self.limited += other.limited;
     }
 }
 

@@ -1,75 +1,35 @@
 //! The paper's evaluation: every clip, tracked by a figure of every scale with every method of measuring
 //! its state error, and how far off it was.
 
+mod disturbance;
 mod error;
 mod metrics;
 pub mod paper;
 mod reference;
 pub mod report;
+mod setup;
 mod track;
-
-use std::fmt;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_core::Tree;
-use sinew_core::state_error::{Aims, Compensation, Method};
 
-use crate::figure::{BODY_COUNT, BodyModel};
+use crate::figure::Dimensions;
 use crate::mocap::FigureMotion;
 
+pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
-pub use track::{Step, track};
-
-/// A method of measuring the state error, as tables and options name it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-#[value(rename_all = "snake_case")]
-pub enum MethodName {
-    /// Local Space Error.
-    Local,
-    /// World Space Error.
-    World,
-    /// Linear Compensation Error, β = 1, every body aiming at its heaviest child.
-    LinearCompensation,
-}
-
-impl MethodName {
-    /// The paper's three, in its order.
-    pub const ALL: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
-
-    /// The name in options and files.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Local => "local",
-            Self::World => "world",
-            Self::LinearCompensation => "linear_compensation",
-        }
-    }
-
-    /// The method for a figure.
-    pub fn method(self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
-        match self {
-            Self::Local => Method::Local,
-            Self::World => Method::World,
-            Self::LinearCompensation => Method::LinearCompensation {
-                aims: Aims::heaviest_child(tree),
-                settings: Compensation::default(),
-            },
-        }
-    }
-}
-
-impl fmt::Display for MethodName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
+pub use setup::{
+    BodyName, BodySource, ControllerSettings, DesiredVelocity, LawName, MethodName, RateTermName,
+    Setup, SetupError,
+};
+pub use track::{Step, step_count, track};
 
 /// What to evaluate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Protocol {
+    /// What all runs have in common; the next two vary it.
+    pub setup: Setup,
     /// Factors on the figure's dimensions; the clip keeps its own.
     pub scales: Vec<f64>,
     /// Methods to compare.
@@ -81,13 +41,20 @@ pub struct Protocol {
 impl Default for Protocol {
     /// The paper's: its three methods on a figure of equal and of 1.1 times the dimensions.
     fn default() -> Self {
-        Self { scales: vec![1.0, 1.1], methods: MethodName::ALL.to_vec(), seconds: None }
+        Self {
+            setup: Setup::default(),
+            scales: vec![1.0, 1.1],
+            methods: MethodName::PAPER.to_vec(),
+            seconds: None,
+        }
     }
 }
 
 /// The whole result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
+    /// What all runs had in common.
+    pub setup: Setup,
     /// The clips in their order.
     pub clips: Vec<ClipLength>,
     /// One per scale, in the protocol's order.
@@ -137,8 +104,18 @@ impl FigureResult {
     }
 }
 
+impl Protocol {
+    /// The setup of one figure and method.
+    pub fn setup_of(&self, scale: f64, method: MethodName) -> Setup {
+        let mut setup = self.setup;
+        setup.dimensions = Dimensions { scale, ..setup.dimensions };
+        setup.controller.method = method;
+        setup
+    }
+}
+
 /// Steps that a whole evaluation takes, for a progress bar.
-pub fn step_count(motions: &[FigureMotion], protocol: &Protocol) -> usize {
+pub fn steps_of_all(motions: &[FigureMotion], protocol: &Protocol) -> usize {
     let frames: usize =
         motions.iter().map(|motion| track::step_count(motion, protocol.seconds)).sum();
     frames * protocol.scales.len() * protocol.methods.len()
@@ -158,32 +135,30 @@ pub fn evaluate(
     if motions.is_empty() {
         return Err(EvaluateError::NoClips);
     }
-    let models = motions
-        .iter()
-        .map(|motion| {
-            BodyModel::from_motion(motion)
-                .map_err(|source| EvaluateError::Model { clip: motion.name.clone(), source })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-
+    for scale in &protocol.scales {
+        protocol.setup_of(*scale, MethodName::Local).check()?;
+    }
     let mut runs = Vec::new();
     for scale in &protocol.scales {
         for method in &protocol.methods {
-            for (motion, model) in motions.iter().zip(&models) {
-                runs.push((*scale, *method, motion, model));
+            for (stream, motion) in (0..).zip(motions) {
+                runs.push((*scale, *method, motion, stream));
             }
         }
     }
     // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
     let results: Vec<Result<Errors, EvaluateError>> = runs
         .par_iter()
-        .map(|(scale, method, motion, model)| {
-            let (errors, steps) = run(motion, &model.scaled(*scale), *method, protocol.seconds)
-                .map_err(|kind| EvaluateError::Run {
-                    clip: motion.name.clone(),
-                    scale: *scale,
-                    method: *method,
-                    kind,
+        .map(|(scale, method, motion, stream)| {
+            let setup = protocol.setup_of(*scale, *method);
+            let (errors, steps) =
+                run(motion, &setup, protocol.seconds, *stream).map_err(|kind| {
+                    EvaluateError::Run {
+                        clip: motion.name.clone(),
+                        scale: *scale,
+                        method: *method,
+                        kind,
+                    }
                 })?;
             progress(steps);
             Ok(errors)
@@ -211,20 +186,21 @@ pub fn evaluate(
         }
         figures.push(FigureResult { scale: *scale, methods });
     }
-    Ok(Evaluation { clips, figures })
+    Ok(Evaluation { setup: protocol.setup, clips, figures })
 }
 
 /// Errors of one run, and its number of steps.
-fn run(
+///
+/// # Errors
+/// [`RunError`].
+pub fn run(
     motion: &FigureMotion,
-    model: &BodyModel,
-    method: MethodName,
+    setup: &Setup,
     seconds: Option<f64>,
+    stream: u64,
 ) -> Result<(Errors, usize), RunError> {
-    let method = method.method(&model.tree()?);
     let mut errors = Errors::default();
-    let steps =
-        track(motion, model, method, seconds, |step| errors.add(step.desired, step.measured))?;
+    let steps = track(motion, setup, seconds, stream, |step| errors.add_step(&step))?;
     Ok((errors, steps))
 }
 

@@ -1,42 +1,78 @@
 //! The clip as the controller, the plant and the measurement of errors take it.
 
 use glam::{DQuat, DVec3};
+use sinew_core::Transform;
 
-use crate::figure::{BODIES, BODY_COUNT};
+use crate::figure::{BODIES, BODY_COUNT, Root};
 use crate::mocap::FigureMotion;
 use crate::plant::{MovingPose, Pose};
 
-/// World poses of the bodies in one frame of the clip, on a figure with the given offsets.
-pub(super) fn world_poses(
-    motion: &FigureMotion,
-    offset_m: &[DVec3; BODY_COUNT],
-    frame: usize,
-) -> [Pose; BODY_COUNT] {
-    let rotation = &motion.rotation[frame];
-    let root = Pose { rotation: rotation[0], position_m: motion.root_position_m[frame] };
-    let mut poses = [root; BODY_COUNT];
-    for (body, place) in BODIES.iter().enumerate() {
-        if let Some(parent) = place.parent {
-            poses[body] = poses[parent].child(offset_m[body], rotation[body]);
-        }
-    }
-    poses
+/// A clip, performed with the pelvis moving or fixed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Performance<'a> {
+    pub(super) motion: &'a FigureMotion,
+    pub(super) root: Root,
 }
 
-/// The figure at the clip's first frame, with the velocity of its first step.
-pub(super) fn moving_poses(
-    motion: &FigureMotion,
-    offset_m: &[DVec3; BODY_COUNT],
-) -> [MovingPose; BODY_COUNT] {
-    let [now, next] = [0, 1].map(|frame| world_poses(motion, offset_m, frame));
-    std::array::from_fn(|body| {
-        let (now, next) = (now[body], next[body]);
-        MovingPose {
-            pose: now,
-            angular_rad_s: rotation_vector(next.rotation * now.rotation.conjugate()) / motion.dt_s,
-            linear_m_s: (next.position_m - now.position_m) / motion.dt_s,
+impl Performance<'_> {
+    /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame.
+    pub(super) fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {
+        let mut poses = self.motion.joint_poses(frame);
+        if self.root == Root::Fixed {
+            poses[0] = self.motion.joint_poses(0)[0];
         }
-    })
+        poses
+    }
+
+    /// World poses of the bodies in one frame, on a figure with the given offsets.
+    pub(super) fn world_poses(
+        &self,
+        offset_m: &[DVec3; BODY_COUNT],
+        frame: usize,
+    ) -> [Pose; BODY_COUNT] {
+        let motion = self.motion;
+        let rotation = &motion.rotation[frame];
+        let root_frame = match self.root {
+            Root::Driven => frame,
+            Root::Fixed => 0,
+        };
+        let root = Pose {
+            rotation: motion.rotation[root_frame][0],
+            position_m: motion.root_position_m[root_frame],
+        };
+        let mut poses = [root; BODY_COUNT];
+        for (body, place) in BODIES.iter().enumerate() {
+            if let Some(parent) = place.parent {
+                poses[body] = poses[parent].child(offset_m[body], rotation[body]);
+            }
+        }
+        poses
+    }
+
+    /// The figure at the first frame, with the velocity of its first step.
+    pub(super) fn start(&self, offset_m: &[DVec3; BODY_COUNT]) -> [MovingPose; BODY_COUNT] {
+        let [now, next] = [0, 1].map(|frame| self.world_poses(offset_m, frame));
+        std::array::from_fn(|body| moving(now[body], [now[body], next[body]], self.motion.dt_s))
+    }
+
+    /// The clip's bodies at a frame, with the velocity of the step that led there; at the first frame, of
+    /// the step that leads on.
+    pub(super) fn backward(&self, frame: usize) -> [MovingPose; BODY_COUNT] {
+        let offset_m = &self.motion.offset_m;
+        let now = self.world_poses(offset_m, frame);
+        let from = self.world_poses(offset_m, frame.saturating_sub(1));
+        let to = self.world_poses(offset_m, frame.max(1));
+        std::array::from_fn(|body| moving(now[body], [from[body], to[body]], self.motion.dt_s))
+    }
+}
+
+/// A body at a pose with the velocity that leads from one pose to another.
+fn moving(pose: Pose, [from, to]: [Pose; 2], dt_s: f64) -> MovingPose {
+    MovingPose {
+        pose,
+        angular_rad_s: rotation_vector(to.rotation * from.rotation.conjugate()) / dt_s,
+        linear_m_s: (to.position_m - from.position_m) / dt_s,
+    }
 }
 
 /// Poses one step before the start, from which backward differences give the start's velocity.

@@ -1,8 +1,8 @@
 use serde_json::Value;
-use sinew_core::state_error::{Aims, Compensation, Method};
 
 use super::*;
-use crate::figure::fixture::{moving, standing};
+use crate::figure::Root;
+use crate::figure::fixture::moving;
 use crate::plant::Pose;
 
 fn motions() -> Vec<FigureMotion> {
@@ -13,25 +13,118 @@ fn evaluation() -> Evaluation {
     evaluate(&motions(), &Protocol::default(), |_| ()).unwrap()
 }
 
-/// All poses of a run.
-fn trace(method: Method<BODY_COUNT>) -> Vec<Pose> {
-    let motion = moving("clip", 120);
-    let model = BodyModel::from_motion(&motion).unwrap().scaled(1.1);
+/// All poses of a run on a figure of 1.1 times the clip's dimensions.
+fn trace(setup: Setup) -> Vec<Pose> {
+    beginning(setup, None)
+}
+
+fn beginning(setup: Setup, seconds: Option<f64>) -> Vec<Pose> {
+    let setup = Setup { dimensions: Dimensions::uniform(1.1), ..setup };
     let mut poses = Vec::new();
-    track(&motion, &model, method, None, |step| poses.extend_from_slice(step.measured)).unwrap();
+    track(&moving("clip", 120), &setup, seconds, 0, |step| poses.extend_from_slice(step.measured))
+        .unwrap();
     poses
+}
+
+fn with_method(method: MethodName) -> Setup {
+    Protocol::default().setup_of(1.0, method)
+}
+
+/// The first steps only: not every figure stands what is done to it for long.
+fn altered(alter: impl FnOnce(&mut Setup)) -> Vec<Pose> {
+    let mut setup = with_method(MethodName::World);
+    alter(&mut setup);
+    beginning(setup, Some(0.08))
 }
 
 #[test]
 fn linear_compensation_without_weight_is_world() {
-    let model = BodyModel::from_motion(&standing()).unwrap();
-    let without = Method::LinearCompensation {
-        aims: Aims::heaviest_child(&model.tree().unwrap()),
-        settings: Compensation { beta: 0.0, ..Compensation::default() },
+    let mut without = with_method(MethodName::LinearCompensation);
+    without.controller.beta = 0.0;
+    let world = trace(with_method(MethodName::World));
+    assert!(trace(without) == world);
+    assert!(trace(with_method(MethodName::Local)) != world, "the motion tells the methods apart");
+}
+
+#[test]
+fn a_reference_frame_may_be_any_body() {
+    let seen_from = |name: &str| {
+        let mut setup = with_method(MethodName::Accumulated);
+        setup.controller.reference = BodyName::try_from(name.to_owned()).unwrap();
+        trace(setup)
     };
-    let world = trace(Method::World);
-    assert_eq!(trace(without), world);
-    assert_ne!(trace(Method::Local), world, "the motion tells the methods apart");
+    assert!(seen_from("pelvis") == trace(with_method(MethodName::Egocentric)));
+    assert!(seen_from("head") == trace(with_method(MethodName::World)), "it has no descendants");
+    assert!(seen_from("thorax") != seen_from("pelvis"));
+}
+
+#[test]
+fn every_disturbance_disturbs() {
+    let undisturbed = altered(|_| ());
+    for (name, disturbed) in [
+        ("masses", altered(|setup| setup.disturbance.masses = 0.15)),
+        ("rotations", altered(|setup| setup.disturbance.sensor_noise_rad = 1e-3)),
+        ("positions", altered(|setup| setup.disturbance.sensor_noise_m = 1e-3)),
+        ("limits", altered(|setup| setup.disturbance.torque_limit_nm = 50.0)),
+        ("latency", altered(|setup| setup.disturbance.latency_steps = 1)),
+    ] {
+        assert!(disturbed != undisturbed, "{name}");
+    }
+    let masses = |seed| {
+        altered(|setup| {
+            setup.disturbance = Disturbance { masses: 0.15, seed, ..Disturbance::default() };
+        })
+    };
+    assert!(masses(1) == masses(1) && masses(1) != masses(2));
+}
+
+#[test]
+fn a_fixed_root_stays_and_the_clips_with_it() {
+    let mut setup = with_method(MethodName::World);
+    setup.controller.root = Root::Fixed;
+    let motion = moving("clip", 120);
+    let mut errors = Errors::default();
+    track(&motion, &setup, None, 0, |step| {
+        let start = motion.root_position_m[0];
+        assert_eq!(step.desired[0].position_m, start);
+        // The engine does not move a fixed body at all.
+        assert_eq!(step.measured[0].position_m, start);
+        errors.add_step(&step);
+    })
+    .unwrap();
+    assert!(errors.all.linear_mean_cm() < 0.5, "{}", errors.all.linear_mean_cm());
+    assert!(errors.all.linear_mean_cm() > 0.0);
+}
+
+#[test]
+fn desired_velocities_matter() {
+    let of = |velocity| altered(|setup| setup.controller.desired_velocity = velocity);
+    let kinds = [
+        DesiredVelocity::Bodies,
+        DesiredVelocity::Joints,
+        DesiredVelocity::Backward,
+        DesiredVelocity::Zero,
+    ];
+    for (i, a) in kinds.into_iter().enumerate() {
+        for b in &kinds[i + 1..] {
+            assert!(of(a) != of(*b), "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_setup_survives_toml() {
+    let mut setup = with_method(MethodName::LinearCompensation);
+    setup.disturbance.torque_limit_nm = 40.0;
+    setup.controller.rate_term = RateTermName::AsPrinted;
+    let text = toml::to_string(&setup).unwrap();
+    assert_eq!(Setup::parse(&text).unwrap(), setup);
+    assert_eq!(setup.differences().len(), 3, "{:?}", setup.differences());
+    // Infinity too.
+    assert_eq!(
+        Setup::parse(&toml::to_string(&Setup::default()).unwrap()).unwrap(),
+        Setup::default()
+    );
 }
 
 #[test]
@@ -54,7 +147,7 @@ fn counts_are_those_of_the_steps() {
     let steps = (80 - 2) + (50 - 2);
     assert_eq!(evaluation.frames(), steps);
     let motions = motions();
-    assert_eq!(step_count(&motions, &Protocol::default()), steps * 2 * 3);
+    assert_eq!(steps_of_all(&motions, &Protocol::default()), steps * 2 * 3);
     for result in evaluation.figures.iter().flat_map(|figure| &figure.methods) {
         assert_eq!(result.total.all.n, steps as u64 * 18);
         assert_eq!(result.total.leaf.n, steps as u64 * 5);
@@ -86,7 +179,7 @@ fn the_json_has_the_promised_shape() {
     assert_eq!(document["clips"][1]["frames"], 48);
     assert_eq!(document["figures"][1]["scale"], 1.1);
     for figure in document["figures"].as_array().unwrap() {
-        for method in MethodName::ALL {
+        for method in MethodName::PAPER {
             for (joints, bodies) in [("all", 18), ("leaf", 5)] {
                 let group = &figure["methods"][method.as_str()][joints];
                 assert_eq!(group["n"], 126 * bodies);
@@ -120,7 +213,8 @@ fn tables_stand_beside_the_papers_where_it_has_some() {
         assert!(text.contains(&format!("Table {number}. ")), "{number}");
     }
     assert!(text.contains("| 0.872 |") && text.contains("|  3.35 |"));
-    let protocol = Protocol { scales: vec![0.9], methods: vec![MethodName::World], seconds: None };
+    let protocol =
+        Protocol { scales: vec![0.9], methods: vec![MethodName::World], ..Protocol::default() };
     let text = report::tables(&evaluate(&motions(), &protocol, |_| ()).unwrap());
     assert!(!text.contains("paper") && !text.contains("Table"), "{text}");
     assert!(text.contains("not among the methods"));

@@ -1,22 +1,21 @@
-//! One run: one clip, tracked by one figure with one method.
+//! One run: one clip, tracked by one figure with one setup.
+
+use std::array;
 
 use glam::DVec3;
-use sinew_core::control::Gains;
-use sinew_core::state_error::Method;
-use sinew_core::trajectory::{backward_states, forward_targets_of_bodies};
-use sinew_core::{Controller, JointStates, JointTargets, Transform, Workspace};
+use sinew_core::control::LimitReason;
+use sinew_core::trajectory::{backward_states, forward_targets, forward_targets_of_bodies};
+use sinew_core::{
+    BodyState, Controller, JointState, JointStates, JointTargets, Motion, Transform, Workspace,
+};
 
+use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
-use super::reference::{moving_poses, one_step_before, world_poses};
+use super::reference::{Performance, one_step_before};
+use super::setup::{DesiredVelocity, Setup};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
-use crate::plant::{Drive, Mechanism, PlantBody, PlantSettings, Pose, Root};
-
-/// Stiffness of eq. (11) in 1/s², critically damped: the paper's.
-const KP: f32 = 200.0;
-
-/// A body farther from its goal than this is lost, in metres: a few times the figure's height.
-const LOST_M: f64 = 5.0;
+use crate::plant::{Drive, Mechanism, PlantBody, Pose};
 
 /// One step of a run, after it was made: the figure at frame `frame`, in the world.
 #[derive(Debug, Clone, Copy)]
@@ -27,12 +26,31 @@ pub struct Step<'a> {
     pub desired: &'a [Pose; BODY_COUNT],
     /// Where the plant has them.
     pub measured: &'a [Pose],
+    /// Where the figure's joints are in their parents' frames, in metres.
+    pub offset_m: &'a [DVec3; BODY_COUNT],
+    /// How many joints were not given the torque they wanted.
+    pub limited: usize,
+}
+
+impl Step<'_> {
+    /// The widest gap between the two sides of a joint, in metres: what the plant's constraints let through.
+    pub fn widest_gap_m(&self) -> f64 {
+        let mut widest_m: f64 = 0.0;
+        for (body, place) in BODIES.iter().enumerate() {
+            if let Some(parent) = place.parent {
+                let parent = &self.measured[parent];
+                let joint = parent.position_m + parent.rotation * self.offset_m[body];
+                widest_m = widest_m.max(joint.distance(self.measured[body].position_m));
+            }
+        }
+        widest_m
+    }
 }
 
 /// Number of steps of a run: from frame 0, where the figure starts without error, to the last frame but
 /// one. A step needs the desired motion of three frames (forward differences of second order), so it starts
 /// from the last but two at the latest.
-pub(super) fn step_count(motion: &FigureMotion, seconds: Option<f64>) -> usize {
+pub fn step_count(motion: &FigureMotion, seconds: Option<f64>) -> usize {
     frame_count(motion, seconds).saturating_sub(2)
 }
 
@@ -59,66 +77,151 @@ fn frame_count(motion: &FigureMotion, seconds: Option<f64>) -> usize {
 /// before; its torques take the plant to frame n+1, and there it is compared with the clip. The figure
 /// starts on the clip's pose and with its velocity, with its own dimensions.
 ///
-/// Desired velocities are forward differences of the bodies' world poses, measured ones backward differences
-/// of what the joints' sensors tell, as firmware has them.
+/// Measured velocities are backward differences of what the joints' sensors tell, as firmware has them.
+/// `stream` tells clips apart in what is random of a run.
 ///
 /// # Errors
 /// [`RunError`]: above all, if the figure diverges.
 pub fn track(
     motion: &FigureMotion,
-    model: &BodyModel,
-    method: Method<BODY_COUNT>,
+    setup: &Setup,
     seconds: Option<f64>,
+    stream: u64,
     mut observe: impl FnMut(Step<'_>),
 ) -> Result<usize, RunError> {
     let steps = step_count(motion, seconds);
     if steps == 0 {
         return Err(RunError::TooShort { frames: frame_count(motion, seconds) });
     }
-    let tree = model.tree()?;
-    let mut targets = JointTargets::rest(&tree);
-    let mut states = JointStates::rest(&tree);
-    let controller = Controller::new(tree, Gains::critically_damped(KP)?, method)?;
+    let model = setup.model(motion)?;
+    let controller = setup.controller(&model)?;
+    let performance = Performance { motion, root: setup.controller.root };
+    let mut desired = Desired::new(performance, &controller, setup);
+    let mut states = JointStates::rest(controller.tree());
     let mut workspace = Workspace::new();
-    #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-    let dt_s = motion.dt_s as f32;
 
-    let start = moving_poses(motion, &model.offset_m);
-    let mut before = measured_joints(&one_step_before(&start, motion.dt_s), &model.offset_m);
-    let mechanism = Mechanism { root: Root::Driven, bodies: plant_bodies(model).to_vec() };
-    let mut plant = PlantSettings::default().build(&mechanism, &start, motion.dt_s)?;
+    let start = performance.start(&model.offset_m);
+    let mechanism = Mechanism {
+        root: setup.controller.root,
+        bodies: plant_bodies(&setup.disturbance.built(&model)),
+    };
+    let mut plant = setup.plant.build(&mechanism, &start, motion.dt_s)?;
+    let mut sensors = Sensors::new(&setup.disturbance, stream);
+    let mut delay = DelayLine::new(setup.disturbance.latency_steps);
     let mut drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO; BODY_COUNT] };
+    let lost_m = length_m(&model.offset_m) + length_m(&motion.offset_m);
 
-    let mut window = [0, 1, 2].map(|frame| motion.joint_poses(frame));
+    let before = one_step_before(&start, motion.dt_s);
+    let mut before = sensors.read(measured_joints(&before, &model.offset_m));
     for frame in 0..steps {
         let state_error = |source| RunError::State { frame, source };
-        let frames = window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
-        forward_targets_of_bodies(controller.tree(), frames, dt_s, &mut targets)
-            .map_err(state_error)?;
-        let now = measured_joints(plant.poses(), &model.offset_m);
-        backward_states([&before, &now], dt_s, &mut states).map_err(state_error)?;
+        let now = sensors.read(measured_joints(plant.poses(), &model.offset_m));
+        backward_states([&before, &now], desired.dt_s, &mut states).map_err(state_error)?;
+        let targets = desired.targets(frame)?;
 
-        let torques = controller.tick(&targets, &states, &[], &mut workspace);
-        // No limits are set, so that nothing but an overflow is cut.
-        if torques.iter().any(|torque| torque.reason.is_some()) {
+        let torques = controller.tick(targets, &states, &[], &mut workspace);
+        if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
-        for ((torque, pose), drive_nm) in
-            torques.iter().zip(plant.poses()).zip(&mut drive.torque_nm)
-        {
-            *drive_nm = pose.rotation * torque.value.moment_nm.as_dvec3();
-        }
-        drive.root_force_n = plant.poses()[0].rotation * torques[0].value.force_n.as_dvec3();
+        let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
+        let wanted = array::from_fn(|joint| torques[joint].value);
+        set_drive(&mut drive, delay.pass(&wanted), plant.poses());
         plant.step(&drive);
 
-        let desired = world_poses(motion, &motion.offset_m, frame + 1);
-        check(frame + 1, &desired, plant.poses())?;
-        observe(Step { frame: frame + 1, desired: &desired, measured: plant.poses() });
+        let desired = performance.world_poses(&motion.offset_m, frame + 1);
+        check(frame + 1, &desired, plant.poses(), lost_m)?;
+        observe(Step {
+            frame: frame + 1,
+            desired: &desired,
+            measured: plant.poses(),
+            offset_m: &model.offset_m,
+            limited,
+        });
         before = now;
-        let [_, next, after] = window;
-        window = [next, after, motion.joint_poses(frame + 3)];
     }
     Ok(steps)
+}
+
+/// The desired side of a run: what the clip asks of the joints.
+struct Desired<'a> {
+    performance: Performance<'a>,
+    velocity: DesiredVelocity,
+    dt_s: f32,
+    controller: &'a Controller<BODY_COUNT>,
+    targets: JointTargets<BODY_COUNT>,
+    /// Joint poses of this frame and the next two.
+    window: [[Transform; BODY_COUNT]; 3],
+}
+
+impl<'a> Desired<'a> {
+    fn new(
+        performance: Performance<'a>,
+        controller: &'a Controller<BODY_COUNT>,
+        setup: &Setup,
+    ) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+        let dt_s = performance.motion.dt_s as f32;
+        Self {
+            performance,
+            velocity: setup.controller.desired_velocity,
+            dt_s,
+            controller,
+            targets: JointTargets::rest(controller.tree()),
+            window: [0, 1, 2].map(|frame| performance.joint_poses(frame)),
+        }
+    }
+
+    /// Targets at `frame`; frames come one after the other.
+    fn targets(&mut self, frame: usize) -> Result<&JointTargets<BODY_COUNT>, RunError> {
+        let state_error = |source| RunError::State { frame, source };
+        let window = self.window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
+        let (tree, dt_s, targets) = (self.controller.tree(), self.dt_s, &mut self.targets);
+        match self.velocity {
+            DesiredVelocity::Bodies => forward_targets_of_bodies(tree, window, dt_s, targets),
+            _ => forward_targets(window, dt_s, targets),
+        }
+        .map_err(state_error)?;
+        match self.velocity {
+            DesiredVelocity::Bodies | DesiredVelocity::Joints => {}
+            DesiredVelocity::Zero => self.set_velocities(frame, |_| Motion::ZERO)?,
+            DesiredVelocity::Backward => {
+                let moving = self.performance.backward(frame);
+                let bodies: [BodyState; BODY_COUNT] = moving.map(|moving| BodyState {
+                    pose: Transform::new(
+                        moving.pose.rotation.as_quat(),
+                        moving.pose.position_m.as_vec3(),
+                    ),
+                    velocity: Motion::new(
+                        moving.angular_rad_s.as_vec3(),
+                        moving.linear_m_s.as_vec3(),
+                    ),
+                });
+                self.set_velocities(frame, |body| {
+                    let parent = BODIES[body].parent.map_or(BodyState::WORLD, |p| bodies[p]);
+                    bodies[body].joint_state(&parent).velocity
+                })?;
+            }
+        }
+        let [_, next, after] = self.window;
+        self.window = [next, after, self.performance.joint_poses(frame + 3)];
+        Ok(&self.targets)
+    }
+
+    fn set_velocities(
+        &mut self,
+        frame: usize,
+        velocity: impl Fn(usize) -> Motion,
+    ) -> Result<(), RunError> {
+        for joint in 0..BODY_COUNT {
+            let pose = self.targets.states()[joint].pose;
+            let acceleration = self.targets.accelerations()[joint];
+            let state = JointState { pose, velocity: velocity(joint) };
+            self.targets
+                .set(joint, state, acceleration)
+                .map_err(|source| RunError::State { frame, source })?;
+        }
+        Ok(())
+    }
 }
 
 /// What the sensors of the figure's joints tell: the relative rotations, and the root's pose in the world.
@@ -126,7 +229,7 @@ pub fn track(
 /// The joints' positions are the model's. The plant's bodies drift apart at the joints by millimetres; a
 /// sensor in a joint does not see that, and a rig's bearings do not do it.
 fn measured_joints(poses: &[Pose], offset_m: &[DVec3; BODY_COUNT]) -> [Transform; BODY_COUNT] {
-    std::array::from_fn(|body| match BODIES[body].parent {
+    array::from_fn(|body| match BODIES[body].parent {
         None => Transform::new(poses[body].rotation.as_quat(), poses[body].position_m.as_vec3()),
         Some(parent) => {
             let relative = poses[parent].rotation.conjugate() * poses[body].rotation;
@@ -135,8 +238,27 @@ fn measured_joints(poses: &[Pose], offset_m: &[DVec3; BODY_COUNT]) -> [Transform
     })
 }
 
+/// Turns torques from body axes to the world's.
+fn set_drive(drive: &mut Drive, torques: &Wanted, poses: &[Pose]) {
+    for ((torque, pose), drive_nm) in torques.iter().zip(poses).zip(&mut drive.torque_nm) {
+        *drive_nm = pose.rotation * torque.moment_nm.as_dvec3();
+    }
+    drive.root_force_n = poses[0].rotation * torques[0].force_n.as_dvec3();
+}
+
+/// Length of all bones together, in metres. No body of a figure that stands where it should can be farther
+/// from its goal than the bones of both figures reach.
+fn length_m(offset_m: &[DVec3; BODY_COUNT]) -> f64 {
+    offset_m.iter().map(|offset| offset.length()).sum()
+}
+
 /// Refuses a figure that is lost: nothing of it may get into a mean.
-fn check(frame: usize, desired: &[Pose; BODY_COUNT], measured: &[Pose]) -> Result<(), RunError> {
+fn check(
+    frame: usize,
+    desired: &[Pose; BODY_COUNT],
+    measured: &[Pose],
+    lost_m: f64,
+) -> Result<(), RunError> {
     let mut worst = (0, 0.0);
     for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
         let linear_m = (desired.position_m - measured.position_m).length();
@@ -149,16 +271,17 @@ fn check(frame: usize, desired: &[Pose; BODY_COUNT], measured: &[Pose]) -> Resul
         }
     }
     let (body, linear_m) = worst;
-    if linear_m > LOST_M {
+    if linear_m > lost_m {
         return Err(RunError::Diverged { frame, body: BODIES[body].name, linear_m });
     }
     Ok(())
 }
 
-fn plant_bodies(model: &BodyModel) -> [PlantBody; BODY_COUNT] {
-    std::array::from_fn(|body| PlantBody {
-        parent: BODIES[body].parent,
-        offset_m: model.offset_m[body],
-        mass: model.bodies[body],
-    })
+fn plant_bodies(model: &BodyModel) -> Vec<PlantBody> {
+    BODIES
+        .iter()
+        .zip(model.offset_m)
+        .zip(model.bodies)
+        .map(|((body, offset_m), mass)| PlantBody { parent: body.parent, offset_m, mass })
+        .collect()
 }

@@ -1,5 +1,7 @@
 //! The bodies of the figure in regular numbering.
 
+use serde::{Deserialize, Serialize};
+
 /// Number of bodies of the figure.
 pub const BODY_COUNT: usize = 18;
 
@@ -10,6 +12,17 @@ pub struct Body {
     pub name: &'static str,
     /// Index of the parent body; `None` for the pelvis.
     pub parent: Option<usize>,
+}
+
+/// How body 0 is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Root {
+    /// It moves freely, driven by a force and a torque from outside.
+    #[default]
+    Driven,
+    /// It is bolted to the world where it starts.
+    Fixed,
 }
 
 const fn body(name: &'static str, parent: usize) -> Body {

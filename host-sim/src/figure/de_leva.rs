@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 
+use super::BODY_COUNT;
 use super::cut::{self, CutDisc};
 use super::model::{BodyModelError, MassProperties};
 use super::placement::{self, Part, Placement};
-use super::BODY_COUNT;
 
 /// Mass properties of the table's man in the dimensions of a skeleton.
 pub(super) fn bodies(

@@ -3,12 +3,14 @@
 pub mod body;
 mod cut;
 mod de_leva;
+mod dimensions;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod model;
 mod placement;
 pub mod solids;
 
-pub use body::{BODIES, BODY_COUNT, Body, is_leaf};
+pub use body::{BODIES, BODY_COUNT, Body, Root, is_leaf};
 pub use de_leva::mass_fraction as de_leva_mass_fraction;
+pub use dimensions::Dimensions;
 pub use model::{BodyModel, BodyModelError, MassProperties};

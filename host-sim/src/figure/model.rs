@@ -1,12 +1,14 @@
 //! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
 
+use std::array;
+
 use glam::{DMat3, DVec3};
 use sinew_core::{
     Body as RigBody, Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError,
 };
 use thiserror::Error;
 
-use super::body::{BODIES, BODY_COUNT};
+use super::body::{BODIES, BODY_COUNT, Root};
 use super::de_leva;
 use super::placement::{Placement, Skeleton};
 use crate::mocap::FigureMotion;
@@ -20,6 +22,18 @@ pub struct MassProperties {
     pub center_of_mass_m: DVec3,
     /// Rotational inertia about the centre of mass, body axes.
     pub rotational_kg_m2: DMat3,
+}
+
+impl MassProperties {
+    /// Those of a body of `factor` times the dimensions, at the same density.
+    fn scaled(&self, factor: f64) -> Self {
+        let (area, volume) = (factor * factor, factor * factor * factor);
+        Self {
+            mass_kg: self.mass_kg * volume,
+            center_of_mass_m: self.center_of_mass_m * factor,
+            rotational_kg_m2: self.rotational_kg_m2 * (volume * area),
+        }
+    }
 }
 
 /// The figure as a mechanism: where its joints are, and the mass properties of its bodies.
@@ -63,14 +77,19 @@ impl BodyModel {
     /// The same figure with all dimensions times `factor`, at the same density.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        let (area, volume) = (factor * factor, factor * factor * factor);
+        self.scaled_by(&[factor; BODY_COUNT])
+    }
+
+    /// The same figure with every body in its own factor's dimensions, at the same density. A joint lies on
+    /// its parent body and moves with that.
+    #[must_use]
+    pub fn scaled_by(&self, factors: &[f64; BODY_COUNT]) -> Self {
         Self {
-            offset_m: self.offset_m.map(|offset| offset * factor),
-            bodies: self.bodies.map(|body| MassProperties {
-                mass_kg: body.mass_kg * volume,
-                center_of_mass_m: body.center_of_mass_m * factor,
-                rotational_kg_m2: body.rotational_kg_m2 * (volume * area),
+            offset_m: array::from_fn(|body| {
+                let carrier = BODIES[body].parent.unwrap_or(body);
+                self.offset_m[body] * factors[carrier]
             }),
+            bodies: array::from_fn(|body| self.bodies[body].scaled(factors[body])),
         }
     }
 
@@ -79,14 +98,18 @@ impl BodyModel {
         self.bodies.iter().map(|body| body.mass_kg).sum()
     }
 
-    /// The figure as the controller knows it, in f32: the root free, all other joints spherical.
+    /// The figure as the controller knows it, in f32: the root as told, all other joints spherical.
     ///
     /// # Errors
     /// [`TreeError`] if the numbers do not survive f32.
-    pub fn tree(&self) -> Result<Tree<BODY_COUNT>, TreeError> {
+    pub fn tree(&self, root: Root) -> Result<Tree<BODY_COUNT>, TreeError> {
+        let root = match root {
+            Root::Driven => JointKind::Free,
+            Root::Fixed => JointKind::Fixed,
+        };
         let mut tree = Tree::new();
         for ((place, offset), body) in BODIES.iter().zip(&self.offset_m).zip(&self.bodies) {
-            let joint = if place.parent.is_none() { JointKind::Free } else { JointKind::Spherical };
+            let joint = if place.parent.is_none() { root } else { JointKind::Spherical };
             tree.push(RigBody {
                 parent: place.parent,
                 joint,

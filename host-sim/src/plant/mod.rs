@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use crate::figure::MassProperties;
 
+pub use crate::figure::Root;
 pub use rapier::RapierPlant;
 
 /// Which plant, and how its steps are cut.
@@ -44,17 +45,6 @@ pub struct Mechanism {
     pub root: Root,
     /// The bodies, parents before children.
     pub bodies: Vec<PlantBody>,
-}
-
-/// How body 0 is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Root {
-    /// It moves freely, driven by a force and a torque from outside.
-    #[default]
-    Driven,
-    /// It is bolted to the world where it starts.
-    Fixed,
 }
 
 /// Why a plant could not be built.

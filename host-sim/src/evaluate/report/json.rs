@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName};
-use crate::plant::{Description, PlantSettings};
+use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName, Setup};
+use crate::plant::Description;
 
 #[derive(Serialize)]
 struct Document<'a> {
     schema: &'static str,
     plant: Description,
+    setup: &'a Setup,
     frames: usize,
     figures: Vec<Figure>,
     clips: &'a [ClipLength],
@@ -26,6 +27,10 @@ struct Methods {
     local: Option<Groups>,
     #[serde(skip_serializing_if = "Option::is_none")]
     world: Option<Groups>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    egocentric: Option<Groups>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accumulated: Option<Groups>,
     #[serde(skip_serializing_if = "Option::is_none")]
     linear_compensation: Option<Groups>,
 }
@@ -73,6 +78,8 @@ impl From<&FigureResult> for Figure {
             methods: Methods {
                 local: groups(MethodName::Local),
                 world: groups(MethodName::World),
+                egocentric: groups(MethodName::Egocentric),
+                accumulated: groups(MethodName::Accumulated),
                 linear_compensation: groups(MethodName::LinearCompensation),
             },
         }
@@ -83,7 +90,8 @@ impl From<&FigureResult> for Figure {
 pub fn json(evaluation: &Evaluation) -> String {
     let document = Document {
         schema: "sinew-evaluate/1",
-        plant: PlantSettings::default().description(),
+        plant: evaluation.setup.plant.description(),
+        setup: &evaluation.setup,
         frames: evaluation.frames(),
         figures: evaluation.figures.iter().map(Figure::from).collect(),
         clips: &evaluation.clips,

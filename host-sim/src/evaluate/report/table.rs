@@ -6,7 +6,6 @@ use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use super::super::paper::{self, Kind};
 use super::super::{Errors, Evaluation, FigureResult, MethodName};
-use crate::plant::PlantSettings;
 
 /// All tables, each with its heading: first every figure's numbers divided by Local's (the paper's tables 1
 /// and 2), then the numbers themselves (3 and 4).
@@ -24,9 +23,13 @@ pub fn tables(evaluation: &Evaluation) -> String {
             "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\n",
             if clips == 1 { "" } else { "s" },
             evaluation.frames(),
-            PlantSettings::default().description(),
+            evaluation.setup.plant.description(),
         ),
     );
+    let differences = evaluation.setup.differences();
+    if !differences.is_empty() {
+        write(&mut out, format_args!("setup: {}\n", differences.join(", ")));
+    }
     for kind in [Kind::Normalised, Kind::Numerical] {
         for figure in &evaluation.figures {
             let Some(table) = table(figure, kind) else {
@@ -86,14 +89,16 @@ fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
                 _ => ours,
             };
             let published = published.map(|figure| {
-                let row = figure.row(kind, result.method);
-                if joints == "all" { row.all } else { row.leaf }
+                let row = figure.row(kind, result.method)?;
+                Some(if joints == "all" { row.all } else { row.leaf })
             });
-            let mut cells = vec![joints.to_owned(), label(result.method).to_owned()];
+            let mut cells = vec![joints.to_owned(), result.method.label().to_owned()];
             for column in 0..4 {
                 cells.push(number(ours[column], kind));
                 if let Some(published) = published {
-                    cells.push(number(published[column], kind));
+                    cells.push(
+                        published.map_or_else(|| "-".to_owned(), |row| number(row[column], kind)),
+                    );
                 }
             }
             table.add_row(cells);
@@ -113,14 +118,6 @@ fn group_all(errors: &Errors) -> [f64; 4] {
 
 fn group_leaf(errors: &Errors) -> [f64; 4] {
     errors.leaf.figures()
-}
-
-fn label(method: MethodName) -> &'static str {
-    match method {
-        MethodName::Local => "Local",
-        MethodName::World => "World",
-        MethodName::LinearCompensation => "Linear Compensation",
-    }
 }
 
 fn number(value: f64, kind: Kind) -> String {

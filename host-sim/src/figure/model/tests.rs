@@ -19,7 +19,7 @@ fn every_inertia_is_one_that_a_body_can_have() {
     let model = BodyModel::from_motion(&standing()).unwrap();
     for scale in [0.1, 1.0, 1.1, 10.0] {
         // The tree refuses impossible ones in f32; here in f64, and with a margin.
-        model.scaled(scale).tree().unwrap();
+        model.scaled(scale).tree(Root::Driven).unwrap();
     }
     for (place, body) in BODIES.iter().zip(&model.bodies) {
         let matrix: nalgebra::Matrix3<f64> =

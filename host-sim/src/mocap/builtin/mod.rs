@@ -12,7 +12,6 @@ mod ik;
 mod kicks;
 mod performer;
 mod punches;
-mod random;
 mod script;
 mod sensors;
 mod skeleton;
@@ -22,8 +21,8 @@ mod tests;
 mod timing;
 
 use crate::mocap::Clip;
+use crate::random::{Random, Subject};
 use performer::Performer;
-use random::{Random, Subject};
 use script::Script;
 use skeleton::Pose;
 use stance::{Footwork, Sway};

@@ -2,10 +2,10 @@
 
 use glam::{DQuat, DVec3};
 
-use super::random::{Random, Subject};
 use super::skeleton::Side;
 use super::stance::{Stance, Step};
 use super::{RATE_HZ, kicks, punches};
+use crate::random::{Random, Subject};
 use Side::{Left as Lead, Right as Rear};
 use StrikeKind::{Cross, FrontKick, Hook, Jab, RoundhouseKick, SideKick, Uppercut};
 

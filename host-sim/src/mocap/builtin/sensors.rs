@@ -2,10 +2,10 @@
 
 use glam::DQuat;
 
-use super::random::{Random, Subject};
 use super::skeleton::{PELVIS, Pose, offset_m};
 use crate::figure::BODY_COUNT;
 use crate::mocap::JointSample;
+use crate::random::{Random, Subject};
 
 /// Standard deviation of each joint's rotation about each axis.
 pub(super) const ROTATION_NOISE_DEG: f64 = 0.3;

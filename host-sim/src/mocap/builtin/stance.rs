@@ -5,9 +5,9 @@
 
 use glam::{DQuat, DVec3};
 
-use super::random::Random;
 use super::skeleton::Side;
 use super::timing::{Track, Track3};
+use crate::random::Random;
 
 /// Pelvis in the stance frame, in metres.
 pub(super) const PELVIS_M: DVec3 = DVec3::new(0.03, 0.87, -0.02);

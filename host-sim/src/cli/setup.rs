@@ -1,0 +1,121 @@
+//! Options that make a [`Setup`].
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use sinew_sim::evaluate::{BodySource, Setup};
+use sinew_sim::plant::PlantKind;
+
+/// Options that make a [`Setup`]; the more special ones go over the more general.
+#[derive(Debug, clap::Args)]
+pub(super) struct SetupArgs {
+    /// What simulates the figure.
+    #[arg(long, value_enum, value_name = "PLANT")]
+    plant: Option<PlantKind>,
+
+    /// Where the figure's masses come from.
+    #[arg(long, value_enum, value_name = "BODY")]
+    body: Option<BodySource>,
+
+    /// Setup in TOML: anything that a run can be varied in. `--format json` prints all keys.
+    #[arg(long, value_name = "FILE")]
+    setup: Option<PathBuf>,
+
+    /// One key of the setup, such as `plant.substeps=4` or `controller.rate_term=none`; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SetupArgs {
+    /// The setup.
+    pub(super) fn setup(&self) -> anyhow::Result<Setup> {
+        let mut setup = toml::Table::new();
+        if let Some(file) = &self.setup {
+            let text =
+                std::fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
+            // Alone, errors point at the file's lines.
+            Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
+            setup = text.parse().with_context(|| format!("{}", file.display()))?;
+        }
+        for assignment in &self.set {
+            let Some((key, value)) = assignment.split_once('=') else {
+                bail!("--set: expected KEY=VALUE, found `{assignment}`");
+            };
+            insert(&mut setup, key.trim(), parse(value.trim()))
+                .with_context(|| format!("--set {assignment}"))?;
+            Setup::from_table(setup.clone()).with_context(|| format!("--set {assignment}"))?;
+        }
+        let mut setup = Setup::from_table(setup)?;
+        if let Some(kind) = self.plant {
+            setup.plant.kind = kind;
+        }
+        if let Some(body) = self.body {
+            setup.body = body;
+        }
+        setup.check()?;
+        Ok(setup)
+    }
+}
+
+/// A TOML value; what is none is text, so that names need no quotes in a shell.
+fn parse(value: &str) -> toml::Value {
+    format!("value = {value}")
+        .parse::<toml::Table>()
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .unwrap_or_else(|| toml::Value::String(value.to_owned()))
+}
+
+fn insert(table: &mut toml::Table, key: &str, value: toml::Value) -> anyhow::Result<()> {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value);
+            Ok(())
+        }
+        Some((first, rest)) => {
+            let inner = table.entry(first).or_insert_with(|| toml::Table::new().into());
+            let Some(inner) = inner.as_table_mut() else {
+                bail!("`{first}` has no keys of its own");
+            };
+            insert(inner, rest, value)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sinew_sim::evaluate::MethodName;
+
+    use super::*;
+
+    fn setup(set: &[&str]) -> anyhow::Result<Setup> {
+        let set = set.iter().map(ToString::to_string).collect();
+        SetupArgs { plant: None, body: None, setup: None, set }.setup()
+    }
+
+    #[test]
+    fn keys_go_into_their_tables() {
+        let setup =
+            setup(&["plant.substeps=4", "controller.method = world", "dimensions.left_arm=1.2"])
+                .unwrap();
+        assert_eq!(setup.plant.substeps, 4);
+        assert_eq!(setup.controller.method, MethodName::World);
+        assert!((setup.dimensions.left_arm - 1.2).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn a_bad_assignment_is_named() {
+        for bad in [
+            "plant.substeps",
+            "plant.substeps=0",
+            "plant.substeps=many",
+            "plant.steps=1",
+            "body.kind=x",
+            "controller.beta=nan",
+            "controller.reference=tail",
+        ] {
+            let error = format!("{:#}", setup(&[bad]).unwrap_err());
+            assert!(error.contains(bad), "{error}");
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! What the controller does not know of its figure: wrong masses, noisy sensors, weak and late drives.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+use sinew_core::control::TorqueLimit;
+use sinew_core::{Transform, Wrench, math};
+
+use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
+use crate::random::{Random, Subject};
+
+/// What the controller does not know of its figure. The default is nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Disturbance {
+    /// Every body of the plant weighs a random `1 ± masses` of what the controller believes; below 1.
+    pub masses: f64,
+    /// Seed of the masses and of the noise.
+    pub seed: u64,
+    /// Standard deviation of the measured joint rotations about each axis, in rad.
+    pub sensor_noise_rad: f64,
+    /// Standard deviation of the measured position of the root along each axis, in m.
+    pub sensor_noise_m: f64,
+    /// The most that the drive of a joint gives, in N m; the root's drive is not limited.
+    pub torque_limit_nm: f64,
+    /// Steps that a torque comes late. Until the first arrives, the first is held.
+    pub latency_steps: usize,
+}
+
+impl Default for Disturbance {
+    fn default() -> Self {
+        Self {
+            masses: 0.0,
+            seed: 0,
+            sensor_noise_rad: 0.0,
+            sensor_noise_m: 0.0,
+            torque_limit_nm: f64::INFINITY,
+            latency_steps: 0,
+        }
+    }
+}
+
+impl Disturbance {
+    /// What cannot be, as (key, what is expected, value).
+    pub(super) fn fault(&self) -> Option<(&'static str, &'static str, f64)> {
+        // A range has no NaN.
+        if !(0.0..1.0).contains(&self.masses) {
+            return Some(("masses", "a fraction from 0 to below 1", self.masses));
+        }
+        if !(0.0..=1.0).contains(&self.sensor_noise_rad) {
+            return Some(("sensor_noise_rad", "an angle from 0 to 1 rad", self.sensor_noise_rad));
+        }
+        if !(0.0..=1.0).contains(&self.sensor_noise_m) {
+            return Some(("sensor_noise_m", "a length from 0 to 1 m", self.sensor_noise_m));
+        }
+        if self.torque_limit_nm.is_nan() || self.torque_limit_nm <= 0.0 {
+            return Some((
+                "torque_limit_nm",
+                "a torque above 0 N m (inf for none)",
+                self.torque_limit_nm,
+            ));
+        }
+        if self.latency_steps > 100 {
+            return Some(("latency_steps", "0 to 100 steps", self.latency_steps as f64));
+        }
+        None
+    }
+
+    /// The figure as it was built: the same for every clip of a seed.
+    pub(super) fn built(&self, model: &BodyModel) -> BodyModel {
+        let mut random = Random::new(self.seed, Subject::Masses);
+        BodyModel {
+            offset_m: model.offset_m,
+            bodies: model.bodies.map(|body| {
+                let factor = random.between(1.0 - self.masses, 1.0 + self.masses);
+                MassProperties {
+                    mass_kg: body.mass_kg * factor,
+                    rotational_kg_m2: body.rotational_kg_m2 * factor,
+                    ..body
+                }
+            }),
+        }
+    }
+
+    /// The limits of the joints' drives.
+    #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+    pub(super) fn torque_limits(&self) -> [TorqueLimit; BODY_COUNT] {
+        let limit = TorqueLimit::new(self.torque_limit_nm as f32, f32::INFINITY);
+        let limit = limit.expect("checked to be above 0");
+        BODIES.map(|body| if body.parent.is_none() { TorqueLimit::NONE } else { limit })
+    }
+}
+
+/// The sensors of a run.
+pub(super) struct Sensors {
+    noise_rad: f64,
+    noise_m: f64,
+    random: Random,
+}
+
+impl Sensors {
+    /// `stream` tells the clips apart: every method meets the same noise on the same clip.
+    pub(super) fn new(disturbance: &Disturbance, stream: u64) -> Self {
+        Self {
+            noise_rad: disturbance.sensor_noise_rad,
+            noise_m: disturbance.sensor_noise_m,
+            random: Random::numbered(disturbance.seed, stream, Subject::Noise),
+        }
+    }
+
+    /// What the sensors tell of the joints' true poses.
+    pub(super) fn read(&mut self, mut joints: [Transform; BODY_COUNT]) -> [Transform; BODY_COUNT] {
+        if self.noise_rad > 0.0 {
+            for joint in &mut joints {
+                let turn = self.random.normal3() * self.noise_rad;
+                joint.rotation = (joint.rotation * math::exp(turn.as_vec3())).normalize();
+            }
+        }
+        if self.noise_m > 0.0 {
+            joints[0].translation_m += (self.random.normal3() * self.noise_m).as_vec3();
+        }
+        joints
+    }
+}
+
+/// What the controller wants of the drives, in body axes: that is where a motor keeps it while its body
+/// turns.
+pub(super) type Wanted = [Wrench; BODY_COUNT];
+
+/// The way of the torques to the drives: a queue of as many steps as they come late.
+pub(super) struct DelayLine {
+    steps: usize,
+    waiting: VecDeque<Wanted>,
+}
+
+impl DelayLine {
+    pub(super) fn new(steps: usize) -> Self {
+        Self { steps, waiting: VecDeque::with_capacity(steps + 1) }
+    }
+
+    /// Sends off what is wanted now; returns what arrives now.
+    pub(super) fn pass(&mut self, wanted: &Wanted) -> &Wanted {
+        if self.waiting.len() > self.steps {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(*wanted);
+        &self.waiting[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn torques_arrive_late_and_the_first_is_held() {
+        let arrivals = |steps: usize| {
+            let mut line = DelayLine::new(steps);
+            [1_u8, 2, 3, 4, 5].map(|n| {
+                let wrench = Wrench::new(Vec3::X * f32::from(n), Vec3::ZERO);
+                line.pass(&[wrench; BODY_COUNT])[0].moment_nm.x.to_bits()
+            })
+        };
+        let bits = |numbers: [u8; 5]| numbers.map(|n| f32::from(n).to_bits());
+        assert_eq!(arrivals(0), bits([1, 2, 3, 4, 5]));
+        assert_eq!(arrivals(1), bits([1, 1, 2, 3, 4]));
+        assert_eq!(arrivals(3), bits([1, 1, 1, 1, 2]));
+    }
+}

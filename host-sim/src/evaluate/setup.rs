@@ -1,0 +1,347 @@
+//! A setup: all that a run can be varied in, but its clip.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use sinew_core::control::{ControlLaw, Gains};
+use sinew_core::state_error::{Aims, Compensation, Method, RateTerm, References};
+use sinew_core::{Controller, Tree};
+use thiserror::Error;
+
+use super::disturbance::Disturbance;
+use super::error::RunError;
+use crate::figure::{BODIES, BODY_COUNT, BodyModel, BodyModelError, Dimensions, Root};
+use crate::mocap::FigureMotion;
+use crate::plant::PlantSettings;
+
+/// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
+///
+/// In TOML, every key may be left out:
+///
+/// ```
+/// use sinew_sim::evaluate::{MethodName, Setup};
+/// let setup = Setup::parse("controller.method = 'world'\nplant.substeps = 2")?;
+/// assert_eq!(setup.controller.method, MethodName::World);
+/// assert!(Setup::parse("controller.kp = nan").is_err());
+/// # Ok::<(), sinew_sim::evaluate::SetupError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Setup {
+    /// What the figure weighs.
+    pub body: BodySource,
+    /// How large it is against the clip.
+    pub dimensions: Dimensions,
+    /// How it is controlled.
+    pub controller: ControllerSettings,
+    /// How it is simulated.
+    pub plant: PlantSettings,
+    /// What the controller does not know of it.
+    pub disturbance: Disturbance,
+}
+
+/// Where the masses of the figure come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum BodySource {
+    /// De Leva's segment regressions (1996), 73 kg.
+    #[default]
+    DeLeva,
+}
+
+/// How the figure is controlled.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControllerSettings {
+    /// How the state error is measured.
+    pub method: MethodName,
+    /// The body that its descendants are seen from, for `accumulated`; all others are seen from the world.
+    pub reference: BodyName,
+    /// Weight β of Linear Compensation: 0 is World Space Error, 1 the paper's.
+    pub beta: f32,
+    /// The derivative of the compensating rotation.
+    pub rate_term: RateTermName,
+    /// Where the desired velocities come from.
+    pub desired_velocity: DesiredVelocity,
+    /// How the error becomes a torque.
+    pub law: LawName,
+    /// Stiffness in 1/s², critically damped.
+    pub kp: f32,
+    /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
+    pub root: Root,
+}
+
+impl Default for ControllerSettings {
+    fn default() -> Self {
+        Self {
+            method: MethodName::Local,
+            reference: BodyName(0),
+            beta: 1.0,
+            rate_term: RateTermName::Corrected,
+            desired_velocity: DesiredVelocity::Bodies,
+            law: LawName::InverseDynamics,
+            kp: 200.0,
+            root: Root::Driven,
+        }
+    }
+}
+
+/// A method of measuring the state error, as tables and options name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum MethodName {
+    /// Local Space Error: every joint as its parent sees it.
+    Local,
+    /// World Space Error.
+    World,
+    /// Every body as the pelvis sees it, the pelvis as the world sees it.
+    Egocentric,
+    /// The descendants of `controller.reference` as that body sees them, all others as the world does.
+    Accumulated,
+    /// Linear Compensation Error: bodies turn so that their child reaches its goal.
+    LinearCompensation,
+}
+
+/// The sign of the rate term of Linear Compensation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RateTermName {
+    /// That of the rotation which is applied.
+    Corrected,
+    /// The paper's.
+    AsPrinted,
+    /// No term.
+    None,
+}
+
+/// Where desired velocities come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DesiredVelocity {
+    /// Forward differences of the bodies' world poses.
+    Bodies,
+    /// Forward differences of the joints' poses.
+    Joints,
+    /// Backward differences of the bodies' world poses: of the same instant as the measured velocities.
+    Backward,
+    /// Omitted: every body is to stand still.
+    Zero,
+}
+
+/// How an error becomes a torque.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LawName {
+    /// PD and inverse dynamics, eq. (11).
+    InverseDynamics,
+    /// PD alone.
+    Pd,
+}
+
+/// A body of the figure, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "&'static str")]
+pub struct BodyName(pub usize);
+
+impl TryFrom<String> for BodyName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        BODIES.iter().position(|body| body.name == name).map(Self).ok_or_else(|| {
+            let names: Vec<_> = BODIES.iter().map(|body| body.name).collect();
+            format!("expected a body of the figure ({}), found `{name}`", names.join(", "))
+        })
+    }
+}
+
+impl From<BodyName> for &'static str {
+    fn from(BodyName(body): BodyName) -> Self {
+        BODIES[body].name
+    }
+}
+
+/// A setup that cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SetupError {
+    /// Not the TOML of a setup.
+    #[error("{0}")]
+    Toml(String),
+    /// A value out of its range.
+    #[error("{key}: expected {expected}, found {value}")]
+    Value {
+        /// The key, dotted.
+        key: String,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+impl Setup {
+    /// Reads a setup from TOML text and checks it.
+    ///
+    /// # Errors
+    /// [`SetupError`].
+    pub fn parse(toml: &str) -> Result<Self, SetupError> {
+        let setup: Self =
+            toml::from_str(toml).map_err(|error| SetupError::Toml(error.to_string()))?;
+        setup.check()?;
+        Ok(setup)
+    }
+
+    /// Reads a setup from a TOML table and checks it.
+    ///
+    /// # Errors
+    /// [`SetupError`].
+    pub fn from_table(table: toml::Table) -> Result<Self, SetupError> {
+        let setup: Self = serde_path_to_error::deserialize(toml::Value::Table(table))
+            .map_err(|error| SetupError::Toml(error.to_string().trim_end().to_owned()))?;
+        setup.check()?;
+        Ok(setup)
+    }
+
+    /// Checks every value; NaN is refused.
+    ///
+    /// # Errors
+    /// [`SetupError`].
+    pub fn check(&self) -> Result<(), SetupError> {
+        let value = |key: &str, (expected, value)| {
+            Err(SetupError::Value { key: key.to_owned(), expected, value })
+        };
+        if let Some((key, expected, found)) = self.dimensions.fault() {
+            return value(&format!("dimensions.{key}"), (expected, found));
+        }
+        if let Some((key, expected, found)) = self.disturbance.fault() {
+            return value(&format!("disturbance.{key}"), (expected, found));
+        }
+        let ControllerSettings { beta, kp, .. } = self.controller;
+        if !(0.0..=2.0).contains(&beta) {
+            return value("controller.beta", ("a weight from 0 to 2", f64::from(beta)));
+        }
+        if !(kp > 0.0 && kp.is_finite()) {
+            return value("controller.kp", ("a finite number above 0", f64::from(kp)));
+        }
+        if !(1..=1000).contains(&self.plant.substeps) {
+            let found = self.plant.substeps as f64;
+            return value("plant.substeps", ("a number from 1 to 1000", found));
+        }
+        Ok(())
+    }
+
+    /// The keys that differ from the default, with their values: `plant.substeps = 4`.
+    pub fn differences(&self) -> Vec<String> {
+        let table = |setup: &Self| {
+            toml::Table::try_from(setup).expect("every setup can be written in TOML")
+        };
+        let mut lines = Vec::new();
+        differences("", &table(self), &table(&Self::default()), &mut lines);
+        lines
+    }
+
+    /// The figure as the controller knows it, on the dimensions of a clip and this setup.
+    ///
+    /// # Errors
+    /// [`BodyModelError`] if the clip's skeleton cannot be given a body.
+    pub fn model(&self, motion: &FigureMotion) -> Result<BodyModel, BodyModelError> {
+        let BodySource::DeLeva = self.body;
+        Ok(BodyModel::from_motion(motion)?.scaled_by(&self.dimensions.factors()))
+    }
+
+    /// The controller of a figure.
+    ///
+    /// # Errors
+    /// [`RunError`] if the figure's numbers do not survive f32.
+    pub(super) fn controller(&self, model: &BodyModel) -> Result<Controller<BODY_COUNT>, RunError> {
+        let settings = self.controller;
+        let tree = model.tree(settings.root)?;
+        let method = settings.method(&tree);
+        let law = match settings.law {
+            LawName::InverseDynamics => ControlLaw::InverseDynamics,
+            LawName::Pd => ControlLaw::ProportionalDerivative,
+        };
+        let limits = self.disturbance.torque_limits();
+        let controller = Controller::new(tree, Gains::critically_damped(settings.kp)?, method)?;
+        Ok(controller.with_law(law).with_limits(&limits)?)
+    }
+}
+
+fn differences(prefix: &str, table: &toml::Table, from: &toml::Table, lines: &mut Vec<String>) {
+    for (key, value) in table {
+        match (value, from.get(key)) {
+            (toml::Value::Table(inner), Some(toml::Value::Table(from))) => {
+                differences(&format!("{prefix}{key}."), inner, from, lines);
+            }
+            (value, from) if from != Some(value) => lines.push(format!("{prefix}{key} = {value}")),
+            _ => {}
+        }
+    }
+}
+
+impl ControllerSettings {
+    /// The method for a figure.
+    fn method(&self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
+        match self.method {
+            MethodName::Local => Method::Local,
+            MethodName::World => Method::World,
+            MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
+            MethodName::Accumulated => {
+                let BodyName(reference) = self.reference;
+                let seen_from: [_; BODY_COUNT] = std::array::from_fn(|body| {
+                    tree.is_ancestor(reference, body).then_some(reference)
+                });
+                let references = References::new(tree, &seen_from);
+                Method::Accumulated(references.expect("ancestors and nothing else"))
+            }
+            MethodName::LinearCompensation => Method::LinearCompensation {
+                aims: Aims::heaviest_child(tree),
+                settings: Compensation { beta: self.beta, rate_term: self.rate_term.into() },
+            },
+        }
+    }
+}
+
+impl From<RateTermName> for RateTerm {
+    fn from(name: RateTermName) -> Self {
+        match name {
+            RateTermName::Corrected => Self::Corrected,
+            RateTermName::AsPrinted => Self::AsPrinted,
+            RateTermName::None => Self::None,
+        }
+    }
+}
+
+impl MethodName {
+    /// The paper's three, in its order.
+    pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
+
+    /// The name in options and files.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::World => "world",
+            Self::Egocentric => "egocentric",
+            Self::Accumulated => "accumulated",
+            Self::LinearCompensation => "linear_compensation",
+        }
+    }
+
+    /// The name in headings.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Local => "Local",
+            Self::World => "World",
+            Self::Egocentric => "Egocentric",
+            Self::Accumulated => "Accumulated",
+            Self::LinearCompensation => "Linear Compensation",
+        }
+    }
+}
+
+impl fmt::Display for MethodName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
