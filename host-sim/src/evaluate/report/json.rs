@@ -39,6 +39,10 @@ struct Methods {
 struct Groups {
     all: Totals,
     leaf: Totals,
+    /// Of the plant's joints.
+    widest_gap_mm: f64,
+    /// How often a joint was not given the torque that it wanted.
+    limited: u64,
 }
 
 /// Means and maxima of one group of joints.
@@ -65,7 +69,12 @@ impl From<&ErrorTotals> for Totals {
 
 impl From<&Errors> for Groups {
     fn from(errors: &Errors) -> Self {
-        Self { all: (&errors.all).into(), leaf: (&errors.leaf).into() }
+        Self {
+            all: (&errors.all).into(),
+            leaf: (&errors.leaf).into(),
+            widest_gap_mm: errors.widest_gap_m * 1000.0,
+            limited: errors.limited,
+        }
     }
 }
 

@@ -20,15 +20,19 @@ pub fn tables(evaluation: &Evaluation) -> String {
     write(
         &mut out,
         format_args!(
-            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\n",
+            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}; joints hold to {:.1} mm\n",
             if clips == 1 { "" } else { "s" },
             evaluation.frames(),
             evaluation.setup.plant.description(),
+            widest_gap_m(evaluation) * 1000.0,
         ),
     );
     let differences = evaluation.setup.differences();
     if !differences.is_empty() {
         write(&mut out, format_args!("setup: {}\n", differences.join(", ")));
+    }
+    if evaluation.figures.iter().any(|figure| paper::Figure::of_scale(figure.scale).is_some()) {
+        write(&mut out, format_args!("in brackets: the paper's numbers\n"));
     }
     for kind in [Kind::Normalised, Kind::Numerical] {
         for figure in &evaluation.figures {
@@ -45,6 +49,11 @@ pub fn tables(evaluation: &Evaluation) -> String {
         );
     }
     out
+}
+
+fn widest_gap_m(evaluation: &Evaluation) -> f64 {
+    let results = evaluation.figures.iter().flat_map(|figure| &figure.methods);
+    results.map(|result| result.total.widest_gap_m).fold(0.0, f64::max)
 }
 
 fn heading(scale: f64, kind: Kind) -> String {
@@ -69,13 +78,11 @@ fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
         local?;
     }
     let published = paper::Figure::of_scale(figure.scale);
-    let mut header = vec!["joints".to_owned(), "method".to_owned()];
-    for column in ["mean angular", "mean linear", "max angular", "max linear"] {
-        header.push(column.to_owned());
-        if published.is_some() {
-            header.push("paper".to_owned());
-        }
-    }
+    let header = ["joints", "method", "mean angular", "mean linear", "max angular", "max linear"];
+    // All rows' of a column are as wide as Local's, to a digit that happens not to be there.
+    let bracket_widths = published
+        .and_then(|figure| figure.row(kind, MethodName::Local))
+        .map_or([0; 4], |row| row.all.map(|value| number(value, kind).len() + 2));
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header(header);
     for (joints, group) in [("all", group_all as Group), ("leaf", group_leaf as Group)] {
@@ -94,12 +101,13 @@ fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
             });
             let mut cells = vec![joints.to_owned(), result.method.label().to_owned()];
             for column in 0..4 {
-                cells.push(number(ours[column], kind));
-                if let Some(published) = published {
-                    cells.push(
-                        published.map_or_else(|| "-".to_owned(), |row| number(row[column], kind)),
-                    );
-                }
+                let ours = number(ours[column], kind);
+                cells.push(match published {
+                    Some(Some(row)) => format!("{ours} ({})", number(row[column], kind)),
+                    // Under the others' first number.
+                    Some(None) => format!("{ours} {:1$}", "", bracket_widths[column]),
+                    None => ours,
+                });
             }
             table.add_row(cells);
         }
