@@ -212,7 +212,7 @@ fn tables_stand_beside_the_papers_where_it_has_some() {
     for number in 1..=4 {
         assert!(text.contains(&format!("Table {number}. ")), "{number}");
     }
-    assert!(text.contains("| 0.872 |") && text.contains("|  3.35 |"));
+    assert!(text.contains(" (0.872) |") && text.contains(" (3.35) |"));
     let protocol =
         Protocol { scales: vec![0.9], methods: vec![MethodName::World], ..Protocol::default() };
     let text = report::tables(&evaluate(&motions(), &protocol, |_| ()).unwrap());

@@ -20,7 +20,7 @@ pub fn tables(evaluation: &Evaluation) -> String {
     write(
         &mut out,
         format_args!(
-            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}; joints hold to {:.1} mm\n",
+            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\njoints of the plant hold to {:.1} mm\n",
             if clips == 1 { "" } else { "s" },
             evaluation.frames(),
             evaluation.setup.plant.description(),
