@@ -6,6 +6,7 @@ mod de_leva;
 mod dimensions;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod hanavan;
 pub mod model;
 mod placement;
 pub mod solids;
@@ -13,4 +14,5 @@ pub mod solids;
 pub use body::{BODIES, BODY_COUNT, Body, Root, is_leaf};
 pub use de_leva::mass_fraction as de_leva_mass_fraction;
 pub use dimensions::Dimensions;
+pub use hanavan::Subject;
 pub use model::{BodyModel, BodyModelError, MassProperties};

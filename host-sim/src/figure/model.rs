@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use super::body::{BODIES, BODY_COUNT, Root};
 use super::de_leva;
+use super::hanavan::{self, Subject};
 use super::placement::{Placement, Skeleton};
 use crate::mocap::FigureMotion;
 
@@ -72,6 +73,16 @@ impl BodyModel {
     pub fn from_motion(motion: &FigureMotion) -> Result<Self, BodyModelError> {
         let placement = Placement::new(Skeleton::of(motion))?;
         Ok(Self { offset_m: motion.offset_m, bodies: de_leva::bodies(&placement)? })
+    }
+
+    /// A measured subject on the joints of a clip: its masses and cross-sections, and lengths as said in
+    /// [`hanavan`].
+    ///
+    /// # Errors
+    /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
+    pub fn hanavan_kwon(motion: &FigureMotion, subject: &Subject) -> Result<Self, BodyModelError> {
+        let placement = Placement::new(Skeleton::of(motion))?;
+        Ok(Self { offset_m: motion.offset_m, bodies: hanavan::bodies(&placement, subject)? })
     }
 
     /// The same figure with all dimensions times `factor`, at the same density.

@@ -38,6 +38,21 @@ pub(super) enum Part {
 }
 
 impl Part {
+    /// In the order of declaration.
+    pub(super) const ALL: [Self; 11] = [
+        Self::LowerTrunk,
+        Self::MidTrunk,
+        Self::Thorax,
+        Self::Head,
+        Self::Shoulder,
+        Self::UpperArm,
+        Self::Forearm,
+        Self::Hand,
+        Self::Thigh,
+        Self::Shank,
+        Self::Foot,
+    ];
+
     pub(super) fn of(body: usize) -> Self {
         match BODIES[body].name.trim_end_matches("_l").trim_end_matches("_r") {
             "pelvis" => Self::LowerTrunk,
@@ -104,6 +119,11 @@ impl Place {
         self.start_m + self.direction * distance_m
     }
 
+    /// The transverse axis, a unit vector.
+    pub(super) fn left(&self) -> DVec3 {
+        self.axes.y_axis
+    }
+
     /// The inertia whose moments about the sagittal, transverse and longitudinal axis are given, in body axes.
     pub(super) fn in_body_frame(&self, moments_kg_m2: DVec3) -> DMat3 {
         let rotated = self.axes * DMat3::from_diagonal(moments_kg_m2) * self.axes.transpose();
@@ -163,6 +183,11 @@ impl<'a> Placement<'a> {
         };
         let start_m = if part == Part::LowerTrunk { self.middle_of_hips_m } else { DVec3::ZERO };
         Ok(Place { start_m, bone_m, direction, axes })
+    }
+
+    /// Position of the joint of `body` in its parent's frame.
+    pub(super) fn offset_m(&self, body: usize) -> DVec3 {
+        self.skeleton.offset_m[body]
     }
 
     /// Unit direction of a segment. One whose end is at its joint goes on in the direction of its
