@@ -1,5 +1,6 @@
 //! What is controlled: a simulated figure behind one trait.
 
+mod articulated;
 mod rapier;
 
 use std::fmt;
@@ -11,7 +12,11 @@ use thiserror::Error;
 use crate::figure::MassProperties;
 
 pub use crate::figure::Root;
+pub use articulated::{Accelerations, ArticulatedPlant};
 pub use rapier::RapierPlant;
+
+/// Acceleration of gravity in m/s², world axes; the controller's.
+const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
 /// Which plant, and how its steps are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +41,8 @@ impl Default for PlantSettings {
 pub enum PlantKind {
     /// The game engine rapier in maximal coordinates, set up for torque control.
     Rapier,
+    /// Exact dynamics in reduced coordinates: joints that cannot drift.
+    Articulated,
 }
 
 /// A mechanism in regular numbering.
@@ -47,12 +54,52 @@ pub struct Mechanism {
     pub bodies: Vec<PlantBody>,
 }
 
+impl Mechanism {
+    /// Whether this is a tree with a state for each body.
+    fn check(&self, start: &[MovingPose]) -> Result<(), PlantError> {
+        if self.bodies.is_empty() {
+            return Err(PlantError::NoBodies);
+        }
+        if start.len() != self.bodies.len() {
+            return Err(PlantError::StateCount { bodies: self.bodies.len(), states: start.len() });
+        }
+        for (body, PlantBody { parent, .. }) in self.bodies.iter().enumerate() {
+            if !parent.map_or(body == 0, |parent| parent < body) {
+                return Err(PlantError::Parent { body, parent: *parent });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Why a plant could not be built.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PlantError {
     /// A step cannot be cut in no parts.
     #[error("substeps: expected 1 or more, found 0")]
     NoSubsteps,
+    /// There is nothing to build.
+    #[error("a mechanism without bodies; expected one or more")]
+    NoBodies,
+    /// Each body starts in a state.
+    #[error("{states} states for {bodies} bodies; expected one for each")]
+    StateCount {
+        /// The bodies there are.
+        bodies: usize,
+        /// The states given.
+        states: usize,
+    },
+    /// Body 0 is the root, and parents come before children.
+    #[error(
+        "body {body}: parent {parent:?}; body 0, and only that, has none, and parents come before \
+         children"
+    )]
+    Parent {
+        /// The body.
+        body: usize,
+        /// What it was to hang on.
+        parent: Option<usize>,
+    },
     /// The principal axes found do not give the inertia back.
     #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
     Inertia {
@@ -81,6 +128,9 @@ impl PlantSettings {
             PlantKind::Rapier => {
                 Ok(Box::new(RapierPlant::new(mechanism, start, dt_s, self.substeps)?))
             }
+            PlantKind::Articulated => {
+                Ok(Box::new(ArticulatedPlant::new(mechanism, start, dt_s, self.substeps)?))
+            }
         }
     }
 
@@ -88,6 +138,7 @@ impl PlantSettings {
     pub fn description(&self) -> Description {
         match self.kind {
             PlantKind::Rapier => RapierPlant::description(self.substeps),
+            PlantKind::Articulated => ArticulatedPlant::description(self.substeps),
         }
     }
 }
@@ -170,8 +221,9 @@ pub struct Description {
 pub struct Settings {
     /// Equal parts that a step is cut in, with the torques held.
     pub substeps: usize,
-    /// Sweeps of the constraint solver in each of them.
-    pub solver_sweeps: usize,
+    /// Sweeps of the constraint solver in each of them, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_sweeps: Option<usize>,
     /// Where the gyroscopic torque comes from.
     pub gyroscopic_term: &'static str,
     /// Whether bodies touch.
@@ -181,11 +233,13 @@ pub struct Settings {
 impl fmt::Display for Description {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { engine, settings, .. } = self;
+        write!(f, "{engine}, {} substep(s)", settings.substeps)?;
+        if let Some(sweeps) = settings.solver_sweeps {
+            write!(f, " of {sweeps} solver sweeps")?;
+        }
         write!(
             f,
-            "{engine}, {} substep(s) of {} solver sweeps, gyroscopic term {}, {} contacts",
-            settings.substeps,
-            settings.solver_sweeps,
+            ", gyroscopic term {}, {} contacts",
             settings.gyroscopic_term,
             if settings.contacts { "with" } else { "no" },
         )

@@ -14,13 +14,10 @@ use rapier3d_f64::prelude::{
 };
 
 use super::{
-    Description, Drive, Mechanism, MovingPose, Plant, PlantBody, PlantError, Pose as BodyPose,
-    Root, Settings,
+    Description, Drive, GRAVITY_M_S2, Mechanism, MovingPose, Plant, PlantBody, PlantError,
+    Pose as BodyPose, Root, Settings,
 };
 use crate::figure::MassProperties;
-
-/// Acceleration of gravity in m/s², world axes; the controller's.
-const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
 /// Sweeps of the constraint solver. The engine's one diverges when there is one substep; from 4 on the
 /// results agree in three digits.
@@ -59,13 +56,15 @@ impl RapierPlant {
     /// start of the step only: one is best.
     ///
     /// # Errors
-    /// [`PlantError::Inertia`] if the engine does not hold a body's inertia as given.
+    /// [`PlantError`] if this is no tree with a state for each body, or the engine does not hold a body's
+    /// inertia as given.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
         dt_s: f64,
         substeps: usize,
     ) -> Result<Self, PlantError> {
+        mechanism.check(start)?;
         let bodies = &mechanism.bodies;
         let parameters = IntegrationParameters {
             dt: dt_s,
@@ -109,7 +108,7 @@ impl RapierPlant {
             engine: "rapier3d-f64 0.36.1",
             settings: Settings {
                 substeps,
-                solver_sweeps: SWEEPS,
+                solver_sweeps: Some(SWEEPS),
                 gyroscopic_term: "explicit",
                 contacts: false,
             },

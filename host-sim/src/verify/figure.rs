@@ -1,11 +1,13 @@
 //! The rigs of golden files as trees of the core.
 
+use glam::DMat3;
 use serde::Deserialize;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{Body, Inertia, JointKind, JointState, RotationalInertia, Transform};
 
 use super::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count};
+use crate::figure::MassProperties;
 
 /// The core's largest capacity; golden trees have up to 32 bodies.
 pub(super) type Tree = sinew_core::Tree<128>;
@@ -22,9 +24,9 @@ pub(super) enum Root {
 /// A body as `rnea` and `control` files have it.
 #[derive(Deserialize)]
 pub(super) struct GoldenBody {
-    parent: i64,
+    pub(super) parent: i64,
     pub(super) offset: Vector,
-    rot: Rotation,
+    pub(super) rot: Rotation,
     mass: Scalar,
     com: Vector,
     inertia: [Scalar; 6],
@@ -34,6 +36,16 @@ impl GoldenBody {
     /// Pose of the joint frame in the parent's body frame.
     pub(super) fn placement(&self) -> Transform {
         Transform::new(self.rot.rounded(), self.offset.rounded())
+    }
+
+    /// Mass properties as they are, in f64.
+    pub(super) fn mass_properties(&self) -> MassProperties {
+        let [xx, xy, xz, yy, yz, zz] = self.inertia.map(|element| element.0);
+        MassProperties {
+            mass_kg: self.mass.0,
+            center_of_mass_m: self.com.0,
+            rotational_kg_m2: DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]),
+        }
     }
 }
 

@@ -1,4 +1,6 @@
-//! Inverse dynamics, mass matrix and kinematics (`rnea/1`).
+//! Inverse dynamics, mass matrix and kinematics (`rnea/1`), and the plant's forward dynamics.
+
+mod forward;
 
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
@@ -136,6 +138,7 @@ fn check_state(
     }
     check_root_wrench(state, at, [tau[0], bias[0], gravity[0]], &joints[0], tallies);
     check_power(state, at, &tau, &joints, jointed.start, tallies);
+    forward::check(case, state, at, tallies)?;
     if let Some(expected) = &state.mass_matrix_lower {
         check_mass_matrix(case, tree, &still, expected, at, tallies)?;
     }

@@ -1,0 +1,79 @@
+//! Forward dynamics of the articulated plant, in f64: the accelerations that the files' torques make.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::{Case, State};
+use crate::figure::MassProperties;
+use crate::plant::{self, ArticulatedPlant, Drive, Mechanism, MovingPose, PlantBody, Pose};
+use crate::verify::CaseError;
+use crate::verify::figure::{Root, parent};
+use crate::verify::golden::largest;
+use crate::verify::tally::{Quantity, Tallies};
+use crate::verify::tolerance as limit;
+
+pub(super) fn check(
+    case: &Case,
+    state: &State,
+    at: &str,
+    tallies: &mut Tallies,
+) -> Result<(), CaseError> {
+    // A plant's root is free or bolted: one that turns about a point hangs on a bolted body.
+    let hung = case.root == Root::Spherical;
+    let still = MovingPose {
+        pose: Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO },
+        angular_rad_s: DVec3::ZERO,
+        linear_m_s: DVec3::ZERO,
+    };
+    let (mut bodies, mut start, mut torque_nm) = (vec![], vec![], vec![]);
+    if hung {
+        bodies.push(bolted());
+        start.push(still);
+        torque_nm.push(DVec3::ZERO);
+    }
+    for (index, golden) in case.bodies.iter().enumerate() {
+        let of_case = parent(golden.parent, &format!("bodies[{index}]"))?;
+        let parent = match of_case {
+            Some(parent) => Some(parent + usize::from(hung)),
+            None => hung.then_some(0),
+        };
+        let mass = golden.mass_properties();
+        bodies.push(PlantBody { parent, offset_m: golden.offset.0, mass });
+
+        let before = parent.map_or(still, |parent: usize| start[parent]);
+        let pose = before.pose.child(golden.offset.0, golden.rot.0 * state.quat[index].0);
+        let angular_rad_s = before.angular_rad_s + pose.rotation * state.omega[index].0;
+        start.push(MovingPose { pose, angular_rad_s, linear_m_s: DVec3::ZERO });
+        torque_nm.push(pose.rotation * state.tau[index].0);
+    }
+    let root = if case.root == Root::Free { plant::Root::Driven } else { plant::Root::Fixed };
+    let drive = Drive { root_force_n: state.root_wrench.force_world.0, torque_nm };
+    let got = ArticulatedPlant::new(&Mechanism { root, bodies }, &start, 0.01, 1)
+        .map_err(|error| CaseError::new("bodies", error))?
+        .with_gravity(case.gravity.0)
+        .accelerations(&drive);
+
+    // States of zero acceleration are compared on the scale of the others.
+    let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
+    let quantity = Quantity { name: "joint acceleration, f64", limit: limit::FORWARD, scale };
+    let joints = &got.joints_rad_s2[usize::from(hung)..];
+    for (body, (got, expected)) in joints.iter().zip(&state.alpha).enumerate() {
+        let error = (*got - expected.0).length();
+        tallies.add_error(quantity, format_args!("{at}, body {body}"), error);
+    }
+    if let Some(root) = &state.root {
+        let quantity = Quantity { name: "root acceleration, f64", ..quantity };
+        let error = (got.root_m_s2 - root.root_lin_acc_world.0).length();
+        tallies.add_error(quantity, format_args!("{at}"), error);
+    }
+    Ok(())
+}
+
+/// A body that does not move; its mass is of no account.
+fn bolted() -> PlantBody {
+    let mass = MassProperties {
+        mass_kg: 1.0,
+        center_of_mass_m: DVec3::ZERO,
+        rotational_kg_m2: DMat3::IDENTITY,
+    };
+    PlantBody { parent: None, offset_m: DVec3::ZERO, mass }
+}
