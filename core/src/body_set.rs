@@ -9,50 +9,53 @@
 /// assert_eq!(set.iter().collect::<Vec<_>>(), [0, 3, 5]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct BodySet(u128);
+pub struct BodySet([u32; 4]);
 
 impl BodySet {
     /// The largest number of bodies of a tree.
     pub const CAPACITY: usize = 128;
 
     /// The set without members.
-    pub const EMPTY: Self = Self(0);
+    pub const EMPTY: Self = Self([0; 4]);
 
-    fn bit(body: usize) -> u128 {
-        u32::try_from(body).ok().and_then(|shift| 1u128.checked_shl(shift)).unwrap_or(0)
+    /// The word and the bit in it that stand for a body.
+    fn place(body: usize) -> (usize, u32) {
+        (body / 32, 1 << (body % 32))
     }
 
     /// Adds a body; one at or above [`Self::CAPACITY`] is no body and changes nothing.
     pub fn insert(&mut self, body: usize) {
-        self.0 |= Self::bit(body);
+        let (word, bit) = Self::place(body);
+        if let Some(word) = self.0.get_mut(word) {
+            *word |= bit;
+        }
     }
 
     /// Whether `body` is a member.
     pub fn contains(self, body: usize) -> bool {
-        self.0 & Self::bit(body) != 0
+        let (word, bit) = Self::place(body);
+        self.0.get(word).is_some_and(|word| word & bit != 0)
     }
 
     /// Number of members.
     pub fn len(self) -> usize {
         // At most 128.
-        self.0.count_ones() as usize
+        self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     /// Whether there is no member.
     pub fn is_empty(self) -> bool {
-        self.0 == 0
+        self == Self::EMPTY
     }
 
     /// The members in rising order.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         let mut rest = self.0;
         core::iter::from_fn(move || {
-            if rest == 0 {
-                return None;
-            }
-            let body = rest.trailing_zeros() as usize;
-            rest &= rest.wrapping_sub(1);
-            Some(body)
+            let (index, word) = rest.iter_mut().enumerate().find(|(_, word)| **word != 0)?;
+            let bit = word.trailing_zeros() as usize;
+            *word &= word.wrapping_sub(1);
+            Some((index << 5) | bit)
         })
     }
 }

@@ -17,11 +17,12 @@ fn types_stay_within_their_budget() {
         ("Workspace<128>", size_of::<Workspace<128>>(), 34_000),
         ("JointStates<128>", size_of::<JointStates<128>>(), 6_700),
         ("JointTargets<128>", size_of::<JointTargets<128>>(), 9_800),
-        ("Method<128>", size_of::<Method<128>>(), 2_100),
+        // An aim at several children has a set of them: 16 bytes.
+        ("Method<128>", size_of::<Method<128>>(), 3_200),
         // Gains by joint take 16 bytes each: angular and linear ones differ in unit where there is no inverse
         // dynamics.
-        ("Controller<18>", size_of::<Controller<18>>(), 3_800),
-        ("Controller<128>", size_of::<Controller<128>>(), 25_800),
+        ("Controller<18>", size_of::<Controller<18>>(), 3_900),
+        ("Controller<128>", size_of::<Controller<128>>(), 26_800),
     ] {
         assert!(bytes <= budget, "{name} takes {bytes} bytes, its budget is {budget}");
         assert!(

@@ -15,13 +15,17 @@ fn gains() -> Gains {
     Gains::critically_damped(200.0).expect("a good gain")
 }
 
-fn methods<const N: usize>(tree: &Tree<N>) -> [Method<N>; 4] {
+fn methods<const N: usize>(tree: &Tree<N>) -> [Method<N>; 5] {
     [
         Method::Local,
         Method::World,
         Method::Accumulated(References::egocentric(tree)),
         Method::LinearCompensation {
             aims: Aims::heaviest_child(tree),
+            settings: Compensation::default(),
+        },
+        Method::LinearCompensation {
+            aims: Aims::all_children(tree),
             settings: Compensation::default(),
         },
     ]

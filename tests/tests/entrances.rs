@@ -185,6 +185,8 @@ fn methods_and_controllers() {
     let grandchild = [Aim::Child(2), Aim::None, Aim::None];
     let not_a_child = AimsError::NotAChild { body: 0, child: 2 };
     refused(Aims::new(&tree, &grandchild), &not_a_child, &["body 0", "body 2", "children"]);
+    let grandchildren = [Aim::Children([1, 2].into_iter().collect()), Aim::None, Aim::None];
+    refused(Aims::new(&tree, &grandchildren), &not_a_child, &["body 0", "body 2", "children"]);
     let nan = [Aim::Point(NAN), Aim::None, Aim::None];
     refused(Aims::new(&tree, &nan), &AimsError::NonFinite { body: 0 }, &["body 0", "finite"]);
 
@@ -287,6 +289,7 @@ fn every_method_runs<const N: usize>(bodies: &[Body]) {
         Method::World,
         Method::Accumulated(References::egocentric(&tree)),
         Method::LinearCompensation { aims, settings },
+        Method::LinearCompensation { aims: Aims::all_children(&tree), settings },
     ] {
         let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
         let mut workspace = Workspace::new();
@@ -318,6 +321,7 @@ fn extremes_are_taken() {
     assert!(nothing.is_empty() && nothing.leaves().next().is_none() && !nothing.is_leaf(0));
     assert!(JointStates::rest(&nothing).as_slice().is_empty());
     assert!(Aims::heaviest_child(&nothing).as_slice().is_empty());
+    assert!(Aims::all_children(&nothing).as_slice().is_empty());
     assert!(References::egocentric(&nothing).as_slice().is_empty());
     assert_eq!(Trajectory::new(&[], 0, 0.1), Err(TrajectoryError::Count { joints: 0, poses: 0 }));
 }

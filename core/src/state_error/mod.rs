@@ -18,7 +18,8 @@ mod world;
 
 pub use accumulated::{References, ReferencesError, accumulated};
 pub use linear_compensation::{
-    Aim, AimStatus, Aims, AimsError, Compensation, RateTerm, compensate, linear_compensation,
+    Aim, AimStatus, Aims, AimsError, Compensation, RateTerm, compensate, compensate_all,
+    linear_compensation,
 };
 pub use local::local;
 pub use world::world;

@@ -1,0 +1,169 @@
+//! What the bodies of a tree aim at.
+
+use core::fmt;
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::body_set::BodySet;
+use crate::tree::Tree;
+
+/// What a body aims at.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Aim {
+    /// Nothing: a leaf. World Space Error.
+    #[default]
+    None,
+    /// The origin of this child, where the desired figure has it.
+    Child(usize),
+    /// The origins of these children, all at once: the turn that makes the sum of their squared distances
+    /// from where the desired figure has them least.
+    Children(BodySet),
+    /// A point fixed in the body, in body axes of the desired figure, m: (0, 0, d) in the paper.
+    Point(Vec3),
+}
+
+/// Aims of all bodies, validated once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aims<const N: usize> {
+    aims: Vec<Aim, N>,
+}
+
+impl<const N: usize> Aims<N> {
+    /// Aims by body.
+    ///
+    /// # Errors
+    /// [`AimsError`] if there is not one for each body, one aims at what is not its child, or a point is
+    /// not finite.
+    pub fn new(tree: &Tree<N>, aims: &[Aim]) -> Result<Self, AimsError> {
+        if aims.len() != tree.len() {
+            return Err(AimsError::Count { expected: tree.len(), found: aims.len() });
+        }
+        for (body, aim) in aims.iter().enumerate() {
+            match *aim {
+                Aim::Child(child) if !tree.children(body).contains(child) => {
+                    return Err(AimsError::NotAChild { body, child });
+                }
+                Aim::Children(set) => {
+                    let children = tree.children(body);
+                    if let Some(child) = set.iter().find(|child| !children.contains(*child)) {
+                        return Err(AimsError::NotAChild { body, child });
+                    }
+                }
+                Aim::Point(point) if !point.is_finite() => {
+                    return Err(AimsError::NonFinite { body });
+                }
+                _ => {}
+            }
+        }
+        Ok(Self { aims: aims.iter().copied().collect() })
+    }
+
+    /// Every body aims at the child with the heaviest subtree (without masses: with most bodies), the
+    /// lowest index among equals. O(n · depth).
+    ///
+    /// One child, not their mean: the mean of two hips and a spine is close to zero.
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};
+    /// let body = |parent, mass_kg| Body {
+    ///     parent,
+    ///     joint: JointKind::Spherical,
+    ///     placement: Transform::IDENTITY,
+    ///     inertia: Inertia { mass_kg, ..Inertia::default() },
+    /// };
+    /// let tree = Tree::<3>::from_bodies(&[body(None, 1.0), body(Some(0), 1.0), body(Some(0), 2.0)])?;
+    /// assert_eq!(Aims::heaviest_child(&tree).as_slice(), [Aim::Child(2), Aim::None, Aim::None]);
+    /// # Ok::<(), sinew_core::TreeError>(())
+    /// ```
+    pub fn heaviest_child(tree: &Tree<N>) -> Self {
+        let weight = |body: usize| -> (f32, usize) {
+            let subtree = tree.subtree(body);
+            let mass = subtree
+                .iter()
+                .filter_map(|member| tree.bodies().get(member))
+                .map(|member| member.inertia.mass_kg)
+                .sum();
+            (mass, subtree.len())
+        };
+        // Where all masses are zero, most bodies decide; a tie of masses goes to the lower index.
+        let massless = weight(0).0 <= 0.0;
+        let heavier = |a: (f32, usize), b: (f32, usize)| {
+            if massless { a.1 > b.1 } else { a.0 > b.0 }
+        };
+        let aim = |body: usize| {
+            let mut best: Option<(usize, (f32, usize))> = None;
+            for child in tree.children(body).iter() {
+                let candidate = weight(child);
+                if best.is_none_or(|(_, so_far)| heavier(candidate, so_far)) {
+                    best = Some((child, candidate));
+                }
+            }
+            best.map_or(Aim::None, |(child, _)| Aim::Child(child))
+        };
+        Self { aims: (0..tree.len()).map(aim).collect() }
+    }
+
+    /// Every body aims at all its children, by least squares.
+    ///
+    /// What has one child aims at that one, just as with [`Self::heaviest_child`].
+    pub fn all_children(tree: &Tree<N>) -> Self {
+        let aim = |body: usize| {
+            let children = tree.children(body);
+            let mut each = children.iter();
+            match (each.next(), each.next()) {
+                (None, _) => Aim::None,
+                (Some(child), None) => Aim::Child(child),
+                _ => Aim::Children(children),
+            }
+        };
+        Self { aims: (0..tree.len()).map(aim).collect() }
+    }
+
+    /// The aims by body.
+    pub fn as_slice(&self) -> &[Aim] {
+        &self.aims
+    }
+}
+
+/// Why aims were refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum AimsError {
+    /// There must be one for each body.
+    Count {
+        /// Number of bodies.
+        expected: usize,
+        /// Number of aims.
+        found: usize,
+    },
+    /// A body aims at one that is not its child.
+    NotAChild {
+        /// The body.
+        body: usize,
+        /// What it aims at.
+        child: usize,
+    },
+    /// A point has a NaN or infinite component.
+    NonFinite {
+        /// The body.
+        body: usize,
+    },
+}
+
+impl fmt::Display for AimsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "{expected} bodies need as many aims, {found} were given")
+            }
+            Self::NotAChild { body, child } => {
+                write!(f, "body {body} cannot aim at body {child}: it is not one of its children")
+            }
+            Self::NonFinite { body } => write!(f, "the aim of body {body} is not finite"),
+        }
+    }
+}
+
+impl core::error::Error for AimsError {}

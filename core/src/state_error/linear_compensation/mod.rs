@@ -1,0 +1,122 @@
+//! Linear Compensation Error: bodies turn so that their child reaches its goal.
+
+mod aims;
+mod least_squares;
+mod one_goal;
+
+pub use aims::{Aim, Aims, AimsError};
+pub use least_squares::compensate_all;
+pub use one_goal::compensate;
+
+use glam::{Quat, Vec3};
+
+use super::StateError;
+use crate::state::BodyState;
+use crate::transform::Transform;
+
+/// How strongly, and with which rate term, Linear Compensation acts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
+    pub beta: f32,
+    /// The derivative of the compensating rotation.
+    pub rate_term: RateTerm,
+}
+
+impl Default for Compensation {
+    /// β = 1 with the corrected rate.
+    fn default() -> Self {
+        Self { beta: 1.0, rate_term: RateTerm::default() }
+    }
+}
+
+/// The extra term of the angular rate in eq. (10).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RateTerm {
+    /// `β (z - p_d) × ė_lin / d²`: the rate of the rotation that is really applied, to first order in
+    /// the linear error. For several children `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)` with
+    /// their arms `aₖ`.
+    #[default]
+    Corrected,
+    /// `β ė_lin × (z - p_d) / d²`: the sign as the paper prints it, which fits rotations of the other
+    /// sense (for several children likewise). For comparison.
+    AsPrinted,
+    /// No extra term.
+    None,
+}
+
+/// What happened to a body's aim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AimStatus {
+    /// A leaf: World Space Error.
+    #[default]
+    Leaf,
+    /// Compensated.
+    Compensated,
+    /// The child lies in the desired direction already, several children are as near as they can be: no
+    /// rotation, but its rate.
+    Parallel,
+    /// The measured origin is beyond the goal: the shortest rotation is half a turn about no particular
+    /// axis (for several children: no one rotation is the best), and a figure must not jump: World Space
+    /// Error.
+    Antiparallel,
+    /// The measured origin is at the goal, no direction leads there: World Space Error.
+    Coincident,
+    /// The child sits (all children sit) almost at the body's origin, the direction is noise: World Space
+    /// Error.
+    ZeroAim,
+}
+
+/// Linear Compensation Error of each body in world axes: eq. (6)-(10) of Notman et al. (2011). O(n).
+///
+/// `status` tells what became of each body's aim.
+pub fn linear_compensation(
+    aims: &[Aim],
+    settings: Compensation,
+    desired: &[BodyState],
+    measured: &[BodyState],
+    out: &mut [StateError],
+    status: &mut [AimStatus],
+) {
+    for ((((aim, of_desired), of_measured), error), status) in
+        aims.iter().zip(desired).zip(measured).zip(out).zip(status)
+    {
+        // z - p_d of eq. (6): the goal is where the *desired* figure has the child. Only then is the
+        // child's own linear error what is minimised, whatever the model's dimensions.
+        let arm_to = |child: usize| {
+            let child = desired.get(child)?;
+            Some(child.pose.translation_m - of_desired.pose.translation_m)
+        };
+        let goal_arm = match *aim {
+            Aim::None => None,
+            Aim::Child(child) => arm_to(child),
+            Aim::Point(point) => Some(of_desired.pose.rotation * point),
+            Aim::Children(children) => {
+                let arms = children.iter().filter_map(arm_to);
+                (*error, *status) = compensate_all(arms, settings, of_desired, of_measured);
+                continue;
+            }
+        };
+        (*error, *status) = compensate(goal_arm, settings, of_desired, of_measured);
+    }
+}
+
+/// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted
+/// with β: eq. (9) and (10).
+fn with_turn(
+    turn: Quat,
+    rate_rad_s: Vec3,
+    rate_term: RateTerm,
+    desired: &BodyState,
+    measured: &BodyState,
+) -> StateError {
+    let turned = Transform { rotation: turn * desired.pose.rotation, ..desired.pose };
+    let mut error = StateError::between(&BodyState { pose: turned, ..*desired }, measured);
+    error.angular_rate_rad_s += match rate_term {
+        RateTerm::Corrected => rate_rad_s,
+        RateTerm::AsPrinted => -rate_rad_s,
+        RateTerm::None => Vec3::ZERO,
+    };
+    error
+}
