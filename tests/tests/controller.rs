@@ -224,6 +224,30 @@ proptest! {
     }
 
     #[test]
+    fn torques_of_one_generation_are_local_and_of_all_are_world((desired, measured) in figures(18, 0.6)) {
+        let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
+        let tick = |method| {
+            let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+            controller.tick(&targets, &states, &[], &mut Workspace::new()).to_vec()
+        };
+        let generations = |count| tick(Method::Accumulated(References::generations(tree, count)));
+        prop_assert_eq!(generations(tree.len()), tick(Method::World));
+        let (local, one) = (tick(Method::Local), generations(1));
+        // Local errors are the joints' own, the others come by way of the world: some ten roundings of angles
+        // and rates, times the gains, as a share of the largest torque.
+        let largest = |of: fn(&Wrench) -> Vec3| {
+            local.iter().map(|torque| of(&torque.value).length()).fold(1.0, f32::max)
+        };
+        let (moment, force) = (largest(|wrench| wrench.moment_nm), largest(|wrench| wrench.force_n));
+        for (joint, (one, local)) in one.iter().zip(&local).enumerate() {
+            let off = (one.value.moment_nm - local.value.moment_nm).length() / moment;
+            prop_assert!(off < 1e-5, "joint {joint}: moment off by {off}");
+            let off = (one.value.force_n - local.value.force_n).length() / force;
+            prop_assert!(off < 1e-5, "joint {joint}: force off by {off}");
+        }
+    }
+
+    #[test]
     fn linear_gains_are_of_the_linear_error_alone((desired, measured) in figures(6, 0.6)) {
         let (targets, states) = (targets(&desired), measured.states());
         let weak = gains().with_linear(3.0, 0.5).expect("good gains");

@@ -195,6 +195,38 @@ proptest! {
     }
 
     #[test]
+    fn generations_lead_from_the_local_to_the_world_error(
+        (desired, measured) in figures(MOST, 1.0), count in 1usize..6,
+    ) {
+        let (tree, d, m) = (&desired.tree, desired.world(), measured.world());
+        let of = |references| seen_from(&references, &d, &m);
+        prop_assert_eq!(of(References::generations(tree, 1)), of(parents(&desired)));
+        let depth = (0..tree.len()).map(|body| tree.supporters(body).len()).max().unwrap_or(0);
+        prop_assert_eq!(of(References::generations(tree, depth)), world_errors(&d, &m));
+        let some = References::generations(tree, count);
+        prop_assert_eq!(&References::new(tree, some.as_slice()), &Ok(some.clone()), "ancestors all");
+        for (joint, reference) in some.as_slice().iter().enumerate() {
+            // The supporters of a joint, itself among them, from the root on.
+            let supporters: Vec<_> = tree.supporters(joint).iter().collect();
+            let expected = supporters.len().checked_sub(1 + count).map(|index| supporters[index]);
+            prop_assert_eq!(*reference, expected, "joint {}", joint);
+        }
+    }
+
+    #[test]
+    fn an_ancestor_is_the_reference_of_what_it_moves((figure, _) in figures(MOST, 0.1), pick in 0usize..MOST) {
+        let tree = &figure.tree;
+        let ancestor = pick % tree.len();
+        let references = References::of_ancestor(tree, ancestor);
+        prop_assert_eq!(&References::new(tree, references.as_slice()), &Ok(references.clone()));
+        let moved = tree.subtree(ancestor);
+        for (joint, reference) in references.as_slice().iter().enumerate() {
+            let expected = (joint != ancestor && moved.contains(joint)).then_some(ancestor);
+            prop_assert_eq!(*reference, expected, "joint {}", joint);
+        }
+    }
+
+    #[test]
     fn without_a_linear_error_nothing_is_compensated((desired, measured) in figures(MOST, 1.0)) {
         let d = desired.world();
         let m: Vec<_> = d

@@ -38,7 +38,21 @@ impl<const N: usize> References<N> {
 
     /// The egocentric case: every body as the root sees it, the root as the world sees it.
     pub fn egocentric(tree: &Tree<N>) -> Self {
-        Self { bodies: (0..tree.len()).map(|joint| (joint > 0).then_some(0)).collect() }
+        Self::of_ancestor(tree, 0)
+    }
+
+    /// What `ancestor` moves as `ancestor` sees it; itself and all others as the world sees them.
+    pub fn of_ancestor(tree: &Tree<N>, ancestor: usize) -> Self {
+        let seen = |joint| tree.is_ancestor(ancestor, joint).then_some(ancestor);
+        Self { bodies: (0..tree.len()).map(seen).collect() }
+    }
+
+    /// Every body as the one `count` generations above it sees it, the world where that is beyond the root:
+    /// from 1, the parents and so the local error, to the depth of the tree, the world error. A body is no
+    /// reference of itself, so 0 is taken as 1.
+    pub fn generations(tree: &Tree<N>, count: usize) -> Self {
+        let above = |joint| (0..count.max(1)).try_fold(joint, |body, _| tree.parent(body));
+        Self { bodies: (0..tree.len()).map(above).collect() }
     }
 
     /// The reference bodies by joint.
