@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 use sinew_sim::figure::{BODIES, BODY_COUNT};
+use sinew_sim::mocap::deepmimic::skeleton;
 use sinew_sim::mocap::mapping::{self, Binding};
 use sinew_sim::mocap::{
     Clip, FigureMotion, GaplessClip, Notice, Settings, bvh, gaps, load_paths, prepare, tpose,
@@ -56,13 +57,13 @@ fn entries() -> Vec<Entry> {
 /// Reads the file and binds the mapping that its skeleton chooses.
 fn read(entry: &Entry) -> (Clip, &'static str, Binding) {
     let motion = bvh::read(&entry.file).expect("a BVH motion");
-    let mapping = mapping::choose(motion.skeleton()).expect("a known skeleton");
+    let mapping = mapping::choose(&motion.skeleton).expect("a known skeleton");
     assert!(
         (mapping.metres_per_unit - entry.metres_per_unit).abs() < 1e-9,
         "{}",
         entry.file.display()
     );
-    let clip = motion.into_clip(mapping.metres_per_unit);
+    let clip = motion.into_clip(mapping).expect("BVH tells its rate");
     let binding = Binding::new(mapping, &clip.skeleton).expect("all joints of the mapping");
     (clip, &mapping.name, binding)
 }
@@ -224,5 +225,232 @@ fn geno_stands_in_his_bind_pose() {
         assert_eq!(notices, [], "{file}: two equal frames are no inserted T-pose");
         assert_eq!(motion.rotation.len(), 2);
         check_proportions(&motion);
+    }
+}
+
+/// What the mapping `cmu_asf` calls the joints of `asfamc`.
+fn asf_name(joint: &str) -> String {
+    let parts: [(&str, &[(&str, &str)]); 2] = [
+        (
+            "",
+            &[
+                ("Hips", "root"),
+                ("LHipJoint", "lhipjoint"),
+                ("RHipJoint", "rhipjoint"),
+                ("LowerBack", "lowerback"),
+                ("Spine", "upperback"),
+                ("Spine1", "thorax"),
+                ("Neck", "lowerneck"),
+                ("Neck1", "upperneck"),
+                ("Head", "head"),
+                ("LThumb", "lthumb"),
+                ("RThumb", "rthumb"),
+            ],
+        ),
+        (
+            "side",
+            &[
+                ("UpLeg", "femur"),
+                ("Leg", "tibia"),
+                ("Foot", "foot"),
+                ("ToeBase", "toes"),
+                ("Shoulder", "clavicle"),
+                ("Arm", "humerus"),
+                ("ForeArm", "radius"),
+                ("Hand", "wrist"),
+                ("FingerBase", "hand"),
+                ("HandIndex1", "fingers"),
+            ],
+        ),
+    ];
+    let find = |names: &[(&str, &str)], name: &str| {
+        names.iter().find(|(bvh, _)| *bvh == name).map(|(_, asf)| (*asf).to_owned())
+    };
+    find(parts[0].1, joint).unwrap_or_else(|| {
+        let (side, part) = joint.strip_prefix("Left").map_or_else(
+            || ("r", joint.strip_prefix("Right").expect("a side")),
+            |part| ("l", part),
+        );
+        format!("{side}{}", find(parts[1].1, part).expect("a joint"))
+    })
+}
+
+/// Rotation by the angles about x, y and z in degrees, about fixed axes in the order of `sequence`.
+fn about_fixed_axes(angles_deg: [f64; 3], sequence: [usize; 3]) -> DQuat {
+    sequence.iter().fold(DQuat::IDENTITY, |rotation, &axis| {
+        DQuat::from_axis_angle(DVec3::AXES[axis], angles_deg[axis].to_radians()) * rotation
+    })
+}
+
+/// The motion in the form of CMU's originals: an ASF and an AMC, every bone about axes of its own.
+///
+/// Written from the formats' definition alone, with none of the reader's code.
+fn as_asf_and_amc(clip: &GaplessClip, units_per_metre: f64) -> (String, String) {
+    use std::fmt::Write as _;
+    const SEQUENCES: [(&str, [usize; 3]); 3] =
+        [("XYZ", [0, 1, 2]), ("ZYX", [2, 1, 0]), ("YZX", [1, 2, 0])];
+    let joints = &clip.skeleton.joints;
+    // Any axes will do; every bone has others.
+    let axes = |j: usize| {
+        let k = j as f64;
+        ([37.0 * k % 180.0, 53.0 * k % 90.0, 71.0 * k % 180.0], SEQUENCES[j % 3])
+    };
+    let mut bones = String::new();
+    for (j, joint) in joints.iter().enumerate().skip(1) {
+        // A bone ends where its first child begins.
+        let child = joints.iter().find(|other| other.parent == Some(j));
+        let end_m = child.map_or_else(|| joint.end_sites_m[0], |child| child.offset_m);
+        let direction = end_m.normalize_or_zero();
+        let ([x, y, z], (sequence, _)) = axes(j);
+        let _ = write!(
+            bones,
+            "  begin\r\n     id {j}\r\n     name {}\r\n     direction {:.12} {:.12} {:.12}\r\n     length \
+             {:.12}\r\n     axis {x} {y} {z}  {sequence}\r\n    dof rx ry rz\r\n    limits (-180.0 180.0)\r\n           \
+             (-180.0 180.0)\r\n           (-180.0 180.0)\r\n  end\r\n",
+            asf_name(&joint.name),
+            direction.x,
+            direction.y,
+            direction.z,
+            end_m.length() * units_per_metre,
+        );
+    }
+    let mut hierarchy = String::new();
+    for (j, joint) in joints.iter().enumerate() {
+        let children: Vec<String> = joints
+            .iter()
+            .filter(|other| other.parent == Some(j))
+            .map(|other| asf_name(&other.name))
+            .collect();
+        if !children.is_empty() {
+            let _ = write!(hierarchy, "    {} {}\r\n", asf_name(&joint.name), children.join(" "));
+        }
+    }
+    let asf = format!(
+        "# written for a test\r\n:version 1.10\r\n:name VICON\r\n:units\r\n  mass 1.0\r\n  length 0.45\r\n  angle \
+         deg\r\n:root\r\n   order TX TY TZ RX RY RZ\r\n   axis XYZ\r\n   position 0 0 0\r\n   orientation 0 0 \
+         0\r\n:bonedata\r\n{bones}:hierarchy\r\n  begin\r\n{hierarchy}  end\r\n"
+    );
+    let mut amc = "#!OML:ASF 135.ASF\r\n:FULLY-SPECIFIED\r\n:DEGREES\r\n".to_owned();
+    for (f, frame) in clip.frames.iter().enumerate() {
+        let _ = write!(amc, "{}\r\n", f + 1);
+        for (j, (joint, sample)) in joints.iter().zip(frame).enumerate() {
+            let _ = write!(amc, "{}", asf_name(&joint.name));
+            let turn = if joint.parent.is_none() {
+                let at = sample.position_m * units_per_metre;
+                let _ = write!(amc, " {:.9} {:.9} {:.9}", at.x, at.y, at.z);
+                sample.rotation
+            } else {
+                let (angles, (_, sequence)) = axes(j);
+                let axes = about_fixed_axes(angles, sequence);
+                axes.inverse() * sample.rotation * axes
+            };
+            // rx first, about fixed axes: rz last, that is outermost.
+            let (z, y, x) = turn.to_euler(EulerRot::ZYX);
+            let [x, y, z] = [x, y, z].map(f64::to_degrees);
+            let _ = write!(amc, " {x:.9} {y:.9} {z:.9}\r\n");
+        }
+    }
+    (asf, amc)
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
+    let settings = Settings::default();
+    let bvh = data().join("cmu/fight/135_06.bvh");
+    let clip = load_paths(&[bvh], &settings).expect("a clip").remove(0);
+    let mut full = gaps::fill(clip.clone(), 0.0).expect("BVH has no gaps").0;
+    full.frames.truncate(600);
+    let (asf, amc) = as_asf_and_amc(&full, 0.45 / 0.0254);
+
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("135.asf"), asf).expect("written");
+    std::fs::write(folder.path().join("135_06.amc"), amc).expect("written");
+    let read = load_paths(&[folder.path().to_path_buf()], &settings).expect("a clip").remove(0);
+    assert_eq!((read.name.as_str(), read.frames.len()), ("135_06", 600));
+    assert!((read.rate_hz() - 120.0).abs() < 1e-9);
+    let read = gaps::fill(read, 0.0).expect("no gaps").0;
+    // Nine decimals in a degree and in a unit of 56 mm; a chain of ten joints 2 m long.
+    let bound_m = 10.0 * (0.5e-9_f64.to_radians() * 2.0 + 1e-9 * 0.056);
+    for frame in 0..600 {
+        let (expected, found) = (full.world_poses(frame), read.world_poses(frame));
+        for (j, joint) in full.skeleton.joints.iter().enumerate() {
+            let name = asf_name(&joint.name);
+            let found = found[read.skeleton.find(&name).expect("the bone")];
+            let distance_m = found.position_m.distance(expected[j].position_m);
+            assert!(distance_m < bound_m, "frame {frame}, {name}: {distance_m} m");
+        }
+    }
+
+    // And so are the figures that the mappings `asfamc` and `cmu_asf` make of them.
+    let figures = [&full, &read].map(|clip| {
+        let mapping = mapping::choose(&clip.skeleton).expect("a known skeleton");
+        Binding::new(mapping, &clip.skeleton).expect("all joints").map(clip)
+    });
+    for frame in 0..600 {
+        let [expected, found] = [&figures[0], &figures[1]].map(|f| f.world_positions_m(frame));
+        for (i, body) in BODIES.iter().enumerate() {
+            let distance_m = found[i].distance(expected[i]);
+            assert!(distance_m < bound_m, "frame {frame}, {}: {distance_m} m", body.name);
+        }
+    }
+    for (found, expected) in figures[1].segment_end_m.iter().zip(&figures[0].segment_end_m) {
+        assert!(found.distance(*expected) < bound_m, "{found} {expected}");
+    }
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn the_humanoid_has_the_joints_of_its_urdf() {
+    let text = std::fs::read_to_string(data().join("deepmimic/humanoid.urdf")).expect("a URDF");
+    // Enough of XML for this file: the value of the first `key` after `from`.
+    let value = |from: usize, key: &str| {
+        let text = &text[from + text[from..].find(key).expect("the key")..];
+        text.split('"').nth(1).expect("a quoted value").to_owned()
+    };
+    let at = |element: &str, name: &str| {
+        text.find(&format!("<{element} name=\"{name}\"")).expect("an element of the name")
+    };
+    for joint in &skeleton::JOINTS[1..] {
+        let from = at("joint", joint.name);
+        let parent = &skeleton::JOINTS[joint.parent.expect("not the root")];
+        assert_eq!(value(from, "parent"), parent.name, "{}", joint.name);
+        let kind = match joint.kind {
+            skeleton::Kind::Spherical => "spherical",
+            skeleton::Kind::Revolute => "revolute",
+            skeleton::Kind::Fixed => "fixed",
+        };
+        assert_eq!(value(from, "type"), kind, "{}", joint.name);
+        let numbers: Vec<f64> = value(from, "xyz")
+            .split_whitespace()
+            .map(|number| number.parse().expect("a number"))
+            .collect();
+        let offset_m = DVec3::from_slice(&numbers) / 4.0;
+        assert!(offset_m.distance(joint.offset_m) < 1e-9, "{}: {offset_m}", joint.name);
+    }
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn every_humanoid3d_becomes_a_figure() {
+    let settings = Settings::default();
+    let clips = load_paths(&[data().join("deepmimic")], &settings).expect("clips");
+    assert_eq!(clips.len(), 15);
+    for clip in clips {
+        let name = clip.name.clone();
+        let (motion, _) = prepare(clip, &settings).expect("a motion");
+        let at = motion.world_positions_m(0);
+        // Frame 0 stands on the floor, but for the two that lie and the one that crawls.
+        let low_m = at.iter().map(|at| at.y).fold(f64::INFINITY, f64::min);
+        let high_m = at.iter().map(|at| at.y).fold(f64::NEG_INFINITY, f64::max);
+        let stands = !["getup", "crawl"].iter().any(|what| name.contains(what));
+        assert!((-0.05..0.2).contains(&low_m), "{name}: lowest joint at {low_m} m");
+        assert_eq!((1.0..1.6).contains(&high_m), stands, "{name}: highest joint at {high_m} m");
+        if name.ends_with("walk") || name.ends_with("run") {
+            // Ahead is x, and the left is at negative z.
+            let last = motion.world_positions_m(motion.rotation.len() - 1);
+            assert!((last[0] - at[0]).x > 0.5, "{name}");
+            assert!(at[12].z < at[15].z && at[5].z < at[9].z, "{name}");
+        }
     }
 }

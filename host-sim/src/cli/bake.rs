@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use sinew_sim::figure::BodyModel;
-use sinew_sim::mocap::{self, Settings, builtin, mapping, pipeline};
+use sinew_sim::mocap::pipeline::{self, ClipFile};
+use sinew_sim::mocap::{self, Settings, builtin, mapping};
 use sinew_sim::show;
 
 use super::evaluate::{scale, seconds};
@@ -16,7 +17,7 @@ use super::output::{note, print};
 /// variable `SINEW_SHOW` when they are built.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A built-in clip's name, or a BVH file.
+    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file.
     #[arg(long, value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -45,10 +46,16 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let clip = match builtin::clips().into_iter().find(|clip| clip.name == args.clip) {
         Some(clip) => clip,
-        None => pipeline::load(Path::new(&args.clip), &settings).with_context(|| {
-            let names: Vec<_> = builtin::clips().into_iter().map(|clip| clip.name).collect();
-            format!("{} is no built-in clip ({}) and no readable file", args.clip, names.join(", "))
-        })?,
+        None => {
+            pipeline::load(&ClipFile::new(Path::new(&args.clip)), &settings).with_context(|| {
+                let names: Vec<_> = builtin::clips().into_iter().map(|clip| clip.name).collect();
+                format!(
+                    "{} is no built-in clip ({}) and no readable file",
+                    args.clip,
+                    names.join(", ")
+                )
+            })?
+        }
     };
     let (motion, notices) = mocap::prepare(clip, &settings)?;
     for notice in notices {

@@ -29,7 +29,7 @@ use super::setup::SetupArgs;
 /// ends the evaluation with exit code 1 and its clip, method and frame; bad input is exit code 2.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// BVH files, or folders of them. Without: the built-in clips.
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 

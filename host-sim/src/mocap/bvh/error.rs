@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::token::Position;
+use crate::mocap::text::{Position, counted};
 
 /// A BVH file that cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -70,8 +70,8 @@ pub enum Problem {
     NoChannels,
     /// The values end too early.
     #[error(
-        "expected {frames} frames of {channels} values, found {complete} frames and {rest} values{}",
-        hint(*odd_line)
+        "the file ends after {} of {frames}: expected {} in each, found {rest} of the next{}",
+        counted(*complete, "frame"), counted(*channels, "value"), hint(*odd_line)
     )]
     MissingValues {
         /// Frames as the header says.
@@ -87,9 +87,8 @@ pub enum Problem {
     },
     /// There are more values than the header says.
     #[error(
-        "expected the end of the file after {frames} frames of {channels} values, found {extra} \
-         more values{}",
-        hint(*odd_line)
+        "expected the end of the file after {} of {}, found {extra} more{}",
+        counted(*frames, "frame"), counted(*channels, "value"), hint(*odd_line)
     )]
     ExtraValues {
         /// Frames as the header says.
@@ -105,6 +104,9 @@ pub enum Problem {
 
 fn hint(odd_line: Option<(usize, usize)>) -> String {
     odd_line.map_or_else(String::new, |(line, values)| {
-        format!("; line {line} is the first that is not one frame: it has {values} values")
+        format!(
+            "; line {line} is the first that is not one frame: it has {}",
+            counted(values, "value")
+        )
     })
 }

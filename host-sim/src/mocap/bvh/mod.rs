@@ -4,69 +4,30 @@
 //! Rotations of a joint are composed in the order in which its channels are listed,
 //! `R = R_first R_second R_third`; a position channel takes the place of that component of the
 //! joint's `OFFSET`. White space and line ends are free. The format knows no unit of length: the
-//! skeleton's mapping does, see [`Bvh::into_clip`].
+//! skeleton's mapping does, see [`Recording::into_clip`].
 
 mod error;
 mod token;
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
 
 pub use error::{Error, Problem};
-pub use token::Position;
 use token::{Token, Tokens};
 
-use super::clip::{Clip, JointSample, Skeleton, SkeletonJoint};
-
-/// Far above any mocap skeleton: what bounds the memory a small file can ask for.
-const JOINT_COUNT_MAX: usize = 1024;
-/// Joints times frames, 6 GiB: an hour of 100 joints at 240 Hz.
-const SAMPLE_COUNT_MAX: usize = 100_000_000;
-/// Larger offsets and angles are damage, and would overflow further on.
-const MAGNITUDE_MAX: f64 = 1e9;
-/// Any camera's: what bounds the number of frames after resampling.
-const FRAME_TIME_S: RangeInclusive<f64> = 1e-5..=1.0;
-/// Writers round the frame time (0.0083333, 0.016667, 0.033333): rates this near a whole number
-/// are taken for it. 29.97 and 59.94 Hz, one part in 1001 off, keep their own.
-const RATE_SNAP: f64 = 5e-4;
-
-/// A motion in its file's own unit of length.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bvh {
-    /// A clip whose "metres" are the file's units.
-    unscaled: Clip,
-}
-
-impl Bvh {
-    /// The skeleton, with offsets in the file's unit.
-    pub fn skeleton(&self) -> &Skeleton {
-        &self.unscaled.skeleton
-    }
-
-    /// The motion in metres.
-    pub fn into_clip(self, metres_per_unit: f64) -> Clip {
-        let mut clip = self.unscaled;
-        for joint in &mut clip.skeleton.joints {
-            joint.offset_m *= metres_per_unit;
-            for end in &mut joint.end_sites_m {
-                *end *= metres_per_unit;
-            }
-        }
-        for sample in clip.frames.iter_mut().flatten().flatten() {
-            sample.position_m *= metres_per_unit;
-        }
-        clip
-    }
-}
+use super::clip::{JointSample, Skeleton, SkeletonJoint};
+use super::recording::{
+    self, FRAME_TIME_S, Frames, JOINT_COUNT_MAX, MAGNITUDE_MAX, Recording, SAMPLE_COUNT_MAX,
+};
+use super::text::{Position, shown};
 
 /// Reads the file at `path`; the clip is named after its stem.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read, [`Error::Syntax`] with line and column if it is not a
 /// complete BVH motion of finite numbers.
-pub fn read(path: &Path) -> Result<Bvh, Error> {
+pub fn read(path: &Path) -> Result<Recording, Error> {
     let bytes =
         std::fs::read(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
     parse(&bytes, path)
@@ -78,14 +39,19 @@ pub fn read(path: &Path) -> Result<Bvh, Error> {
 ///
 /// # Errors
 /// [`Error::Syntax`], as [`read`].
-pub fn parse(bytes: &[u8], path: &Path) -> Result<Bvh, Error> {
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     let text = String::from_utf8_lossy(bytes);
     let mut parser = Parser { tokens: Tokens::new(&text) };
     parser.file().map_or_else(
         |(at, problem)| Err(Error::Syntax { file: path.to_path_buf(), at, problem }),
         |(skeleton, frame_time_s, frames)| {
-            let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            Ok(Bvh { unscaled: Clip { name, skeleton, frame_time_s, frames } })
+            Ok(Recording {
+                name: recording::stem(path),
+                skeleton,
+                frames,
+                frame_time_s: Some(frame_time_s),
+                metres_per_unit: None,
+            })
         },
     )
 }
@@ -117,7 +83,6 @@ struct Hierarchy {
 }
 
 type Failure = (Position, Problem);
-type Frames = Vec<Vec<Option<JointSample>>>;
 
 struct Parser<'a> {
     tokens: Tokens<'a>,
@@ -235,10 +200,7 @@ impl<'a> Parser<'a> {
         if !FRAME_TIME_S.contains(&time_s) {
             return Err(unexpected(token, "a frame time from 0.00001 to 1 second"));
         }
-        let rate_hz = time_s.recip();
-        let whole_hz = rate_hz.round();
-        let snaps = (rate_hz - whole_hz).abs() <= RATE_SNAP * whole_hz;
-        Ok(if snaps { whole_hz.recip() } else { time_s })
+        Ok(recording::snapped_s(time_s))
     }
 
     /// The values of all frames, to the end of the file.
@@ -389,16 +351,6 @@ fn unexpected(token: Token<'_>, expected: impl Into<String>) -> Failure {
         format!("`{}`", shown(token.text))
     };
     (token.at, Problem::Unexpected { expected: expected.into(), found })
-}
-
-/// A word of the file for a message, cut short and without control characters.
-fn shown(word: &str) -> String {
-    const LENGTH_MAX: usize = 40;
-    let mut shown: String = word.chars().take(LENGTH_MAX).flat_map(char::escape_debug).collect();
-    if word.chars().nth(LENGTH_MAX).is_some() {
-        shown.push('…');
-    }
-    shown
 }
 
 #[cfg(test)]

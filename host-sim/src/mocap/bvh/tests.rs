@@ -3,6 +3,8 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
+use crate::mocap::clip::Clip;
+use crate::mocap::mapping;
 
 /// Two joints, 9 channels, 2 frames of one line each.
 const VALID: &str = "\
@@ -28,12 +30,17 @@ Frame Time: .0083333
 10 11 13 0 0 0 0 0 0
 ";
 
-fn read_text(text: &str) -> Result<Bvh, Error> {
+fn read_text(text: &str) -> Result<Recording, Error> {
     parse(text.as_bytes(), Path::new("folder/clip.bvh"))
 }
 
 fn clip(text: &str) -> Clip {
-    read_text(text).expect("a valid file").into_clip(1.0)
+    in_metres(read_text(text).expect("a valid file"), 1.0)
+}
+
+fn in_metres(recording: Recording, metres_per_unit: f64) -> Clip {
+    let mapping = mapping::Mapping { metres_per_unit, ..mapping::known()[0].clone() };
+    recording.into_clip(&mapping).expect("a rate")
 }
 
 /// The error's text of `VALID` after replacing `what` once, without the file's name.
@@ -74,7 +81,7 @@ fn reads_a_motion() {
 
 #[test]
 fn scales_lengths_to_metres() {
-    let clip = read_text(VALID).unwrap().into_clip(0.01);
+    let clip = in_metres(read_text(VALID).unwrap(), 0.01);
     assert_eq!(clip.skeleton.joints[1].offset_m, DVec3::new(0.0, -0.04, 0.0));
     assert_eq!(clip.skeleton.joints[1].end_sites_m, [DVec3::new(0.0, -0.05, 0.01)]);
     assert_eq!(clip.frames[1][0].unwrap().position_m, DVec3::new(0.1, 0.11, 0.13));
@@ -147,7 +154,7 @@ fn takes_names_that_are_not_utf_8() {
     let mut bytes = VALID.as_bytes().to_vec();
     let at = VALID.find("Knee").unwrap();
     bytes[at] = 0xe9;
-    let clip = parse(&bytes, Path::new("clip.bvh")).unwrap().into_clip(1.0);
+    let clip = parse(&bytes, Path::new("clip.bvh")).unwrap();
     assert_eq!(clip.skeleton.joints[1].name, "Left \u{fffd}nee:1");
 }
 
@@ -224,21 +231,21 @@ fn refuses_a_wrong_header() {
 fn refuses_values_that_do_not_fill_the_frames() {
     assert_eq!(
         error("10 11 13 0 0 0 0 0 0", "10 11 13 0 0 0 0 0"),
-        "21:1: expected 2 frames of 9 values, found 1 frames and 8 values; line 20 is the first \
-         that is not one frame: it has 8 values"
+        "21:1: the file ends after 1 frame of 2: expected 9 values in each, found 8 of the next; \
+         line 20 is the first that is not one frame: it has 8 values"
     );
     assert_eq!(
         error("10 11 12 0 0 90", "10 11 12 0 0 90 1"),
-        "20:20: expected the end of the file after 2 frames of 9 values, found 1 more values; line \
-         19 is the first that is not one frame: it has 10 values"
+        "20:20: expected the end of the file after 2 frames of 9 values, found 1 more; line 19 is \
+         the first that is not one frame: it has 10 values"
     );
     assert_eq!(
         error("Frames: 2", "Frames: 3"),
-        "21:1: expected 3 frames of 9 values, found 2 frames and 0 values"
+        "21:1: the file ends after 2 frames of 3: expected 9 values in each, found 0 of the next"
     );
     assert_eq!(
         error("Frames: 2", "Frames: 1"),
-        "20:1: expected the end of the file after 1 frames of 9 values, found 9 more values"
+        "20:1: expected the end of the file after 1 frame of 9 values, found 9 more"
     );
     assert_eq!(error("10 11 13", "10 inf 13"), "20:4: expected a finite number, found `inf`");
     assert_eq!(error("10 11 13", "10 1e10 13"), "20:4: expected a finite number, found `1e10`");
@@ -250,7 +257,8 @@ fn refuses_what_would_not_fit_the_memory() {
     // A header that asks for 2^64 frames makes none: it is the values that are missing.
     assert_eq!(
         error("Frames: 2", "Frames: 18446744073709551615"),
-        "21:1: expected 18446744073709551615 frames of 9 values, found 2 frames and 0 values"
+        "21:1: the file ends after 2 frames of 18446744073709551615: expected 9 values in each, \
+         found 0 of the next"
     );
     let joints: Vec<String> =
         (0..1024).map(|k| format!("JOINT j{k} {{ OFFSET 0 0 0 CHANNELS 0\n")).collect();
@@ -279,9 +287,9 @@ fn words() -> impl Strategy<Value = Vec<&'static str>> {
 }
 
 /// Nothing but finite numbers and unit rotations leaves the reader.
-fn check(read: Result<Bvh, Error>) {
-    let Ok(bvh) = read else { return };
-    let clip = bvh.into_clip(1.0);
+fn check(read: Result<Recording, Error>) {
+    let Ok(recording) = read else { return };
+    let clip = in_metres(recording, 1.0);
     assert!(clip.frame_time_s > 0.0 && clip.frame_time_s.is_finite());
     for sample in clip.frames.iter().flatten().flatten() {
         assert!(sample.position_m.is_finite() && sample.rotation.is_normalized());

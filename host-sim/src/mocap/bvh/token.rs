@@ -2,14 +2,7 @@
 
 use std::str::CharIndices;
 
-/// A place in a text; both numbers count from 1, columns in characters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Position {
-    /// Line; ends are LF, CR LF or CR.
-    pub line: usize,
-    /// Character in the line.
-    pub column: usize,
-}
+use crate::mocap::text::Position;
 
 /// A word and its place; the end of the file is the empty word.
 #[derive(Debug, Clone, Copy)]

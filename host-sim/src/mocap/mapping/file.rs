@@ -71,8 +71,10 @@ pub enum Error {
 pub struct Mapping {
     /// Name for messages.
     pub name: String,
-    /// Length of the file's unit, in metres.
+    /// Length of the file's unit, in metres, for files that do not tell it.
     pub metres_per_unit: f64,
+    /// Frames per second, for files that do not tell them.
+    pub rate_hz: Option<f64>,
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, in the figure's order.
@@ -173,6 +175,7 @@ impl Mapping {
 struct File {
     name: String,
     metres_per_unit: f64,
+    rate_hz: Option<f64>,
     signature: Signature,
     body: BTreeMap<String, Part>,
 }
@@ -181,9 +184,14 @@ impl TryFrom<File> for Mapping {
     type Error = String;
 
     fn try_from(file: File) -> Result<Self, String> {
-        let File { name, metres_per_unit, signature, mut body } = file;
+        let File { name, metres_per_unit, rate_hz, signature, mut body } = file;
         if !(metres_per_unit > 0.0 && metres_per_unit.is_finite()) {
             return Err(format!("metres_per_unit: expected above zero, found {metres_per_unit}"));
+        }
+        if let Some(rate_hz) = rate_hz
+            && !(1.0..=1e5).contains(&rate_hz)
+        {
+            return Err(format!("rate_hz: expected a number from 1 to 100000, found {rate_hz}"));
         }
         let mut parts = Vec::with_capacity(BODY_COUNT);
         for place in &BODIES {
@@ -205,6 +213,6 @@ impl TryFrom<File> for Mapping {
             return Err(format!("[body]: expected only {names}; found `{stranger}`"));
         }
         let parts = parts.try_into().map_err(|_| "one part for each body".to_owned())?;
-        Ok(Self { name, metres_per_unit, signature, parts })
+        Ok(Self { name, metres_per_unit, rate_hz, signature, parts })
     }
 }

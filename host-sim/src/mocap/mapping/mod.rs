@@ -30,10 +30,12 @@ pub fn known() -> &'static [Mapping] {
             "cgspeed_mb",
             "cgspeed_mb_asf",
             "asfamc",
+            "cmu_asf",
             "cgspeed_daz",
             "m21",
             "bandai",
-            "geno"
+            "geno",
+            "deepmimic"
         );
         files.iter().map(|text| Mapping::parse(text).expect("the tests read every file")).collect()
     });

@@ -27,10 +27,20 @@ fn message(file: &str) -> String {
 }
 
 #[test]
-fn knows_eight_skeletons_by_different_names() {
+fn knows_ten_skeletons_by_different_names() {
     let names: Vec<&str> = known().iter().map(|mapping| mapping.name.as_str()).collect();
-    let expected =
-        ["sinew", "cgspeed_mb", "cgspeed_mb_asf", "asfamc", "cgspeed_daz", "m21", "bandai", "geno"];
+    let expected = [
+        "sinew",
+        "cgspeed_mb",
+        "cgspeed_mb_asf",
+        "asfamc",
+        "cmu_asf",
+        "cgspeed_daz",
+        "m21",
+        "bandai",
+        "geno",
+        "deepmimic",
+    ];
     assert_eq!(names, expected);
 }
 
@@ -56,7 +66,7 @@ fn names_joints_and_mappings_when_none_matches() {
     assert_eq!(
         choose(&chain(&["a", "b"])).unwrap_err().to_string(),
         "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, \
-         cgspeed_daz, m21, bandai, geno); give a mapping file"
+         cmu_asf, cgspeed_daz, m21, bandai, geno, deepmimic); give a mapping file"
     );
 }
 

@@ -1,15 +1,20 @@
 //! From files to the figure's motion, in one line of steps.
 
-use std::path::{Path, PathBuf};
+mod files;
 
-use crate::mocap::bvh;
+use std::path::PathBuf;
+
 use crate::mocap::clip::Clip;
 use crate::mocap::filter::{LowPass, RotationsCancel};
+use crate::mocap::format;
 use crate::mocap::gaps::{self, Filled, GapTooLong};
 use crate::mocap::mapping::{self, Binding, Mapping};
 use crate::mocap::motion::FigureMotion;
+use crate::mocap::recording::{NoRate, Recording};
 use crate::mocap::resample::resample;
 use crate::mocap::tpose;
+
+pub use files::{ClipFile, expand};
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,9 +72,9 @@ pub enum Notice {
 /// Clips that cannot be read or prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file is not a BVH motion.
+    /// A file is not a motion.
     #[error(transparent)]
-    Bvh(#[from] bvh::Error),
+    Read(#[from] format::Error),
     /// A folder cannot be listed.
     #[error("{}: cannot be listed: {source}", folder.display())]
     Folder {
@@ -79,10 +84,29 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A folder holds no clip.
-    #[error("{}: expected *.bvh files in the folder, found none", folder.display())]
+    #[error(
+        "{}: expected {} files in the folder, found none (its subfolders are not searched)",
+        folder.display(), format::NAMES
+    )]
     NoClips {
         /// The folder.
         folder: PathBuf,
+    },
+    /// A file would count twice.
+    #[error("{}: is given twice, also as {}", file.display(), first.display())]
+    GivenTwice {
+        /// The file.
+        file: PathBuf,
+        /// The same one before.
+        first: PathBuf,
+    },
+    /// Nobody tells the frame rate.
+    #[error("{clip}: {source}")]
+    NoRate {
+        /// The file.
+        clip: String,
+        /// What is missing.
+        source: NoRate,
     },
     /// The skeleton cannot be mapped.
     #[error("{clip}: {source}")]
@@ -150,51 +174,21 @@ impl Settings {
     }
 }
 
-/// The BVH files that `paths` name: files as given, folders as their `*.bvh` in order of name.
+/// Reads one clip; its mapping tells what the file does not: the unit of length, the frame rate.
 ///
 /// # Errors
-/// [`Error::Folder`] and [`Error::NoClips`].
-pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
-    let mut files = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            files.extend(bvh_files(path)?);
-        } else {
-            files.push(path.clone());
-        }
-    }
-    Ok(files)
-}
-
-fn bvh_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let listed = || -> std::io::Result<Vec<PathBuf>> {
-        std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect()
-    };
-    let mut files =
-        listed().map_err(|source| Error::Folder { folder: folder.to_path_buf(), source })?;
-    files.retain(|file| {
-        file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh"))
-    });
-    if files.is_empty() {
-        return Err(Error::NoClips { folder: folder.to_path_buf() });
-    }
-    files.sort();
-    Ok(files)
-}
-
-/// Reads one BVH file; its mapping tells the unit of length.
-///
-/// # Errors
-/// [`Error::Bvh`] and [`Error::Mapping`].
-pub fn load(file: &Path, settings: &Settings) -> Result<Clip, Error> {
-    let motion = bvh::read(file)?;
-    let mapping = settings.mapping.as_ref().map_or_else(|| mapping::choose(motion.skeleton()), Ok);
+/// [`Error::Read`], [`Error::Mapping`] and [`Error::NoRate`].
+pub fn load(file: &ClipFile, settings: &Settings) -> Result<Clip, Error> {
+    let clip = || file.path.display().to_string();
+    let recording = format::read(&file.path)?;
     let mapping =
-        mapping.map_err(|source| Error::Mapping { clip: file.display().to_string(), source })?;
-    Ok(motion.into_clip(mapping.metres_per_unit))
+        settings.mapping.as_ref().map_or_else(|| mapping::choose(&recording.skeleton), Ok);
+    let mapping = mapping.map_err(|source| Error::Mapping { clip: clip(), source })?;
+    let recording = Recording { name: file.name.clone(), ..recording };
+    recording.into_clip(mapping).map_err(|source| Error::NoRate { clip: clip(), source })
 }
 
-/// Reads all BVH files that `paths` name, see [`expand`] and [`load`].
+/// Reads all clips that `paths` name, see [`expand`] and [`load`].
 ///
 /// # Errors
 /// Those of the two, for the first path that has one.

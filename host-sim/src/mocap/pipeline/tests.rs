@@ -109,15 +109,55 @@ fn expands_folders_in_order_and_refuses_empty_ones() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let empty = expand(&[folder.path().to_path_buf()]).unwrap_err().to_string();
-    assert!(empty.ends_with(": expected *.bvh files in the folder, found none"), "{empty}");
-    for name in ["b.bvh", "a.BVH", "c.txt"] {
+    assert!(
+        empty.ends_with(
+            ": expected *.bvh, *.amc or humanoid3d_*.txt files in the folder, found none (its \
+             subfolders are not searched)"
+        ),
+        "{empty}"
+    );
+    std::fs::create_dir(at("more")).unwrap();
+    for name in [
+        "b.bvh",
+        "a.BVH",
+        "c.txt",
+        "t.amc",
+        "t.asf",
+        "humanoid3d_kick.txt",
+        "LICENSE.txt",
+        "more/d.bvh",
+    ] {
         std::fs::write(at(name), "").unwrap();
     }
     let files = expand(&[at("c.txt"), folder.path().to_path_buf()]).unwrap();
-    assert_eq!(files, [at("c.txt"), at("a.BVH"), at("b.bvh")]);
+    let paths: Vec<_> = files.iter().map(|file| file.path.clone()).collect();
+    let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc"];
+    assert_eq!(paths, expected.map(at));
     let error = load_paths(&[at("b.bvh")], &Settings::default()).unwrap_err().to_string();
     assert!(
         error.ends_with("b.bvh:1:1: expected `HIERARCHY`, found the end of the file"),
         "{error}"
     );
+}
+
+#[test]
+fn tells_clips_of_one_stem_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["a", "b", "b/a"] {
+        std::fs::create_dir(at(name)).unwrap();
+    }
+    let files = ["a/x.bvh", "b/x.bvh", "b/y.bvh", "b/a/x.bvh", "b/y.amc"];
+    for name in files {
+        std::fs::write(at(name), "").unwrap();
+    }
+    let names: Vec<String> =
+        expand(&files.map(at)).unwrap().into_iter().map(|file| file.name).collect();
+    let base = folder.path().file_name().unwrap().to_str().unwrap();
+    assert_eq!(names[0], format!("{base}/a/x"));
+    assert_eq!(names[1], "b/x");
+    assert_eq!(names[3], "b/a/x");
+    assert!(names[2].ends_with("b/y.bvh") && names[4].ends_with("b/y.amc"), "{names:?}");
+    let error = expand(&[at("a"), at("b/../a/x.bvh")]).unwrap_err().to_string();
+    assert!(error.contains("b/../a/x.bvh: is given twice, also as "), "{error}");
 }

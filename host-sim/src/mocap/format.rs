@@ -1,0 +1,161 @@
+//! Which reader a file is for.
+
+use std::path::{Path, PathBuf};
+
+use super::recording::Recording;
+use super::{asf_amc, bvh, deepmimic};
+
+/// A format that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Biovision Hierarchy: skeleton and motion in one file.
+    Bvh,
+    /// Acclaim: a motion (AMC) and, in another file, its skeleton (ASF).
+    AsfAmc,
+    /// A text motion of `DeepMimic`.
+    DeepMimic,
+}
+
+/// The names that [`Format::of_name`] knows, for messages.
+pub const NAMES: &str = "*.bvh, *.amc or humanoid3d_*.txt";
+
+/// A file that no reader can read.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Not a BVH motion.
+    #[error(transparent)]
+    Bvh(#[from] bvh::Error),
+    /// Not an AMC motion with its ASF skeleton.
+    #[error(transparent)]
+    AsfAmc(#[from] asf_amc::Error),
+    /// Not a motion of `DeepMimic`.
+    #[error(transparent)]
+    DeepMimic(#[from] deepmimic::Error),
+    /// The file system refused.
+    #[error("{}: cannot be read: {source}", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A skeleton without its motion.
+    #[error(
+        "{}: an ASF file holds the skeleton only: expected the AMC file of a motion, which finds it",
+        file.display()
+    )]
+    SkeletonOnly {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Markers, which hold no joints.
+    #[error(
+        "{}: a C3D file holds markers, not joints: expected the motion of a skeleton, as the capture \
+         software exports it after solving (BVH, or ASF and AMC)",
+        file.display()
+    )]
+    Markers {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Neither name nor content tells.
+    #[error("{}: expected a motion in {NAMES}, found another kind of file", file.display())]
+    Unknown {
+        /// The file.
+        file: PathBuf,
+    },
+}
+
+impl Format {
+    /// The format that the file's name tells; `None` if only its content can.
+    pub fn of_name(file: &Path) -> Option<Self> {
+        let extension = file.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "bvh" => Some(Self::Bvh),
+            "amc" => Some(Self::AsfAmc),
+            "txt" => file
+                .file_name()?
+                .to_str()?
+                .to_ascii_lowercase()
+                .starts_with("humanoid3d_")
+                .then_some(Self::DeepMimic),
+            _ => None,
+        }
+    }
+
+    /// The format that the file's first words tell.
+    fn of_content(bytes: &[u8]) -> Option<Self> {
+        let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+        let start = start.trim_start_matches('\u{feff}').trim_start().to_ascii_lowercase();
+        if start.starts_with("hierarchy") {
+            Some(Self::Bvh)
+        } else if start.starts_with('{') {
+            Some(Self::DeepMimic)
+        } else if start.starts_with("#!oml:asf") || start.starts_with(":fully-specified") {
+            Some(Self::AsfAmc)
+        } else {
+            None
+        }
+    }
+}
+
+/// Reads the motion in `file`, whose format its name tells, or else its content.
+///
+/// # Errors
+/// That of the format's reader; [`Error::Unknown`] or the one that says what to give instead.
+pub fn read(file: &Path) -> Result<Recording, Error> {
+    Ok(match Format::of_name(file).map_or_else(|| of_other(file), Ok)? {
+        Format::Bvh => bvh::read(file)?,
+        Format::AsfAmc => asf_amc::read(file)?,
+        Format::DeepMimic => deepmimic::read(file)?,
+    })
+}
+
+/// The format of a file whose name tells none.
+fn of_other(file: &Path) -> Result<Format, Error> {
+    let path = || file.to_path_buf();
+    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+    if extension == "asf" {
+        return Err(Error::SkeletonOnly { file: path() });
+    }
+    if extension == "c3d" {
+        return Err(Error::Markers { file: path() });
+    }
+    let bytes = std::fs::read(file).map_err(|source| Error::Io { file: path(), source })?;
+    Format::of_content(&bytes).ok_or_else(|| Error::Unknown { file: path() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knows_files_by_name_and_else_by_content() {
+        let of_name = |name: &str| Format::of_name(Path::new(name));
+        assert_eq!(of_name("a/b.BVH"), Some(Format::Bvh));
+        assert_eq!(of_name("b.Amc"), Some(Format::AsfAmc));
+        assert_eq!(of_name("humanoid3d_kick.txt"), Some(Format::DeepMimic));
+        assert_eq!(of_name("LICENSE.txt"), None);
+        assert_eq!(of_name("bvh"), None);
+        let of_content = |text: &str| Format::of_content(text.as_bytes());
+        assert_eq!(of_content("\u{feff}\r\nHierarchy\nROOT"), Some(Format::Bvh));
+        assert_eq!(of_content(" {\"Loop\""), Some(Format::DeepMimic));
+        assert_eq!(of_content("#!OML:ASF x\n"), Some(Format::AsfAmc));
+        assert_eq!(of_content(""), None);
+    }
+
+    #[test]
+    fn says_what_to_give_instead() {
+        let folder = tempfile::tempdir().unwrap();
+        let message = |name: &str| {
+            let file = folder.path().join(name);
+            std::fs::write(&file, "no motion").unwrap();
+            read(&file).unwrap_err().to_string()
+        };
+        assert!(message("07.asf").contains("expected the AMC file of a motion"));
+        assert!(message("07.c3d").contains("a C3D file holds markers, not joints"));
+        assert!(
+            message("07.fbx").contains("expected a motion in *.bvh, *.amc or humanoid3d_*.txt")
+        );
+    }
+}
