@@ -204,12 +204,12 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
-    /// Sets only the velocity of one joint.
-    pub(crate) fn set_velocity(
-        &mut self,
-        joint: usize,
-        velocity: Motion,
-    ) -> Result<(), StateInputError> {
+    /// Sets only the velocity of one joint, relative to the parent, in (desired) body axes: zero for a
+    /// performance that gives poses alone.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there is no such joint or a number is not finite.
+    pub fn set_velocity(&mut self, joint: usize, velocity: Motion) -> Result<(), StateInputError> {
         if !velocity.is_finite() {
             return Err(StateInputError::NonFinite);
         }

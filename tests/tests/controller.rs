@@ -3,10 +3,12 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
+use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::{
-    Controller, JointState, JointStates, JointTargets, Motion, Transform, Tree, Workspace, Wrench,
+    Controller, JointKind, JointState, JointStates, JointTargets, Motion, Transform, Tree,
+    Workspace, Wrench,
 };
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
@@ -154,7 +156,6 @@ proptest! {
 
     #[test]
     fn without_an_error_the_feedforward_is_what_the_motion_needs(rig in rigs(24, Joints::Mixed)) {
-        use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
         let (targets, measured) = (targets(&rig), rig.states());
         let gravity = Vec3::new(0.0, -9.81, 0.0);
         let count = rig.tree.len();
@@ -244,6 +245,64 @@ proptest! {
             prop_assert!(off < 1e-5, "joint {joint}: moment off by {off}");
             let off = (one.value.force_n - local.value.force_n).length() / force;
             prop_assert!(off < 1e-5, "joint {joint}: force off by {off}");
+        }
+    }
+
+    #[test]
+    fn without_desired_velocities_the_measured_ones_are_damped((desired, measured) in figures(18, 0.6)) {
+        let (mut targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
+        let poses: Vec<_> = targets.states().iter().map(|state| state.pose).collect();
+        for joint in 0..tree.len() {
+            targets.set_velocity(joint, Motion::ZERO).expect("a joint of the tree");
+        }
+        let mut workspace = Workspace::new();
+        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
+        controller.tick(&targets, &states, &[], &mut workspace);
+        for (error, state) in workspace.errors().iter().zip(&measured.world()) {
+            prop_assert_eq!(error.angular_rate_rad_s, -state.velocity.angular);
+            prop_assert_eq!(error.linear_rate_m_s, -state.velocity.linear);
+        }
+        prop_assert_eq!(targets.states().iter().map(|state| state.pose).collect::<Vec<_>>(), poses);
+    }
+
+    #[test]
+    fn a_fixed_root_is_left_alone_and_changes_nothing_for_the_rest(
+        ((desired, measured), law) in
+            (figures(18, 0.6), prop::sample::select(vec![ControlLaw::InverseDynamics, ControlLaw::ProportionalDerivative])),
+    ) {
+        let free = &desired.tree;
+        let mut bodies = free.bodies().to_vec();
+        bodies[0].joint = JointKind::Fixed;
+        let fixed = Tree::<CAPACITY>::from_bodies(&bodies).expect("a good tree");
+        // The performance's root is where the rig's is, and stays there.
+        let mut targets = targets(&desired);
+        let mut states = measured.states();
+        let root = JointState { pose: bodies[0].placement, velocity: Motion::ZERO };
+        states.set(0, root).expect("a good state");
+        targets.set(0, root, Motion::ZERO).expect("a good state");
+        for (on_fixed, on_free) in methods(&fixed).into_iter().zip(methods(free)) {
+            let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY>| {
+                let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+                controller.with_law(law).tick(&targets, &states, &[], workspace).to_vec()
+            };
+            let (mut one, mut other) = (Workspace::new(), Workspace::new());
+            let (held, driven) = (tick(&fixed, on_fixed, &mut one), tick(free, on_free, &mut other));
+            prop_assert_eq!(&held[0], &Limited { value: Wrench::ZERO, reason: None });
+            prop_assert_eq!(one.commands()[0], Motion::ZERO);
+            prop_assert_eq!(one.errors(), other.errors());
+            prop_assert_eq!(one.errors()[0].linear_m, Vec3::ZERO);
+            let mut expected: Vec<_> = driven.iter().map(|torque| torque.value).collect();
+            if law == ControlLaw::InverseDynamics {
+                // A free root may follow what Linear Compensation turns it for; one that stays is fixed.
+                let mut commands = other.commands()[..free.len()].to_vec();
+                commands[0] = Motion::ZERO;
+                let mut scratch = vec![BodyMotion::default(); free.len()];
+                let (states, gravity) = (states.as_slice(), Vec3::new(0.0, -9.81, 0.0));
+                inverse_dynamics(free.bodies(), states, &commands, gravity, &[], &mut scratch, &mut expected);
+                expected.iter_mut().for_each(|wrench| wrench.force_n = Vec3::ZERO);
+            }
+            let held: Vec<_> = held.iter().map(|torque| torque.value).collect();
+            prop_assert_eq!(&held[1..], &expected[1..]);
         }
     }
 

@@ -163,6 +163,8 @@ fn states() {
     }
     refused(measured.set(3, good), &E::NoSuchJoint, &["no joint"]);
     refused(targets.set(3, good, Motion::ZERO), &E::NoSuchJoint, &["no joint"]);
+    refused(targets.set_velocity(0, nan_velocity.velocity), &E::NonFinite, &["finite"]);
+    refused(targets.set_velocity(3, Motion::ZERO), &E::NoSuchJoint, &["no joint"]);
     let acceleration = Motion::new(NAN, Vec3::ZERO);
     refused(targets.set(0, good, acceleration), &E::NonFinite, &["finite"]);
     assert_eq!((measured, targets), before, "what is refused changes nothing");
