@@ -299,7 +299,9 @@ proptest! {
                 let mut scratch = vec![BodyMotion::default(); free.len()];
                 let (states, gravity) = (states.as_slice(), Vec3::new(0.0, -9.81, 0.0));
                 inverse_dynamics(free.bodies(), states, &commands, gravity, &[], &mut scratch, &mut expected);
-                expected.iter_mut().for_each(|wrench| wrench.force_n = Vec3::ZERO);
+                for wrench in &mut expected {
+                    wrench.force_n = Vec3::ZERO;
+                }
             }
             let held: Vec<_> = held.iter().map(|torque| torque.value).collect();
             prop_assert_eq!(&held[1..], &expected[1..]);
