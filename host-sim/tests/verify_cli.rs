@@ -26,7 +26,7 @@ fn a_line_for_each_quantity_and_success() {
     let output = verify(&oracles(), &[]);
     let printed = text(&output.stdout);
     assert!(output.status.success(), "{printed}{}", text(&output.stderr));
-    for quantity in ["tau", "H", "world position", "local e_rot", "forward omega_world"] {
+    for quantity in ["tau", "H", "world position", "local e_rot", "forward omega_world", "volume"] {
         let line = printed.lines().find(|line| line.contains(&format!(" {quantity} ")));
         let line = line.unwrap_or_else(|| panic!("no line for {quantity}: {printed}"));
         assert!(line.trim_end().ends_with("ok"), "{line}");

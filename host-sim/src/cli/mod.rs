@@ -4,6 +4,7 @@
 
 mod bake;
 mod evaluate;
+mod figure;
 mod output;
 mod setup;
 mod verify;
@@ -32,6 +33,7 @@ enum Command {
     Evaluate(evaluate::Args),
     Verify(verify::VerifyArgs),
     Bake(bake::Args),
+    Figure(figure::Args),
 }
 
 /// Parses the command line and runs it.
@@ -40,6 +42,7 @@ pub(crate) fn main() -> ExitCode {
     let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

@@ -40,6 +40,7 @@ pub use shape::{Piece, Shape};
 pub struct Subject {
     inputs: Inputs,
     segments: [Segment; Part::ALL.len()],
+    regression_sum_kg: f64,
 }
 
 /// How far the masses may sum from the given total, as a fraction of it.
@@ -76,11 +77,12 @@ impl Subject {
     /// human body, or the masses sum to something else than the total mass, more than 10 % off.
     pub fn new(inputs: Inputs) -> Result<Self, InputError> {
         let segments = segments::segments(&inputs)?;
-        let mut subject = Self { inputs, segments };
+        let mut subject = Self { inputs, segments, regression_sum_kg: 0.0 };
         let (sum_kg, mass_kg) = (subject.mass_kg(), subject.inputs.mass_kg.get());
         if (sum_kg - mass_kg).abs() > SUM_TOLERANCE * mass_kg {
             return Err(InputError::Sum { sum_kg, mass_kg });
         }
+        subject.regression_sum_kg = sum_kg;
         if subject.inputs.normalise {
             for segment in &mut subject.segments {
                 segment.mass_kg *= mass_kg / sum_kg;
@@ -105,6 +107,11 @@ impl Subject {
     /// Mass of all bodies in kg.
     pub fn mass_kg(&self) -> f64 {
         (0..BODY_COUNT).map(|body| self.segment(body).mass_kg).sum()
+    }
+
+    /// What the regressions' masses sum to in kg: the mass of all bodies if they are not normalised.
+    pub fn regression_sum_kg(&self) -> f64 {
+        self.regression_sum_kg
     }
 
     /// The subject's own figure: standing with its arms down, x left, y up, z forward in all frames, each

@@ -194,7 +194,7 @@ fn other_semi_axis(
 }
 
 /// Densities that a segment may have in kg/m³: outside of it one of its inputs is in another unit, or wrong.
-pub(super) const DENSITY_KG_M3: core::ops::RangeInclusive<f64> = 850.0..=1250.0;
+const DENSITY_KG_M3: core::ops::RangeInclusive<f64> = 850.0..=1250.0;
 
 fn check(part: Part, inputs: &Inputs, segment: &Segment) -> Result<(), InputError> {
     let (name, values) = measured(part, inputs);

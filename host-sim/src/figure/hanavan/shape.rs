@@ -56,8 +56,8 @@ impl Shape {
             Self::Cone { .. } => "cone",
             Self::Elliptical { .. } => "elliptical",
             Self::Column { piece: Piece::Whole, .. } => "column",
-            Self::Column { piece: Piece::Middle, .. } => "middle",
-            Self::Column { piece: Piece::Side, .. } => "side",
+            Self::Column { piece: Piece::Middle, .. } => "column core",
+            Self::Column { piece: Piece::Side, .. } => "column side",
         }
     }
 
