@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use sinew_sim::evaluate::{BodySource, Setup};
+use sinew_sim::figure::Subject;
 use sinew_sim::plant::PlantKind;
 
 /// Options that make a [`Setup`]; the more special ones go over the more general.
@@ -16,6 +17,10 @@ pub(super) struct SetupArgs {
     /// Where the figure's masses come from.
     #[arg(long, value_enum, value_name = "BODY")]
     body: Option<BodySource>,
+
+    /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew figure --help`.
+    #[arg(long, value_name = "FILE")]
+    subject: Option<PathBuf>,
 
     /// Setup in TOML: anything that a run can be varied in. `--format json` prints all keys.
     #[arg(long, value_name = "FILE")]
@@ -51,6 +56,12 @@ impl SetupArgs {
         }
         if let Some(body) = self.body {
             setup.body = body;
+        }
+        if let Some(file) = &self.subject {
+            setup.subject = Some(Subject::read(file)?);
+            if self.body.is_none() {
+                setup.body = BodySource::HanavanKwon;
+            }
         }
         setup.check()?;
         Ok(setup)
@@ -90,7 +101,7 @@ mod tests {
 
     fn setup(set: &[&str]) -> anyhow::Result<Setup> {
         let set = set.iter().map(ToString::to_string).collect();
-        SetupArgs { plant: None, body: None, setup: None, set }.setup()
+        SetupArgs { plant: None, body: None, subject: None, setup: None, set }.setup()
     }
 
     #[test]

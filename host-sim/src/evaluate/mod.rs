@@ -20,8 +20,8 @@ pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
 pub use setup::{
-    BodyName, BodySource, ControllerSettings, DesiredVelocity, LawName, MethodName, RateTermName,
-    Setup, SetupError,
+    AimName, BodyName, BodySource, ControllerSettings, DesiredVelocity, LawName, MethodName,
+    RateTermName, Setup, SetupError,
 };
 pub use track::{Step, step_count, track};
 
@@ -107,7 +107,7 @@ impl FigureResult {
 impl Protocol {
     /// The setup of one figure and method.
     pub fn setup_of(&self, scale: f64, method: MethodName) -> Setup {
-        let mut setup = self.setup;
+        let mut setup = self.setup.clone();
         setup.dimensions = Dimensions { scale, ..setup.dimensions };
         setup.controller.method = method;
         setup
@@ -186,7 +186,7 @@ pub fn evaluate(
         }
         figures.push(FigureResult { scale: *scale, methods });
     }
-    Ok(Evaluation { setup: protocol.setup, clips, figures })
+    Ok(Evaluation { setup: protocol.setup.clone(), clips, figures })
 }
 
 /// Errors of one run, and its number of steps.

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::disturbance::Disturbance;
 use super::error::RunError;
-use crate::figure::{BODIES, BODY_COUNT, BodyModel, BodyModelError, Dimensions, Root};
+use crate::figure::{BODIES, BODY_COUNT, BodyModel, BodyModelError, Dimensions, Root, Subject};
 use crate::mocap::FigureMotion;
 use crate::plant::PlantSettings;
 
@@ -25,10 +25,10 @@ use crate::plant::PlantSettings;
 /// assert!(Setup::parse("controller.kp = nan").is_err());
 /// # Ok::<(), sinew_sim::evaluate::SetupError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Setup {
-    /// What the figure weighs.
+    /// Where the figure's masses come from.
     pub body: BodySource,
     /// How large it is against the clip.
     pub dimensions: Dimensions,
@@ -38,6 +38,9 @@ pub struct Setup {
     pub plant: PlantSettings,
     /// What the controller does not know of it.
     pub disturbance: Disturbance,
+    /// The subject that `hanavan_kwon` takes the masses from; without one, the built-in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subject: Option<Subject>,
 }
 
 /// Where the masses of the figure come from.
@@ -48,6 +51,8 @@ pub enum BodySource {
     /// De Leva's segment regressions (1996), 73 kg.
     #[default]
     DeLeva,
+    /// Hanavan's solids as modified by Kwon, of a measured subject: the paper's.
+    HanavanKwon,
 }
 
 /// How the figure is controlled.
@@ -62,6 +67,8 @@ pub struct ControllerSettings {
     pub beta: f32,
     /// The derivative of the compensating rotation.
     pub rate_term: RateTermName,
+    /// What a body of several children aims at in Linear Compensation.
+    pub aim: AimName,
     /// Where the desired velocities come from.
     pub desired_velocity: DesiredVelocity,
     /// How the error becomes a torque.
@@ -79,6 +86,7 @@ impl Default for ControllerSettings {
             reference: BodyName(0),
             beta: 1.0,
             rate_term: RateTermName::Corrected,
+            aim: AimName::HeaviestChild,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
             kp: 200.0,
@@ -114,6 +122,16 @@ pub enum RateTermName {
     AsPrinted,
     /// No term.
     None,
+}
+
+/// What a body of several children aims at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AimName {
+    /// The child with the heaviest subtree.
+    HeaviestChild,
+    /// All of them, by least squares.
+    AllChildren,
 }
 
 /// Where desired velocities come from.
@@ -168,6 +186,9 @@ pub enum SetupError {
     /// Not the TOML of a setup.
     #[error("{0}")]
     Toml(String),
+    /// A subject for a body that needs none.
+    #[error("subject: expected with body = \"hanavan_kwon\" only")]
+    SubjectWithoutBody,
     /// A value out of its range.
     #[error("{key}: expected {expected}, found {value}")]
     Value {
@@ -217,6 +238,9 @@ impl Setup {
         if let Some((key, expected, found)) = self.disturbance.fault() {
             return value(&format!("disturbance.{key}"), (expected, found));
         }
+        if self.subject.is_some() && self.body != BodySource::HanavanKwon {
+            return Err(SetupError::SubjectWithoutBody);
+        }
         let ControllerSettings { beta, kp, .. } = self.controller;
         if !(0.0..=2.0).contains(&beta) {
             return value("controller.beta", ("a weight from 0 to 2", f64::from(beta)));
@@ -246,8 +270,14 @@ impl Setup {
     /// # Errors
     /// [`BodyModelError`] if the clip's skeleton cannot be given a body.
     pub fn model(&self, motion: &FigureMotion) -> Result<BodyModel, BodyModelError> {
-        let BodySource::DeLeva = self.body;
-        Ok(BodyModel::from_motion(motion)?.scaled_by(&self.dimensions.factors()))
+        let model = match self.body {
+            BodySource::DeLeva => BodyModel::from_motion(motion)?,
+            BodySource::HanavanKwon => {
+                let subject = self.subject.as_ref().unwrap_or_else(|| Subject::built_in());
+                BodyModel::hanavan_kwon(motion, subject)?
+            }
+        };
+        Ok(model.scaled_by(&self.dimensions.factors()))
     }
 
     /// The controller of a figure.
@@ -296,7 +326,10 @@ impl ControllerSettings {
                 Method::Accumulated(references.expect("ancestors and nothing else"))
             }
             MethodName::LinearCompensation => Method::LinearCompensation {
-                aims: Aims::heaviest_child(tree),
+                aims: match self.aim {
+                    AimName::HeaviestChild => Aims::heaviest_child(tree),
+                    AimName::AllChildren => Aims::all_children(tree),
+                },
                 settings: Compensation { beta: self.beta, rate_term: self.rate_term.into() },
             },
         }

@@ -1,10 +1,10 @@
 //! What is measured on a subject: TOML text to checked numbers.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A length of a human body: finite, above 0 and at most [`Metres::LARGEST`].
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Deserialize)]
-#[serde(try_from = "f64")]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(try_from = "f64", into = "f64")]
 pub struct Metres(f64);
 
 impl Metres {
@@ -19,6 +19,12 @@ impl Metres {
     /// The length in centimetres, which published regressions are in.
     pub(super) fn cm(self) -> f64 {
         100.0 * self.0
+    }
+}
+
+impl From<Metres> for f64 {
+    fn from(value: Metres) -> Self {
+        value.0
     }
 }
 
@@ -38,8 +44,8 @@ impl TryFrom<f64> for Metres {
 }
 
 /// Mass of a human body: finite, above 0 and at most [`Kilograms::LARGEST`].
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Deserialize)]
-#[serde(try_from = "f64")]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(try_from = "f64", into = "f64")]
 pub struct Kilograms(f64);
 
 impl Kilograms {
@@ -49,6 +55,12 @@ impl Kilograms {
     /// The mass in kg.
     pub fn get(self) -> f64 {
         self.0
+    }
+}
+
+impl From<Kilograms> for f64 {
+    fn from(value: Kilograms) -> Self {
+        value.0
     }
 }
 
@@ -68,7 +80,7 @@ impl TryFrom<f64> for Kilograms {
 /// P1 to P41 are the model's numbers of the inputs. What each one is and how to measure it is said in the
 /// built-in subject's file, `subjects/reference.toml`. The names are inferred from the equations' use of the
 /// numbers. `None` only where no equation uses the number.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inputs {
     /// Name of the subject.

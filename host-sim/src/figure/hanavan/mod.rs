@@ -25,6 +25,8 @@ mod shape;
 use std::path::Path;
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use super::BODY_COUNT;
 use super::model::{BodyModel, BodyModelError};
 use super::placement::{Part, Placement};
@@ -36,11 +38,26 @@ pub use segments::Segment;
 pub use shape::{Piece, Shape};
 
 /// A measured subject whose inputs go together.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Inputs", into = "Inputs")]
 pub struct Subject {
     inputs: Inputs,
     segments: [Segment; Part::ALL.len()],
     regression_sum_kg: f64,
+}
+
+impl TryFrom<Inputs> for Subject {
+    type Error = InputError;
+
+    fn try_from(inputs: Inputs) -> Result<Self, InputError> {
+        Self::new(inputs)
+    }
+}
+
+impl From<Subject> for Inputs {
+    fn from(subject: Subject) -> Self {
+        subject.inputs
+    }
 }
 
 /// How far the masses may sum from the given total, as a fraction of it.
