@@ -5,5 +5,6 @@ pub mod figure;
 pub mod mocap;
 pub mod plant;
 mod random;
+pub mod report;
 pub mod show;
 pub mod verify;

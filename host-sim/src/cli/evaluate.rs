@@ -16,6 +16,7 @@ use sinew_sim::evaluate::{
 use sinew_sim::mocap::{self, Clip, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
 
 use super::output::{note, print};
+use super::page::PageArgs;
 use super::setup::SetupArgs;
 
 /// Track motion capture with every method and print the paper's tables.
@@ -57,9 +58,13 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
-    /// Also write table.txt, result.json, result.csv and clips.csv (a row per clip) into this folder.
+    /// Also write into this folder: the report (index.html, for a browser), its pictures, table.txt,
+    /// result.json, result.csv and clips.csv (a row per clip).
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    #[command(flatten)]
+    page: PageArgs,
 
     /// Number of threads; the result does not depend on it. Without: one per processor.
     #[arg(long, value_name = "N")]
@@ -125,6 +130,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
     let motions = motions(args)?;
+    let plan = args.page.plan(&motions)?;
     let result = with_progress(steps_of_all(&motions, &protocol), |progress| {
         evaluate(&motions, &protocol, progress)
     });
@@ -139,6 +145,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     };
     if let Some(folder) = &args.out {
         write_files(folder, &evaluation)?;
+        plan.write(folder, &motions, &protocol, &evaluation)?;
     }
     print(&match args.format {
         Format::Table => report::tables(&evaluation),

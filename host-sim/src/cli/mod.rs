@@ -6,6 +6,7 @@ mod bake;
 mod evaluate;
 mod figure;
 mod output;
+mod page;
 mod setup;
 mod verify;
 

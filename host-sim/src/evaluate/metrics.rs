@@ -60,7 +60,7 @@ impl Errors {
 }
 
 impl ErrorTotals {
-    fn add(&mut self, angular_rad: f64, linear_m: f64) {
+    pub(super) fn add(&mut self, angular_rad: f64, linear_m: f64) {
         self.n += 1;
         self.angular_sum_rad += angular_rad;
         self.linear_sum_m += linear_m;
@@ -68,7 +68,7 @@ impl ErrorTotals {
         self.linear_max_m = self.linear_max_m.max(linear_m);
     }
 
-    fn merge(&mut self, other: &Self) {
+    pub(super) fn merge(&mut self, other: &Self) {
         self.n += other.n;
         self.angular_sum_rad += other.angular_sum_rad;
         self.linear_sum_m += other.linear_sum_m;
@@ -109,7 +109,7 @@ impl ErrorTotals {
 }
 
 /// Angle in [0, π] of the rotation that takes one orientation to the other.
-fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
+pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
     let turn = a * b.conjugate();
     2.0 * libm::atan2(turn.xyz().length(), turn.w.abs())
 }

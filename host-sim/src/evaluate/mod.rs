@@ -1,6 +1,7 @@
 //! The paper's evaluation: every clip, tracked by a figure of every scale with every method of measuring
 //! its state error, and how far off it was.
 
+pub mod detail;
 mod disturbance;
 mod error;
 mod metrics;
@@ -16,6 +17,7 @@ use serde::Serialize;
 use crate::figure::Dimensions;
 use crate::mocap::FigureMotion;
 
+pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
@@ -88,6 +90,8 @@ pub struct MethodResult {
     pub total: Errors,
     /// By clip, in the clips' order.
     pub clips: Vec<Errors>,
+    /// More of each clip, in the same order.
+    pub details: Vec<Detail>,
 }
 
 impl Evaluation {
@@ -147,21 +151,23 @@ pub fn evaluate(
         }
     }
     // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
-    let results: Vec<Result<Errors, EvaluateError>> = runs
+    let results: Vec<Result<(Errors, Detail), EvaluateError>> = runs
         .par_iter()
         .map(|(scale, method, motion, stream)| {
             let setup = protocol.setup_of(*scale, *method);
-            let (errors, steps) =
-                run(motion, &setup, protocol.seconds, *stream).map_err(|kind| {
-                    EvaluateError::Run {
-                        clip: motion.name.clone(),
-                        scale: *scale,
-                        method: *method,
-                        kind,
-                    }
-                })?;
+            let (mut errors, mut detail) = (Errors::default(), Detail::default());
+            let steps = track(motion, &setup, protocol.seconds, *stream, |step| {
+                errors.add_step(&step);
+                detail.add(step.desired, step.measured);
+            })
+            .map_err(|kind| EvaluateError::Run {
+                clip: motion.name.clone(),
+                scale: *scale,
+                method: *method,
+                kind,
+            })?;
             progress(steps);
-            Ok(errors)
+            Ok((errors, detail))
         })
         .collect();
 
@@ -177,12 +183,13 @@ pub fn evaluate(
     for scale in &protocol.scales {
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
-            let clips = results.by_ref().take(motions.len()).collect::<Result<Vec<_>, _>>()?;
+            let runs = results.by_ref().take(motions.len()).collect::<Result<Vec<_>, _>>()?;
+            let (clips, details): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
             let mut total = Errors::default();
             for clip in &clips {
                 total.merge(clip);
             }
-            methods.push(MethodResult { method: *method, total, clips });
+            methods.push(MethodResult { method: *method, total, clips, details });
         }
         figures.push(FigureResult { scale: *scale, methods });
     }

@@ -1,0 +1,133 @@
+//! The report that `sinew evaluate --out` writes beside its tables.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::ValueEnum as _;
+use sinew_sim::evaluate::{BodySource, Evaluation, Protocol};
+use sinew_sim::mocap::FigureMotion;
+use sinew_sim::report::{Comparison, Playback, Report, Sweep};
+
+use super::output::note;
+
+/// Options of the report.
+#[derive(Debug, clap::Args)]
+pub(super) struct PageArgs {
+    /// Clip that the report plays back. Without: the first.
+    #[arg(long, value_name = "CLIP", requires = "out")]
+    playback: Option<String>,
+
+    /// CSV of `sinew sweep` that the report shows as heat maps.
+    #[arg(long, value_name = "FILE", requires = "out")]
+    sweep: Option<PathBuf>,
+}
+
+/// What the report needs beside the evaluation, checked before that is made.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// Place of the clip to play among the evaluated ones.
+    clip: usize,
+    sweep: Option<Sweep>,
+}
+
+impl PageArgs {
+    /// Finds the clip and reads the sweep.
+    pub(super) fn plan(&self, motions: &[FigureMotion]) -> anyhow::Result<Plan> {
+        let clip = self.playback.as_deref().map_or(Ok(0), |wanted| {
+            let place = motions.iter().position(|motion| motion.name == wanted);
+            place.with_context(|| {
+                let names: Vec<&str> = motions.iter().map(|m| m.name.as_str()).collect();
+                format!("--playback: expected one of {}, found `{wanted}`", names.join(", "))
+            })
+        })?;
+        let sweep = self.sweep.as_deref().map(Sweep::read).transpose()?;
+        Ok(Plan { clip, sweep })
+    }
+}
+
+/// The scale of the paper's Figure 4.
+const COMPARED_SCALE: f64 = 1.1;
+
+impl Plan {
+    /// Tracks what is shown in motion and writes the page and its pictures.
+    pub(super) fn write(
+        &self,
+        folder: &Path,
+        motions: &[FigureMotion],
+        protocol: &Protocol,
+        evaluation: &Evaluation,
+    ) -> anyhow::Result<()> {
+        let motion = &motions[self.clip];
+        let playback = Playback::record(motion, protocol, self.clip as u64)
+            .with_context(|| format!("playback of {}", motion.name))?;
+        let comparison = match Comparison::new(motion, protocol, COMPARED_SCALE) {
+            Ok(comparison) => Some(comparison),
+            // A setup may be unable to hold a posture: no reason to throw its evaluation away.
+            Err(error) => {
+                note(format_args!("the report has no Figure 4: {error}"));
+                None
+            }
+        };
+        let mut settings = vec![
+            ("Plant", evaluation.setup.plant.description().to_string()),
+            ("Masses", body(evaluation.setup.body)),
+            ("Sampling", format!("{:.0} Hz, low-pass 6 Hz", motion.dt_s.recip())),
+        ];
+        let differences = evaluation.setup.differences();
+        if !differences.is_empty() {
+            settings.push(("Setup, where not the default", differences.join(", ")));
+        }
+        let report = Report {
+            command: &command(std::env::args()),
+            settings: &settings,
+            evaluation,
+            dt_s: motion.dt_s,
+            comparison: comparison.as_ref(),
+            playback: Some(&playback),
+            sweep: self.sweep.as_ref(),
+        };
+        report.write(folder).with_context(|| format!("{}", folder.display()))
+    }
+}
+
+/// Where the masses come from, as `--help` tells it.
+fn body(source: BodySource) -> String {
+    let value = source.to_possible_value().expect("no source is hidden");
+    value.get_help().map_or_else(|| value.get_name().to_owned(), ToString::to_string)
+}
+
+/// The command line as one would type it, without what does not change the result: where it goes, and on
+/// how many threads.
+fn command(arguments: impl Iterator<Item = String>) -> String {
+    let mut words = vec!["sinew".to_owned()];
+    let mut arguments = arguments.skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--out" | "--threads" => _ = arguments.next(),
+            other if other.starts_with("--out=") || other.starts_with("--threads=") => {}
+            other
+                if other
+                    .contains(|c: char| c.is_whitespace() || "'\"\\$`*?&|;<>()#".contains(c)) =>
+            {
+                words.push(format!("'{}'", other.replace('\'', r"'\''")));
+            }
+            _ => words.push(argument),
+        }
+    }
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_shown_without_threads_and_folder() {
+        let shown = |words: &[&str]| command(words.iter().map(ToString::to_string));
+        assert_eq!(
+            shown(&["/usr/bin/sinew", "evaluate", "--out", "a", "--scale", "1.1", "--threads=2"]),
+            "sinew evaluate --scale 1.1"
+        );
+        assert_eq!(shown(&["sinew", "--clips", "my clip.bvh"]), "sinew --clips 'my clip.bvh'");
+    }
+}

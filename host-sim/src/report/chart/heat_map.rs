@@ -1,0 +1,79 @@
+//! One metric of a sweep over two of its parameters.
+
+use maud::{Markup, html};
+
+use super::{WIDTH, chart, px};
+use crate::report::sweep::Grid;
+
+const CELL: f64 = 34.0;
+
+/// A field of coloured cells with their values: the darker, the larger. Empty cells are crossed.
+pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
+    let (left, top) = (110.0, 46.0);
+    let width = (WIDTH - left - 8.0) / grid.columns.len() as f64;
+    let height = top + CELL * grid.rows.len() as f64 + 46.0;
+    let values = || grid.cells.iter().flatten().copied();
+    let (low, high) =
+        values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let description = if low <= high {
+        format!("{} by {}: from {low:.3} to {high:.3}", grid.row_name, grid.column_name)
+    } else {
+        "No cell has a value".into()
+    };
+    chart(
+        height,
+        &grid.title,
+        &description,
+        &html! {
+            text class="axis-name" x=(px(left - 8.0)) y="36" text-anchor="end" { (grid.row_name) }
+            @for (row, row_label) in grid.rows.iter().enumerate() {
+                @let y = top + CELL * row as f64;
+                text class="tick" x=(px(left - 8.0)) y=(px(y + 0.5 * CELL + 4.0)) text-anchor="end" { (row_label) }
+                @for column in 0..grid.columns.len() {
+                    @let x = left + width * column as f64;
+                    @match grid.cells[row * grid.columns.len() + column] {
+                        Some(value) => {
+                            @let level = level(value, low, high);
+                            g class={ "heat heat-" (level) } {
+                                rect x=(px(x + 1.0)) y=(px(y + 1.0)) width=(px(width - 2.0)) height=(px(CELL - 2.0)) rx="3" {}
+                                text x=(px(x + 0.5 * width)) y=(px(y + 0.5 * CELL + 4.0)) text-anchor="middle" { (number(value)) }
+                            }
+                        }
+                        None => path class="grid" d={
+                            "M" (px(x + 4.0)) " " (px(y + 4.0)) "L" (px(x + width - 4.0)) " " (px(y + CELL - 4.0))
+                            "M" (px(x + width - 4.0)) " " (px(y + 4.0)) "L" (px(x + 4.0)) " " (px(y + CELL - 4.0))
+                        } {}
+                    }
+                }
+            }
+            @let bottom = top + CELL * grid.rows.len() as f64;
+            @for (column, column_label) in grid.columns.iter().enumerate() {
+                @let x = left + width * (column as f64 + 0.5);
+                text class="tick" x=(px(x)) y=(px(bottom + 16.0)) text-anchor="middle" { (column_label) }
+            }
+            text class="axis-name" x=(px(WIDTH - 10.0)) y=(px(bottom + 34.0)) text-anchor="end" { (grid.column_name) }
+        },
+    )
+}
+
+/// Number of steps of the colour scale.
+const LEVELS: usize = 9;
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 0 and the number of levels"
+)]
+fn level(value: f64, low: f64, high: f64) -> usize {
+    let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+    ((share * LEVELS as f64) as usize).min(LEVELS - 1)
+}
+
+/// Three figures.
+fn number(value: f64) -> String {
+    match value.abs() {
+        small if small < 10.0 => format!("{value:.2}"),
+        middle if middle < 100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}

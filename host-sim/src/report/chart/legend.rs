@@ -1,0 +1,71 @@
+//! How methods look: each has its colour, its dashes and its marker, in every chart.
+
+use maud::{Markup, html};
+
+use super::px;
+use crate::evaluate::MethodName;
+
+/// The class of a method's colour and dashes.
+pub(in crate::report) fn class(method: MethodName) -> String {
+    format!("method {}", method.as_str())
+}
+
+/// A method's marker at a place.
+pub(super) fn marker(method: MethodName, x: f64, y: f64) -> Markup {
+    let corners: &[(f64, f64)] = match method {
+        MethodName::Local => return html! { circle class="marker" cx=(px(x)) cy=(px(y)) r="4" {} },
+        MethodName::World => &[(-3.6, -3.6), (3.6, -3.6), (3.6, 3.6), (-3.6, 3.6)],
+        MethodName::LinearCompensation => &[(0.0, -4.8), (4.6, 3.4), (-4.6, 3.4)],
+        MethodName::Egocentric => &[(0.0, -4.8), (4.8, 0.0), (0.0, 4.8), (-4.8, 0.0)],
+        MethodName::Accumulated => &[(0.0, 4.8), (4.6, -3.4), (-4.6, -3.4)],
+    };
+    let points: Vec<String> =
+        corners.iter().map(|(dx, dy)| format!("{},{}", px(x + dx), px(y + dy))).collect();
+    html! { polygon class="marker" points=(points.join(" ")) {} }
+}
+
+/// The methods with their looks, for several charts at once.
+pub(in crate::report) fn legend(methods: impl IntoIterator<Item = MethodName>) -> Markup {
+    html! {
+        ul class="legend" aria-label="Methods" {
+            @for method in methods {
+                li {
+                    svg xmlns="http://www.w3.org/2000/svg" class="chart key" viewBox="0 0 36 14" aria-hidden="true" {
+                        g class=(class(method)) {
+                            path class="stroke" d="M1 7L35 7" {}
+                            (marker(method, 18.0, 7.0))
+                        }
+                    }
+                    (method.label())
+                }
+            }
+        }
+    }
+}
+
+/// The legend within a chart that stands alone as a file, in one line.
+pub(in crate::report) fn legend_line(
+    methods: impl IntoIterator<Item = MethodName>,
+    x: f64,
+    y: f64,
+) -> Markup {
+    let mut left = x;
+    let entries: Vec<_> = methods
+        .into_iter()
+        .map(|method| {
+            let at = left;
+            // A letter is some 7 units wide.
+            left += 58.0 + 7.0 * method.label().len() as f64;
+            (method, at)
+        })
+        .collect();
+    html! {
+        @for (method, at) in entries {
+            g class=(class(method)) {
+                path class="stroke" d={ "M" (px(at)) " " (px(y)) "l34 0" } {}
+                (marker(method, at + 17.0, y))
+            }
+            text class="tick" x=(px(at + 41.0)) y=(px(y + 4.0)) { (method.label()) }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! An evaluation as one page that needs nothing but a browser, and its pictures as files.
+
+mod chart;
+mod comparison;
+mod page;
+mod palette;
+mod playback;
+mod png;
+mod scene;
+mod still;
+mod sweep;
+mod tables;
+
+use std::path::Path;
+use std::{fs, io};
+
+use maud::{Markup, html};
+
+pub use comparison::Comparison;
+pub use playback::Playback;
+pub use sweep::{Sweep, SweepError};
+
+use crate::evaluate::detail::{Detail, Spread};
+use crate::evaluate::{Evaluation, FigureResult, MethodName};
+use chart::{Quantity, Statistic};
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Report<'a> {
+    /// The command that made it.
+    pub command: &'a str,
+    /// What was set, such as the plant: name and value.
+    pub settings: &'a [(&'a str, String)],
+    /// The result.
+    pub evaluation: &'a Evaluation,
+    /// Time from one frame to the next, in seconds.
+    pub dt_s: f64,
+    /// The paper's Figure 4.
+    pub comparison: Option<&'a Comparison>,
+    /// One clip in motion.
+    pub playback: Option<&'a Playback>,
+    /// A sweep beside the evaluation.
+    pub sweep: Option<&'a Sweep>,
+}
+
+impl Report<'_> {
+    /// The page: one HTML text with everything in it.
+    pub fn html(&self) -> String {
+        page::page(self).into_string()
+    }
+
+    /// Writes `index.html`, and every picture as SVG and PNG, into a folder.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn write(&self, folder: &Path) -> io::Result<()> {
+        fs::write(folder.join("index.html"), self.html())?;
+        for (name, picture) in self.pictures() {
+            let svg = alone(&picture);
+            fs::write(folder.join(format!("{name}.png")), png::png(&svg))?;
+            fs::write(folder.join(format!("{name}.svg")), svg)?;
+        }
+        Ok(())
+    }
+
+    /// The pictures with the names of their files: what the page shows first of its choices.
+    fn pictures(&self) -> Vec<(String, Markup)> {
+        let mut pictures = Vec::new();
+        if let Some(comparison) = self.comparison {
+            pictures.push(("figure4".to_owned(), comparison.picture()));
+        }
+        for figure in &self.evaluation.figures {
+            let scale = figure.scale;
+            let methods = figure.methods.iter().map(|result| result.method);
+            let legend = html! { (chart::legend_line(methods, 10.0, 12.0)) };
+            let mut add = |name: &str, charts: Vec<Markup>| {
+                pictures.push((format!("{name}-x{scale}"), row(&legend, &charts)));
+            };
+            let rows = tables::ratios(figure);
+            if !rows.is_empty() {
+                add("ratios", vec![chart::ratios(&tables::figure_name(scale), &rows)]);
+            }
+            let both = Quantity::BOTH;
+            let courses = courses(figure, 0);
+            add(
+                "course",
+                both.map(|q| chart::course(&courses, self.dt_s, q, Statistic::Mean)).into(),
+            );
+            let spreads = spreads(figure);
+            add("joints", both.map(|q| chart::joints(&spreads, q)).into());
+            add("distribution", both.map(|q| chart::distribution(&spreads, q)).into());
+        }
+        for (index, grid) in self.sweep.iter().flat_map(|sweep| sweep.grids()).enumerate() {
+            pictures.push((format!("sweep-{}", index + 1), chart::heat_map(&grid)));
+        }
+        pictures
+    }
+}
+
+/// Charts side by side under their legend, as one picture.
+fn row(legend: &Markup, charts: &[Markup]) -> Markup {
+    const LEGEND: f64 = 26.0;
+    let heights = charts.iter().map(|chart| height(&chart.0));
+    let height = LEGEND + heights.fold(0.0, f64::max);
+    let width = chart::WIDTH * charts.len() as f64;
+    html! {
+        svg xmlns="http://www.w3.org/2000/svg" class="chart" viewBox={ "0 0 " (chart::px(width)) " " (chart::px(height)) } {
+            (legend)
+            @for (index, chart) in charts.iter().enumerate() {
+                g transform={ "translate(" (chart::px(chart::WIDTH * index as f64)) " " (chart::px(LEGEND)) ")" } {
+                    (chart)
+                }
+            }
+        }
+    }
+}
+
+/// Height of a chart's box of view.
+fn height(svg: &str) -> f64 {
+    let view = svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"'));
+    let height = view.and_then(|(view, _)| view.rsplit(' ').next()?.parse().ok());
+    height.expect("every chart has a box of view")
+}
+
+/// A picture as a file of its own: with its colours, on a ground.
+fn alone(picture: &Markup) -> String {
+    let text = &picture.0;
+    let open = text.find('>').expect("a picture is an element") + 1;
+    let style = palette::picture();
+    format!(
+        "{}<style>{style}</style><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>{}\n",
+        &text[..open],
+        &text[open..]
+    )
+}
+
+/// Errors over time of one clip with every method.
+fn courses(
+    figure: &FigureResult,
+    clip: usize,
+) -> Vec<(MethodName, &crate::evaluate::detail::Course)> {
+    figure.methods.iter().map(|result| (result.method, &result.details[clip].course)).collect()
+}
+
+/// How the errors of all clips spread, with every method.
+fn spreads(figure: &FigureResult) -> Vec<(MethodName, Spread)> {
+    let merged = |details: &[Detail]| {
+        let mut spread = Spread::default();
+        for detail in details {
+            spread.merge(&detail.spread);
+        }
+        spread
+    };
+    figure.methods.iter().map(|result| (result.method, merged(&result.details))).collect()
+}

@@ -1,0 +1,413 @@
+//! The page.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::chart::{self, Quantity, Statistic, legend};
+use super::tables::{figure_name, ratios, table};
+use super::{Comparison, Playback, Report, Sweep, courses, palette, spreads};
+use crate::evaluate::paper::Kind;
+use crate::evaluate::{Evaluation, FigureResult, MethodName};
+
+const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("assets/player.js"));
+
+/// Clips whose errors over time a page holds: beyond, it would grow too large to open.
+const CLIPS: usize = 60;
+
+pub(super) fn page(report: &Report<'_>) -> Markup {
+    let evaluation = report.evaluation;
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                // Nothing may be fetched from anywhere; the icon would be.
+                meta http-equiv="Content-Security-Policy"
+                    content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+                link rel="icon" href="data:,";
+                title { "Sinew evaluation: " (summary(evaluation)) }
+                style { (PreEscaped(palette::page())) }
+            }
+            body {
+                a class="skip" href="#main" { "Skip to the results" }
+                (header(report))
+                main id="main" {
+                    @if let Some(playback) = report.playback { (motion(playback)) }
+                    @if let Some(comparison) = report.comparison { (posture(comparison)) }
+                    (results(evaluation))
+                    (over_time(report))
+                    (by_body(evaluation))
+                    (distributions(evaluation))
+                    @if let Some(sweep) = report.sweep { (swept(sweep)) }
+                    (notes(evaluation))
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+}
+
+fn summary(evaluation: &Evaluation) -> String {
+    let clips = evaluation.clips.len();
+    format!(
+        "{} clip{}, {} frames",
+        thousands(clips),
+        if clips == 1 { "" } else { "s" },
+        thousands(evaluation.frames())
+    )
+}
+
+fn header(report: &Report<'_>) -> Markup {
+    let evaluation = report.evaluation;
+    let sections = [
+        ("playback", "Playback", report.playback.is_some()),
+        ("posture", "Figure 4", report.comparison.is_some()),
+        ("tables", "Tables 1–4", true),
+        ("time", "Over time", true),
+        ("bodies", "By body", true),
+        ("distributions", "Distributions", true),
+        ("sweep", "Sweep", report.sweep.is_some()),
+        ("notes", "Notes", true),
+    ];
+    html! {
+        header {
+            p class="eyebrow" { "Sinew " (env!("CARGO_PKG_VERSION")) " · evaluation" }
+            h1 { "How closely a simulated figure follows a performance" }
+            p class="lede" {
+                (summary(evaluation)) ", tracked by a simulated figure with "
+                (evaluation.figures.first().map_or(0, |figure| figure.methods.len()))
+                " ways of measuring state error, and compared with Notman, Carlisle & Manning, "
+                cite { "Methods for Measuring State Error for Control of Animated Human Figures" } " (2011)."
+            }
+            dl class="facts" {
+                @for (name, value) in report.settings {
+                    div { dt { (name) } dd { (value) } }
+                }
+                div class="wide" { dt { "Command" } dd { code { (report.command) } } }
+                div class="wide" {
+                    dt { "Clips" }
+                    dd { (clip_names(evaluation)) }
+                }
+            }
+            nav aria-label="Sections" {
+                @for (id, name, there) in sections {
+                    @if there { a href={ "#" (id) } { (name) } }
+                }
+            }
+        }
+    }
+}
+
+fn clip_names(evaluation: &Evaluation) -> String {
+    const SHOWN: usize = 24;
+    let names: Vec<&str> = evaluation.clips.iter().map(|clip| clip.name.as_str()).collect();
+    match names.get(..SHOWN) {
+        Some(first) if names.len() > SHOWN => {
+            format!("{} and {} more", first.join(", "), names.len() - SHOWN)
+        }
+        _ => names.join(", "),
+    }
+}
+
+/// A number with its thousands apart.
+fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn motion(playback: &Playback) -> Markup {
+    let mut scales: Vec<f64> = playback.runs.iter().map(|run| run.scale).collect();
+    scales.dedup();
+    let chosen = scales.last().copied().unwrap_or(1.0);
+    let methods: Vec<MethodName> = playback
+        .runs
+        .iter()
+        .filter(|run| run.scale.to_bits() == chosen.to_bits())
+        .map(|r| r.method)
+        .collect();
+    // The two that differ most stand side by side: the last ones.
+    let views = if methods.len() > 1 { &methods[methods.len() - 2..] } else { &methods[..] };
+    html! {
+        section id="playback" {
+            h2 { "Playback" }
+            p {
+                "Clip " b { (playback.clip) }
+                @if playback.cut { ", its first " (format!("{:.0}", playback.desired.len() as f64 * playback.dt_s)) " s" }
+                ". White is where the clip has the bodies, red where the simulated figure has them, drawn thinner. \
+                 Drag to turn; the arrow keys turn the view that has the focus, plus and minus zoom, space plays."
+            }
+            div class="player" id="player" {
+                div class={ "views views-" (views.len()) } {
+                    @for (index, view) in views.iter().enumerate() {
+                        figure class="view" {
+                            div class="view-head" {
+                                label {
+                                    span class="visually-hidden" { "Method of view " (index + 1) }
+                                    select data-method {
+                                        @for method in &methods {
+                                            option value=(method.as_str()) selected[method == view] { (method.label()) }
+                                        }
+                                    }
+                                }
+                            }
+                            canvas tabindex="0" role="img"
+                                aria-label={ "Desired and actual figure, view " (index + 1) ". Arrow keys turn, plus and minus zoom." } {}
+                            dl class="readout" {
+                                @for name in ["All bodies", "Hands, feet, head"] {
+                                    div { dt { (name) } dd data-readout { "–" } }
+                                }
+                            }
+                        }
+                    }
+                }
+                div class="transport" {
+                    button type="button" id="play" aria-label="Play" { "▶" }
+                    input type="range" id="scrubber" min="0" max=(playback.desired.len().saturating_sub(1))
+                        value=(playback.best_frame()) step="1" aria-label="Time";
+                    output id="clock" for="scrubber" { "0.00 s" }
+                    div class="options" {
+                        label { "Speed "
+                            select id="speed" {
+                                @for (value, name) in [("0.1", "0.1×"), ("0.25", "0.25×"), ("0.5", "0.5×"), ("1", "1×"), ("2", "2×")] {
+                                    option value=(value) selected[value == "1"] { (name) }
+                                }
+                            }
+                        }
+                        label { "Figure "
+                            select id="figure" {
+                                @for scale in &scales {
+                                    option value=(scale) selected[scale.to_bits() == chosen.to_bits()] { "×" (scale) }
+                                }
+                            }
+                        }
+                        button type="button" id="nearer" aria-label="Nearer" { "+" }
+                        button type="button" id="farther" aria-label="Farther" { "−" }
+                        button type="button" id="reset" { "Reset view" }
+                    }
+                }
+            }
+            script type="application/json" id="playback-data" { (PreEscaped(playback.json())) }
+            div class="still" { (super::still::still(playback, chosen, views)) }
+        }
+    }
+}
+
+fn posture(comparison: &Comparison) -> Markup {
+    html! {
+        section id="posture" {
+            h2 { "Figure 4: one posture, two methods" }
+            p { (comparison.caption()) }
+            div class="pair" { @for panel in comparison.panels() { (panel) } }
+        }
+    }
+}
+
+fn results(evaluation: &Evaluation) -> Markup {
+    let has_local = |figure: &FigureResult| figure.method(MethodName::Local).is_some();
+    html! {
+        section id="tables" {
+            h2 { "Tables 1 to 4" }
+            p {
+                "Ours, and beneath it the paper’s and how far ours is from it. The paper’s motion was never published: \
+                 directions and rough sizes of the ratios can agree, not the numbers. "
+                span class="opposite" { "≠" } " marks a ratio on the other side of Local than the paper’s."
+            }
+            @if !evaluation.figures.iter().all(has_local) {
+                p { "Nothing is divided by Local: it is not among the methods." }
+            }
+            @let ratio_charts: Vec<Markup> = evaluation.figures.iter()
+                .map(|figure| (figure.scale, ratios(figure)))
+                .filter(|(_, rows)| !rows.is_empty())
+                .map(|(scale, rows)| chart::ratios(&figure_name(scale), &rows))
+                .collect();
+            @if !ratio_charts.is_empty() {
+                (legend(methods(evaluation).filter(|method| *method != MethodName::Local)))
+                div class="pair" { @for chart in ratio_charts { (chart) } }
+                p class="small" {
+                    "Filled: ours. Hollow: the paper’s. Left of 1 is better than Local."
+                }
+            }
+            @for kind in [Kind::Normalised, Kind::Numerical] {
+                div class="pair tables" {
+                    @for figure in &evaluation.figures {
+                        @if let Some(table) = table(figure, kind) { (table) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn methods(evaluation: &Evaluation) -> impl Iterator<Item = MethodName> {
+    let first = evaluation.figures.first();
+    first.into_iter().flat_map(|figure| figure.methods.iter().map(|result| result.method))
+}
+
+/// A choice among the charts of a section.
+fn choice(name: &str, label: &str, options: &[(String, String)], chosen: usize) -> Markup {
+    html! {
+        label { (label) " "
+            select data-choice=(name) {
+                @for (index, (value, text)) in options.iter().enumerate() {
+                    option value=(value) selected[index == chosen] { (text) }
+                }
+            }
+        }
+    }
+}
+
+fn scales(evaluation: &Evaluation) -> Vec<(String, String)> {
+    let name =
+        |(index, figure): (usize, &FigureResult)| (index.to_string(), format!("×{}", figure.scale));
+    evaluation.figures.iter().enumerate().map(name).collect()
+}
+
+/// The figure that is shown first: the one that tells the methods apart.
+fn last(evaluation: &Evaluation) -> usize {
+    evaluation.figures.len().saturating_sub(1)
+}
+
+fn over_time(report: &Report<'_>) -> Markup {
+    let evaluation = report.evaluation;
+    let clips: Vec<(String, String)> = evaluation
+        .clips
+        .iter()
+        .take(CLIPS)
+        .enumerate()
+        .map(|(index, clip)| (index.to_string(), clip.name.clone()))
+        .collect();
+    let statistics = [("mean", "mean of all bodies"), ("max", "largest of all bodies")]
+        .map(|(value, text)| (value.to_owned(), text.to_owned()));
+    html! {
+        section id="time" class="choices" {
+            h2 { "Errors over time" }
+            @if evaluation.clips.len() > CLIPS {
+                p { "Of " (evaluation.clips.len()) " clips, the first " (CLIPS) " can be chosen here." }
+            }
+            div class="options" {
+                (choice("clip", "Clip", &clips, 0))
+                (choice("figure", "Figure", &scales(evaluation), last(evaluation)))
+                (choice("statistic", "Show", &statistics, 0))
+            }
+            (legend(methods(evaluation)))
+            @for (scale, figure) in evaluation.figures.iter().enumerate() {
+                @for clip in 0..clips.len() {
+                    @for statistic in Statistic::BOTH {
+                        div class="pair" data-figure=(scale) data-clip=(clip) data-statistic=(statistic.name())
+                            hidden[scale != last(evaluation) || clip != 0 || statistic != Statistic::Mean] {
+                            @for quantity in Quantity::BOTH {
+                                (chart::course(&courses(figure, clip), report.dt_s, quantity, statistic))
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A pair of charts for each figure, one of which is shown.
+fn by_figure(
+    evaluation: &Evaluation,
+    charts: impl Fn(&FigureResult, Quantity) -> Markup,
+) -> Markup {
+    html! {
+        div class="options" { (choice("figure", "Figure", &scales(evaluation), last(evaluation))) }
+        (legend(methods(evaluation)))
+        @for (scale, figure) in evaluation.figures.iter().enumerate() {
+            div class="pair" data-figure=(scale) hidden[scale != last(evaluation)] {
+                @for quantity in Quantity::BOTH { (charts(figure, quantity)) }
+            }
+        }
+    }
+}
+
+fn by_body(evaluation: &Evaluation) -> Markup {
+    html! {
+        section id="bodies" class="choices" {
+            h2 { "Errors by body" }
+            (by_figure(evaluation, |figure, quantity| chart::joints(&spreads(figure), quantity)))
+        }
+    }
+}
+
+fn distributions(evaluation: &Evaluation) -> Markup {
+    html! {
+        section id="distributions" class="choices" {
+            h2 { "How large the errors are" }
+            p { "The share of all errors, of every body in every frame, that is smaller than a size: the farther left a line, the better." }
+            (by_figure(evaluation, |figure, quantity| chart::distribution(&spreads(figure), quantity)))
+        }
+    }
+}
+
+fn swept(sweep: &Sweep) -> Markup {
+    let grids = sweep.grids();
+    html! {
+        section id="sweep" {
+            h2 { "Sweep" }
+            p {
+                (thousands(sweep.cells())) " cells over "
+                (sweep.parameters().collect::<Vec<_>>().join(", "))
+                ". The darker, the larger; a crossed cell has no result."
+            }
+            div class="pair" { @for grid in &grids { (chart::heat_map(grid)) } }
+        }
+    }
+}
+
+fn notes(evaluation: &Evaluation) -> Markup {
+    html! {
+        section id="notes" {
+            h2 { "Notes" }
+            dl class="notes" {
+                @for method in methods(evaluation) {
+                    div { dt { (method.label()) } dd { (explanation(method)) } }
+                }
+                div { dt { "Errors" } dd {
+                    "Every step, every body, in the world, against the clip in its own dimensions: the angle between desired and \
+                     actual rotation, the distance between desired and actual joint. Leaf joints are head, hands and feet."
+                } }
+                div { dt { "The paper" } dd {
+                    "D. Notman, P. Carlisle and R. Manning tracked some 80 punches and 40 kicks of one actor, 22,560 frames, with a \
+                     figure of 18 bodies in a game engine."
+                } }
+            }
+        }
+    }
+}
+
+fn explanation(method: MethodName) -> &'static str {
+    match method {
+        MethodName::Local => "Every body is compared with its goal as its parent sees it.",
+        MethodName::World => "Every body is compared with its goal in the world.",
+        MethodName::Egocentric => "Every body is compared with its goal as the pelvis sees it.",
+        MethodName::Accumulated => {
+            "Bodies beyond a chosen one are compared with their goals as that one sees them, all others in the world."
+        }
+        MethodName::LinearCompensation => {
+            "As World, but a body’s goal is turned so that its child comes nearest to where the clip has it. That costs angle \
+             and gains distance, above all on figures of other dimensions."
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!(
+            [0, 999, 1000, 22_736, 1_000_000].map(thousands),
+            ["0", "999", "1,000", "22,736", "1,000,000"]
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! The figure as a mannequin: round parts between the points of its skeleton.
+
+use core::array;
+
+use glam::DVec3;
+
+use crate::figure::{BODIES, BODY_COUNT};
+use crate::mocap::FigureMotion;
+use crate::plant::Pose;
+
+/// Bodies whose segment ends at no joint: head, hands, feet.
+const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
+
+/// Points of a figure: the joints, then the ends of head, hands and feet.
+pub(in crate::report) const POINT_COUNT: usize = BODY_COUNT + ENDS.len();
+
+/// Points of a figure in the world, in metres.
+pub(in crate::report) type Points = [DVec3; POINT_COUNT];
+
+/// A round part: between which points, from which to which share of the way, and how thick at both ends, in
+/// metres for a leg of [`LEG_M`].
+pub(in crate::report) type Part = (usize, usize, f64, f64, f64, f64);
+
+/// Number of the first parts that make one body of many, the trunk: they hide each other by no depth.
+pub(in crate::report) const TRUNK: usize = 6;
+
+/// The mannequin's parts. They have no other meaning than to be looked at.
+pub(in crate::report) const PARTS: [Part; 19] = [
+    (12, 15, 0.0, 1.0, 0.085, 0.085),
+    (0, 2, 0.0, 1.0, 0.1, 0.1),
+    (2, 3, 0.0, 0.8, 0.105, 0.08),
+    (2, 5, 0.4, 0.85, 0.085, 0.065),
+    (2, 9, 0.4, 0.85, 0.085, 0.065),
+    (3, 18, -0.1, 0.4, 0.048, 0.045),
+    (3, 18, 0.52, 0.66, 0.088, 0.09),
+    (5, 6, 0.0, 1.0, 0.05, 0.04),
+    (6, 7, 0.0, 1.0, 0.04, 0.029),
+    (7, 19, 0.1, 0.9, 0.034, 0.026),
+    (9, 10, 0.0, 1.0, 0.05, 0.04),
+    (10, 11, 0.0, 1.0, 0.04, 0.029),
+    (11, 20, 0.1, 0.9, 0.034, 0.026),
+    (12, 13, 0.0, 1.0, 0.08, 0.055),
+    (13, 14, 0.0, 1.0, 0.055, 0.036),
+    (14, 21, 0.0, 1.0, 0.042, 0.03),
+    (15, 16, 0.0, 1.0, 0.08, 0.055),
+    (16, 17, 0.0, 1.0, 0.055, 0.036),
+    (17, 22, 0.0, 1.0, 0.042, 0.03),
+];
+
+/// Length of the leg that [`PARTS`] are for.
+const LEG_M: f64 = 0.86;
+
+/// The measured figure is drawn inside the desired one, this much thinner: where they agree, an even white
+/// rim is left, and where they do not, red stands out of it.
+pub(in crate::report) const MEASURED_GIRTH: f64 = 0.74;
+
+/// Shorter than this a segment has no direction, in metres.
+const SHORTEST_M: f64 = 1e-3;
+
+/// What a skeleton tells about the mannequin's shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::report) struct Mannequin {
+    /// Ends of head, hands and feet in their bodies' frames, in metres.
+    ends_m: [DVec3; ENDS.len()],
+    /// Factor on the thickness of all parts.
+    girth: f64,
+}
+
+impl Mannequin {
+    /// The mannequin on a clip's skeleton.
+    pub(in crate::report) fn new(motion: &FigureMotion) -> Self {
+        let legs = BODIES
+            .iter()
+            .zip(&motion.segment_end_m)
+            .filter(|(body, _)| body.name.starts_with("thigh") || body.name.starts_with("shank"));
+        let girth = 0.5 * legs.map(|(_, end)| end.length()).sum::<f64>() / LEG_M;
+        let ends_m = ENDS.map(|body| {
+            let end = motion.segment_end_m[body];
+            if end.length() > SHORTEST_M {
+                return end;
+            }
+            // A skeleton without ends: as its parent goes on.
+            motion.offset_m[body].normalize_or(DVec3::Y) * (0.16 * girth)
+        });
+        Self { ends_m, girth }
+    }
+
+    /// Every body in its own factor's dimensions, and as thick as they are on average.
+    pub(in crate::report) fn scaled_by(&self, factors: &[f64; BODY_COUNT]) -> Self {
+        let mean = factors.iter().sum::<f64>() / BODY_COUNT as f64;
+        Self {
+            ends_m: array::from_fn(|end| self.ends_m[end] * factors[ENDS[end]]),
+            girth: self.girth * mean,
+        }
+    }
+
+    /// Factor on the thickness of all parts.
+    pub(in crate::report) fn girth(&self) -> f64 {
+        self.girth
+    }
+
+    /// The figure's points at poses of its bodies in the world.
+    pub(in crate::report) fn points(&self, poses: &[Pose]) -> Points {
+        array::from_fn(|point| match point.checked_sub(BODY_COUNT) {
+            None => poses[point].position_m,
+            Some(end) => {
+                let pose = poses[ENDS[end]];
+                pose.position_m + pose.rotation * self.ends_m[end]
+            }
+        })
+    }
+}

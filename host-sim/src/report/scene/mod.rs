@@ -1,0 +1,10 @@
+//! Figures in space as SVG: the stills of the report. The page's script draws the same in motion.
+
+mod camera;
+mod mannequin;
+mod outline;
+mod stage;
+
+pub(super) use camera::Camera;
+pub(super) use mannequin::{MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK};
+pub(super) use stage::{STAGE_HEIGHT, STAGE_WIDTH, Stage};
