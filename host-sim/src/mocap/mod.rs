@@ -1,6 +1,6 @@
 //! Motion capture: from a file, or the built-in generator, to the motion of the 18-body figure.
 //!
-//! One way only: a reader makes a [`Recording`], in the file's units, which becomes a [`Clip`]; gaps are filled, the clip is low-passed and resampled;
+//! One way only: a reader makes a [`Recording`], in the file's units, which becomes a [`Clip`]; gaps are filled, joint flips reported, the clip is low-passed and resampled;
 //! a skeleton mapping turns it into a [`FigureMotion`], which is all that the rest of the host sees.
 
 pub mod asf_amc;
@@ -9,6 +9,7 @@ pub mod bvh;
 pub mod clip;
 pub mod deepmimic;
 pub mod filter;
+pub mod flips;
 pub mod format;
 pub mod gaps;
 pub mod mapping;

@@ -28,15 +28,20 @@ pub enum Error {
         source: Box<toml::de::Error>,
     },
     /// The skeleton is unknown.
-    #[error("no known skeleton has the joints {found} (tried: {tried}); give a mapping file")]
+    #[error(
+        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping file after the \
+         pattern of host-sim/mappings/*.toml and give it with --mapping"
+    )]
     NoneMatches {
         /// The skeleton's joints.
         found: String,
         /// Names of the mappings.
         tried: String,
+        /// A sentence on the nearest one, or nothing.
+        nearest: String,
     },
     /// Two mappings claim the same skeleton.
-    #[error("the skeleton fits several mappings ({names}); give one as a mapping file")]
+    #[error("the skeleton fits several mappings ({names}); give one of them with --mapping")]
     SeveralMatch {
         /// Names of the mappings.
         names: String,
@@ -52,6 +57,25 @@ pub enum Error {
         joint: String,
         /// The skeleton's joints.
         found: String,
+    },
+    /// A body would not move with its parent.
+    #[error(
+        "mapping `{mapping}`: body `{body}`, {key}: expected a joint that moves with `{parent_joint}`, whose \
+         frame its parent `{parent}` has; found `{joint}`, which does not"
+    )]
+    BrokenTree {
+        /// Name of the mapping.
+        mapping: String,
+        /// Name of the body.
+        body: &'static str,
+        /// `origin` or `rotation`.
+        key: &'static str,
+        /// The joint it names.
+        joint: String,
+        /// The body's parent.
+        parent: &'static str,
+        /// The joint whose frame the parent has.
+        parent_joint: String,
     },
     /// The joint goes on in other joints, or just ends.
     #[error("mapping `{mapping}`: the end of body `{body}` needs an end site on joint `{joint}`")]
@@ -173,18 +197,26 @@ impl Mapping {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    name: String,
-    metres_per_unit: f64,
+    name: Option<String>,
+    metres_per_unit: Option<f64>,
     rate_hz: Option<f64>,
-    signature: Signature,
-    body: BTreeMap<String, Part>,
+    signature: Option<Signature>,
+    body: Option<BTreeMap<String, Part>>,
 }
 
 impl TryFrom<File> for Mapping {
     type Error = String;
 
     fn try_from(file: File) -> Result<Self, String> {
-        let File { name, metres_per_unit, rate_hz, signature, mut body } = file;
+        // The parser would show line 1 for a key that is missing here.
+        fn needed<T>(key: &str, value: Option<T>) -> Result<T, String> {
+            value.ok_or_else(|| format!("expected {key}, which is missing"))
+        }
+        let File { name, metres_per_unit, rate_hz, signature, body } = file;
+        let name = needed("`name` before the first table", name)?;
+        let metres_per_unit = needed("`metres_per_unit` before the first table", metres_per_unit)?;
+        let signature = needed("the table `[signature]`", signature)?;
+        let mut body = needed("the table `[body]`", body)?;
         if !(metres_per_unit > 0.0 && metres_per_unit.is_finite()) {
             return Err(format!("metres_per_unit: expected above zero, found {metres_per_unit}"));
         }

@@ -58,13 +58,52 @@ pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
         [] => Err(Error::NoneMatches {
             found: joint_names(skeleton),
             tried: names(&mut known().iter()),
+            nearest: nearest(skeleton).map_or_else(String::new, |(mapping, lacking)| {
+                let why = if lacking.is_empty() {
+                    "all of its joints are there, but other offsets are zero".to_owned()
+                } else {
+                    format!("the clip lacks its {}", lacking.join(", "))
+                };
+                format!(" The nearest is `{}`: {why}.", mapping.name)
+            }),
         }),
         _ => Err(Error::SeveralMatch { names: names(&mut matching.into_iter()) }),
     }
 }
 
+/// The joints of a skeleton for a message, not all of a long list.
 fn joint_names(skeleton: &Skeleton) -> String {
-    skeleton.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+    const SHOWN_MAX: usize = 40;
+    let names: Vec<_> =
+        skeleton.joints.iter().take(SHOWN_MAX).map(|joint| joint.name.as_str()).collect();
+    let rest = skeleton.joints.len() - names.len();
+    let names = names.join(", ");
+    if rest > 0 { format!("{names} and {rest} more") } else { names }
+}
+
+/// The known mapping of whose signature's joints `skeleton` has the largest share, and those it lacks.
+fn nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
+    known()
+        .iter()
+        .map(|mapping| {
+            let names = mapping.signature.joints.iter().map(String::as_str);
+            let lacking: Vec<_> = names.filter(|name| skeleton.find(name).is_none()).collect();
+            (mapping, lacking)
+        })
+        .filter(|(mapping, lacking)| lacking.len() < mapping.signature.joints.len())
+        .min_by_key(|(mapping, lacking)| lacking.len() * 1000 / mapping.signature.joints.len())
+}
+
+/// Whether `joint` is `carrier` or moves with it.
+fn carries(skeleton: &Skeleton, carrier: usize, joint: usize) -> bool {
+    let mut joint = Some(joint);
+    while let Some(j) = joint {
+        if j == carrier {
+            return true;
+        }
+        joint = skeleton.joints[j].parent;
+    }
+    false
 }
 
 /// A mapping bound to one skeleton: names are joints now, and lengths metres.
@@ -107,6 +146,20 @@ impl Binding {
             binding.origin[i] = origin;
             binding.rotation[i] = find(&part.rotation)?;
             if let Some(parent) = body.parent {
+                let frame_of_parent = binding.rotation[parent];
+                for (key, joint) in [("origin", origin), ("rotation", binding.rotation[i])] {
+                    let at_parent = key == "origin" && joint == binding.origin[parent];
+                    if !at_parent && !carries(skeleton, frame_of_parent, joint) {
+                        return Err(Error::BrokenTree {
+                            mapping: mapping.name.clone(),
+                            body: body.name,
+                            key,
+                            joint: skeleton.joints[joint].name.clone(),
+                            parent: BODIES[parent].name,
+                            parent_joint: skeleton.joints[frame_of_parent].name.clone(),
+                        });
+                    }
+                }
                 binding.offset_m[i] = rest_m[origin] - rest_m[binding.origin[parent]];
             }
             let end_m = match &part.end {
@@ -152,6 +205,31 @@ impl Binding {
             }));
         }
         motion
+    }
+
+    /// Which joints of `skeleton` turn a body of the figure.
+    pub(super) fn turning_joints(&self, skeleton: &Skeleton) -> Vec<bool> {
+        let mut turns = vec![false; skeleton.joints.len()];
+        for &joint in &self.rotation {
+            let mut joint = Some(joint);
+            while let Some(j) = joint {
+                turns[j] = true;
+                joint = skeleton.joints[j].parent;
+            }
+        }
+        turns
+    }
+
+    /// How tall the figure stands upright, from the ankle to the crown, in metres.
+    pub(super) fn height_m(&self) -> f64 {
+        let of = |name: &str, vectors: &[DVec3; BODY_COUNT]| {
+            let body = BODIES.iter().position(|body| body.name == name);
+            body.map_or(0.0, |body| vectors[body].length())
+        };
+        let leg_m = of("shank_l", &self.offset_m) + of("foot_l", &self.offset_m);
+        let trunk_m: f64 =
+            ["abdomen", "thorax", "head"].map(|name| of(name, &self.offset_m)).iter().sum();
+        leg_m + trunk_m + of("head", &self.segment_end_m)
     }
 
     /// World position of each body's origin joint in one frame of the recording, in metres.

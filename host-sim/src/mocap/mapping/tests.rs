@@ -66,8 +66,67 @@ fn names_joints_and_mappings_when_none_matches() {
     assert_eq!(
         choose(&chain(&["a", "b"])).unwrap_err().to_string(),
         "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, \
-         cmu_asf, cgspeed_daz, m21, bandai, geno, deepmimic); give a mapping file"
+         cmu_asf, cgspeed_daz, m21, bandai, geno, deepmimic). Write a mapping file after the pattern \
+         of host-sim/mappings/*.toml and give it with --mapping"
     );
+}
+
+#[test]
+fn names_the_nearest_mapping_and_what_it_lacks() {
+    let of = |name: &str| known().iter().find(|mapping| mapping.name == name).unwrap();
+    let mut names: Vec<&str> = of("geno")
+        .signature
+        .joints
+        .iter()
+        .map(String::as_str)
+        .filter(|name| *name != "Neck1")
+        .collect();
+    let joints: Vec<String> = (0..60).map(|k| format!("finger_{k}")).collect();
+    names.extend(joints.iter().map(String::as_str));
+    let error = choose(&chain(&names)).unwrap_err().to_string();
+    assert!(error.contains(" The nearest is `geno`: the clip lacks its Neck1. "), "{error}");
+    assert!(error.contains("finger_29 and 30 more (tried"), "{error}");
+    let names: Vec<&str> = of("bandai").signature.joints.iter().map(String::as_str).collect();
+    assert_eq!(choose(&chain(&names)).unwrap().name, "bandai");
+    // All names of cgspeed_mb, but one of its zero offsets is not: it has no thorax bone to be asfamc.
+    let zero = of("cgspeed_mb");
+    let mut skeleton =
+        chain(&zero.signature.joints.iter().chain(&zero.signature.zero_offsets).fold(
+            Vec::new(),
+            |mut names, name| {
+                if !names.contains(&name.as_str()) {
+                    names.push(name.as_str());
+                }
+                names
+            },
+        ));
+    let neck = skeleton.find("Neck").unwrap();
+    skeleton.joints[neck].offset_m = DVec3::ZERO;
+    let error = choose(&skeleton).unwrap_err().to_string();
+    assert!(error.contains("all of its joints are there, but other offsets are zero"), "{error}");
+}
+
+#[test]
+fn refuses_a_body_that_does_not_move_with_its_parent() {
+    // b and c both hang on a.
+    let mut skeleton = chain(&["a", "b", "c"]);
+    skeleton.joints[2].parent = Some(0);
+    let good = file("b", "'b'");
+    assert!(Binding::new(&Mapping::parse(&good).unwrap(), &skeleton).is_ok());
+    let foot = "foot_l = { origin = 'b', rotation = 'b'";
+    for (key, wrong) in [
+        ("origin", "foot_l = { origin = 'c', rotation = 'b'"),
+        ("rotation", "foot_l = { origin = 'b', rotation = 'c'"),
+    ] {
+        let mapping = Mapping::parse(&good.replace(foot, wrong)).unwrap();
+        assert_eq!(
+            Binding::new(&mapping, &skeleton).unwrap_err().to_string(),
+            format!(
+                "mapping `test`: body `foot_l`, {key}: expected a joint that moves with `b`, whose frame \
+                 its parent `shank_l` has; found `c`, which does not"
+            )
+        );
+    }
 }
 
 #[test]
@@ -158,6 +217,15 @@ fn refuses_wrong_files() {
         ("[body]", "[body]\ntail = { origin = 'a', rotation = 'a', end = 'a' }", "found `tail`"),
         ("unit = 1", "unit = nan", "metres_per_unit: expected above zero, found NaN"),
         ("unit = 1", "unit = -1", "metres_per_unit: expected above zero, found -1"),
+        ("name = 'test'\n", "", "expected `name` before the first table, which is missing"),
+        ("metres_per_unit = 1\n", "", "expected `metres_per_unit` before the first table"),
+        ("joints = []", "", "missing field `joints`"),
+        ("[signature]\njoints = []", "", "expected the table `[signature]`, which is missing"),
+        (
+            "unit = 1",
+            "unit = 1\nrate_hz = 0",
+            "rate_hz: expected a number from 1 to 100000, found 0",
+        ),
         ("unit = 1", "unit = 'cm'", "line 2, column 19"),
         ("joints = []", "joint = []", "unknown field `joint`"),
         ("end = 'a'", "end = 3", "expected a joint's name, { site = \"joint\" }"),

@@ -6,12 +6,14 @@ use std::path::PathBuf;
 
 use crate::mocap::clip::Clip;
 use crate::mocap::filter::{LowPass, RotationsCancel};
+use crate::mocap::flips::{self, Flips};
 use crate::mocap::format;
-use crate::mocap::gaps::{self, Filled, GapTooLong};
+use crate::mocap::gaps::{self, Filled, Unfillable};
 use crate::mocap::mapping::{self, Binding, Mapping};
 use crate::mocap::motion::FigureMotion;
 use crate::mocap::recording::{NoRate, Recording};
 use crate::mocap::resample::resample;
+use crate::mocap::text::counted;
 use crate::mocap::tpose;
 
 pub use files::{ClipFile, expand};
@@ -37,6 +39,9 @@ impl Default for Settings {
     }
 }
 
+/// From a puppet to a giant: beyond, the unit of length is wrong.
+const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
@@ -44,7 +49,7 @@ pub enum Notice {
     #[error("skipped frame 0, an inserted T-pose")]
     TPoseSkipped,
     /// The start was left out.
-    #[error("skipped the first {seconds} s ({frames} frames)")]
+    #[error("skipped the first {seconds} s ({})", counted(*frames, "frame"))]
     LeadInSkipped {
         /// Frames left out.
         frames: usize,
@@ -52,11 +57,11 @@ pub enum Notice {
         seconds: f64,
     },
     /// Missing samples were made up.
-    #[error(
-        "filled {} missing samples in {} gaps, the longest of {} frames",
-        .0.samples, .0.gaps, .0.longest_frames
-    )]
+    #[error("{0}")]
     GapsFilled(Filled),
+    /// Joints turn as no human's do.
+    #[error("{0}")]
+    JointFlips(Flips),
     /// The clip's rate cannot hold the cutoff.
     #[error(
         "not low-passed: a rate of {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz"
@@ -114,7 +119,7 @@ pub enum Error {
         /// File or name of the clip.
         clip: String,
         /// Why not.
-        source: mapping::Error,
+        source: Box<mapping::Error>,
     },
     /// A gap cannot be filled.
     #[error("{clip}: {source}")]
@@ -122,7 +127,7 @@ pub enum Error {
         /// Name of the clip.
         clip: String,
         /// Where, in the frames of the recording.
-        source: GapTooLong,
+        source: Unfillable,
     },
     /// A joint cannot be low-passed.
     #[error("{clip}: {source}")]
@@ -133,12 +138,33 @@ pub enum Error {
         source: RotationsCancel,
     },
     /// Nothing to move is left.
-    #[error("{clip}: expected at least 2 frames after what is skipped, found {frames}")]
+    #[error(
+        "{clip}: too short: expected at least 2 frames at {rate_hz} Hz after the {} skipped at its start, \
+         found {frames} of the recording's {}",
+        counted(*skipped, "frame"), counted(*recorded, "frame")
+    )]
     TooShort {
         /// Name of the clip.
         clip: String,
         /// Frames left, at the rate asked for.
         frames: usize,
+        /// The rate asked for.
+        rate_hz: f64,
+        /// Recorded frames that were skipped: the T-pose and the lead-in.
+        skipped: usize,
+        /// Frames of the recording.
+        recorded: usize,
+    },
+    /// The unit of length is wrong.
+    #[error(
+        "{clip}: expected a figure 0.3 to 3 m tall, found {height_m:.3} m: check metres_per_unit in the \
+         mapping, or the `length` unit of an ASF file"
+    )]
+    Height {
+        /// Name of the clip.
+        clip: String,
+        /// From the ankle to the crown.
+        height_m: f64,
     },
     /// A setting makes no sense.
     #[error("{name}: expected {expected}, found {value}")]
@@ -183,7 +209,8 @@ pub fn load(file: &ClipFile, settings: &Settings) -> Result<Clip, Error> {
     let recording = format::read(&file.path)?;
     let mapping =
         settings.mapping.as_ref().map_or_else(|| mapping::choose(&recording.skeleton), Ok);
-    let mapping = mapping.map_err(|source| Error::Mapping { clip: clip(), source })?;
+    let mapping =
+        mapping.map_err(|source| Error::Mapping { clip: clip(), source: source.into() })?;
     let recording = Recording { name: file.name.clone(), ..recording };
     recording.into_clip(mapping).map_err(|source| Error::NoRate { clip: clip(), source })
 }
@@ -196,19 +223,26 @@ pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Clip>, E
     expand(paths)?.iter().map(|file| load(file, settings)).collect()
 }
 
-/// Skips the T-pose and the lead-in, fills gaps, low-passes, resamples and maps, in this order.
+/// Skips the T-pose and the lead-in, fills gaps, looks for joint flips, low-passes, resamples and maps,
+/// in this order.
 ///
 /// The low-pass works at the clip's own rate, so that it also keeps the resampling from aliasing.
 ///
 /// # Errors
-/// [`Error::Setting`], [`Error::Mapping`], [`Error::Gap`], [`Error::Filter`], [`Error::TooShort`].
+/// [`Error::Setting`], [`Error::Mapping`], [`Error::Height`], [`Error::Gap`], [`Error::Filter`],
+/// [`Error::TooShort`].
 pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec<Notice>), Error> {
     settings.check()?;
     let name = clip.name.clone();
     let mapping = settings.mapping.as_ref().map_or_else(|| mapping::choose(&clip.skeleton), Ok);
     let binding = mapping
         .and_then(|mapping| Binding::new(mapping, &clip.skeleton))
-        .map_err(|source| Error::Mapping { clip: name.clone(), source })?;
+        .map_err(|source| Error::Mapping { clip: name.clone(), source: source.into() })?;
+    let height_m = binding.height_m();
+    if !HEIGHT_M.contains(&height_m) {
+        return Err(Error::Height { clip: name, height_m });
+    }
+    let recorded = clip.frames.len();
     let mut notices = Vec::new();
 
     let t_pose = usize::from(tpose::is_inserted(&clip, &binding));
@@ -222,12 +256,24 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
     let skipped = t_pose + lead_in;
     clip.frames.drain(..skipped);
 
-    let (mut clip, filled) = gaps::fill(clip, settings.gap_max_s).map_err(|mut source| {
-        source.first_frame += skipped;
-        Error::Gap { clip: name.clone(), source }
-    })?;
-    if filled.gaps > 0 {
-        notices.push(Notice::GapsFilled(filled));
+    let too_short = |frames| Error::TooShort {
+        clip: name.clone(),
+        frames,
+        rate_hz: settings.rate_hz,
+        skipped,
+        recorded,
+    };
+    if clip.frames.is_empty() {
+        return Err(too_short(0));
+    }
+    let (mut clip, filled) = gaps::fill(clip, settings.gap_max_s)
+        .map_err(|source| Error::Gap { clip: name.clone(), source: source.after(skipped) })?;
+    if !filled.gaps.is_empty() {
+        notices.push(Notice::GapsFilled(filled.after(skipped)));
+    }
+    let flips = flips::find(&clip, &binding.turning_joints(&clip.skeleton));
+    if !flips.0.is_empty() {
+        notices.push(Notice::JointFlips(flips.after(skipped, clip.frame_time_s)));
     }
     let rate_hz = clip.rate_hz();
     if let Some(filter) = LowPass::new(rate_hz, settings.cutoff_hz) {
@@ -240,7 +286,7 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
     }
     let clip = resample(&clip, settings.rate_hz);
     if clip.frames.len() < 2 {
-        return Err(Error::TooShort { clip: name, frames: clip.frames.len() });
+        return Err(too_short(clip.frames.len()));
     }
     Ok((binding.map(&clip), notices))
 }

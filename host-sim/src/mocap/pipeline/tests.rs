@@ -26,11 +26,11 @@ fn prepares_the_built_in_clips_and_says_what_it_did() {
         let missing = clip.frames[12..].iter().flatten().filter(|s| s.is_none()).count();
         let seconds = (clip.frames.len() - 1 - 12) as f64 / 120.0;
         let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
-        let [Notice::LeadInSkipped { frames: 12, .. }, Notice::GapsFilled(filled)] = notices[..]
+        let [Notice::LeadInSkipped { frames: 12, .. }, Notice::GapsFilled(filled)] = &notices[..]
         else {
             panic!("{notices:?}");
         };
-        assert_eq!(filled.samples, missing);
+        assert_eq!(filled.samples(), missing);
         let last_s = (motion.rotation.len() - 1) as f64 * motion.dt_s;
         assert!((0.0..0.01).contains(&(seconds - last_s + 1e-9)), "{seconds} {last_s}");
         assert_eq!(motion.root_position_m.len(), motion.rotation.len());
@@ -78,6 +78,60 @@ fn refuses_what_is_too_short() {
 }
 
 #[test]
+fn says_what_is_too_short_and_why() {
+    let mut clip = still(2);
+    clip.name = "two".to_owned();
+    assert_eq!(
+        prepare(clip, &Settings::default()).unwrap_err().to_string(),
+        "two: too short: expected at least 2 frames at 100 Hz after the 2 frames skipped at its start, \
+         found 0 of the recording's 2 frames"
+    );
+}
+
+#[test]
+fn refuses_a_wrong_unit_of_length() {
+    for (factor, height) in [(100.0, "1"), (0.01, "0.0")] {
+        let mut clip = still(40);
+        clip.name = "take".to_owned();
+        for joint in &mut clip.skeleton.joints {
+            joint.offset_m *= factor;
+            for end in &mut joint.end_sites_m {
+                *end *= factor;
+            }
+        }
+        let error = prepare(clip, &Settings::default()).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("take: expected a figure 0.3 to 3 m tall, found {height}"))
+                && error.contains("check metres_per_unit in the mapping"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn fills_frames_that_are_missing_and_reports_a_flip() {
+    let mut clip = still(200);
+    for frame in &mut clip.frames[50..53] {
+        frame.fill(None);
+    }
+    let forearm = clip.skeleton.find("forearm_l").unwrap();
+    for frame in &mut clip.frames[120..] {
+        if let Some(sample) = &mut frame[forearm] {
+            sample.rotation *= DQuat::from_rotation_x(0.5);
+        }
+    }
+    let (_, notices) = prepare(clip, &Settings::default()).unwrap();
+    let texts: Vec<String> = notices.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        texts[1..],
+        [
+            "filled 1 gap (54 samples; slerp, positions linear): all joints frames 50-52 (0.03 s)",
+            "joint flips, above 2500 deg/s and left as they are: forearm_l 3438 deg/s at frame 120 (1.00 s)",
+        ]
+    );
+}
+
+#[test]
 fn names_the_clip_and_the_joint_of_a_long_gap() {
     let mut clip = still(200);
     clip.name = "take".to_owned();
@@ -86,7 +140,8 @@ fn names_the_clip_and_the_joint_of_a_long_gap() {
     }
     assert_eq!(
         prepare(clip, &Settings::default()).unwrap_err().to_string(),
-        "take: joint `upper_arm_l` has no sample in 80 frames from frame 20 on; at most 60 can be filled"
+        "take: joint `upper_arm_l`: no sample in frames 20-99 (0.67 s); expected gaps of at most 0.5 s \
+         (60 frames)"
     );
 }
 
