@@ -37,7 +37,7 @@
   const camera = { ...START };
   let time = Number(scrubber.value);
   let playing = false;
-  let before = 0;
+  let before = null;
   let asked = false;
   // What the camera looks at goes with the pelvis, without its quick moves.
   const target = (time) => {
@@ -201,8 +201,10 @@
   const render = (now) => {
     asked = false;
     if (playing) {
-      time += (now - before) / 1000 / data.dt_s * Number(element("speed").value);
+      // The first frame may be dated before the key that asked for it.
+      const passed = Math.max(now - (before ?? now), 0) / 1000;
       before = now;
+      time += passed / data.dt_s * Number(element("speed").value);
       if (time >= last) { time = last; setPlaying(false); }
       scrubber.value = Math.round(time);
     }
@@ -222,7 +224,7 @@
     button.setAttribute("aria-label", playing ? "Pause" : "Play");
     if (playing) {
       if (time >= last) time = 0;
-      before = performance.now();
+      before = null;
       ask();
     }
   };

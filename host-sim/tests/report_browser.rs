@@ -1,0 +1,301 @@
+//! The report in a browser without a screen, as a reader has it: from disk, with no network.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use headless_chrome::protocol::cdp::types::Event;
+use headless_chrome::protocol::cdp::{Emulation, Log, Network, Runtime};
+use headless_chrome::{Browser, LaunchOptions, Tab};
+use sinew_sim::evaluate::{Protocol, evaluate};
+use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
+use sinew_sim::report::{Comparison, Playback, Report, Sweep};
+
+/// A clip's name that would be taken for markup, were it not escaped.
+const NAME: &str = "kick</script><script>throw 1</script>&amp;\"'";
+
+fn motion() -> FigureMotion {
+    let clip = builtin::clips().into_iter().find(|clip| clip.name == "kicks_01").unwrap();
+    let (motion, _) = prepare(clip, &Settings::default()).unwrap();
+    FigureMotion { name: NAME.into(), ..motion }
+}
+
+/// A report with everything in it.
+fn write_report(folder: &Path) {
+    let motions = [motion(), FigureMotion { name: "again".into(), ..motion() }];
+    let protocol = Protocol { seconds: Some(4.0), ..Protocol::default() };
+    let csv = folder.join("sweep.csv");
+    std::fs::write(&csv, "beta,kp,all_linear_mean_cm\n0,100,3\n1,100,2\n0,200,1\n1,200,\n")
+        .unwrap();
+    let evaluation = evaluate(&motions, &protocol, |_| ()).unwrap();
+    let report = Report {
+        command: "sinew evaluate",
+        settings: &[("Plant", "rapier".into())],
+        evaluation: &evaluation,
+        dt_s: motions[0].dt_s,
+        comparison: Some(&Comparison::new(&motions[0], &protocol, 1.1).unwrap()),
+        playback: Some(&Playback::record(&motions[0], &protocol, 0).unwrap()),
+        sweep: Some(&Sweep::read(&csv).unwrap()),
+    };
+    report.write(folder).unwrap();
+}
+
+/// The page in a tab, with what went wrong and what was fetched.
+struct Page {
+    tab: Arc<Tab>,
+    complaints: Arc<Mutex<Vec<String>>>,
+    requests: Arc<Mutex<Vec<String>>>,
+}
+
+impl Page {
+    fn open(browser: &Browser, url: &str) -> Self {
+        let tab = browser.new_tab().unwrap();
+        let (complaints, requests) = <(Arc<Mutex<Vec<_>>>, Arc<Mutex<Vec<_>>>)>::default();
+        let (to_complaints, to_requests) = (Arc::clone(&complaints), Arc::clone(&requests));
+        tab.call_method(Log::Enable(None)).unwrap();
+        tab.call_method(Runtime::Enable(None)).unwrap();
+        tab.call_method(Network::Enable {
+            max_total_buffer_size: None,
+            max_resource_buffer_size: None,
+            max_post_data_size: None,
+            report_direct_socket_traffic: None,
+            enable_durable_messages: None,
+        })
+        .unwrap();
+        tab.add_event_listener(Arc::new(move |event: &Event| match event {
+            Event::LogEntryAdded(event) => {
+                to_complaints.lock().unwrap().push(event.params.entry.text.clone());
+            }
+            Event::RuntimeExceptionThrown(event) => {
+                to_complaints.lock().unwrap().push(format!("{:?}", event.params.exception_details));
+            }
+            Event::RuntimeConsoleAPICalled(event) => {
+                to_complaints.lock().unwrap().push(format!("{:?}", event.params.args));
+            }
+            Event::NetworkRequestWillBeSent(event) => {
+                to_requests.lock().unwrap().push(event.params.request.url.clone());
+            }
+            _ => {}
+        }))
+        .unwrap();
+        tab.navigate_to(url).unwrap().wait_until_navigated().unwrap();
+        let page = Self { tab, complaints, requests };
+        page.settle();
+        page
+    }
+
+    /// What an expression is, as JSON; nothing is null.
+    fn ask(&self, expression: &str) -> serde_json::Value {
+        let json = format!("JSON.stringify({expression}) ?? 'null'");
+        let object = self.tab.evaluate(&json, false).unwrap();
+        let text = object.value.unwrap_or_else(|| panic!("{expression} has no value"));
+        serde_json::from_str(text.as_str().unwrap()).unwrap()
+    }
+
+    /// Waits until everything that was asked for is drawn.
+    fn settle(&self) {
+        let frames =
+            "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))";
+        self.tab.evaluate(frames, true).unwrap();
+    }
+
+    fn resize(&self, width: u32, height: u32) {
+        self.tab
+            .call_method(Emulation::SetDeviceMetricsOverride {
+                width,
+                height,
+                device_scale_factor: 1.0,
+                mobile: false,
+                scale: None,
+                screen_width: None,
+                screen_height: None,
+                position_x: None,
+                position_y: None,
+                dont_set_visible_size: None,
+                screen_orientation: None,
+                viewport: None,
+                display_feature: None,
+                device_posture: None,
+            })
+            .unwrap();
+        self.settle();
+    }
+
+    fn emulate(&self, media: &str, scheme: &str) {
+        let feature =
+            Emulation::MediaFeature { name: "prefers-color-scheme".into(), value: scheme.into() };
+        let (media, features) = (Some(media.into()), Some(vec![feature]));
+        self.tab.call_method(Emulation::SetEmulatedMedia { media, features }).unwrap();
+        self.settle();
+    }
+
+    /// All pixels of both views.
+    fn pixels(&self) -> serde_json::Value {
+        self.ask("[...document.querySelectorAll('canvas')].map(c => c.toDataURL())")
+    }
+
+    fn clock(&self) -> String {
+        self.ask("document.getElementById('clock').textContent").as_str().unwrap().to_owned()
+    }
+
+    fn press(&self, key: &str) {
+        self.tab.press_key(key).unwrap();
+        self.settle();
+    }
+}
+
+#[test]
+#[ignore = "needs SINEW_CHROMIUM"]
+fn a_reader_can_use_the_report() {
+    let chromium = std::env::var_os("SINEW_CHROMIUM").expect("SINEW_CHROMIUM names the browser");
+    let folder = tempfile::tempdir().unwrap();
+    write_report(folder.path());
+    let profile = tempfile::tempdir().unwrap();
+    let options = LaunchOptions {
+        path: Some(chromium.into()),
+        // A container has no sandbox to offer; the page is our own.
+        sandbox: false,
+        window_size: Some((1280, 900)),
+        user_data_dir: Some(profile.path().to_owned()),
+        args: ["--disable-quic", "--disable-component-update", "--no-proxy-server"]
+            .map(std::ffi::OsStr::new)
+            .into(),
+        idle_browser_timeout: Duration::from_secs(120),
+        ..LaunchOptions::default()
+    };
+    let browser = Browser::new(options).unwrap();
+    let url = format!("file://{}", folder.path().join("index.html").display());
+    let page = Page::open(&browser, &url);
+    page.resize(1280, 900);
+
+    the_views_show_figures(&page);
+    the_scrubber_moves_the_figures(&page);
+    the_keyboard_turns_the_view(&page);
+    it_plays(&page);
+    choices_show_other_charts(&page);
+    it_fits_a_narrow_screen(&page);
+    it_is_dark_where_the_reader_wants_it(&page);
+    it_prints(&page);
+
+    let shown = page.ask("document.querySelector('#playback b').textContent");
+    assert_eq!(shown, NAME, "names are text");
+    assert_eq!(*page.complaints.lock().unwrap(), [""; 0], "the console is silent");
+    for request in page.requests.lock().unwrap().iter() {
+        assert!(*request == url || request.starts_with("data:"), "fetched: {request}");
+    }
+}
+
+fn the_views_show_figures(page: &Page) {
+    let colors = page.ask(
+        "[...document.querySelectorAll('canvas')].map(c => new Set(new Uint32Array(
+            c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer)).size)",
+    );
+    let colors = colors.as_array().unwrap();
+    assert_eq!(colors.len(), 2, "two methods side by side");
+    // Shaded figures have hundreds of colours; stage, ground, grid and shadows alone some ten.
+    assert!(colors.iter().all(|count| count.as_u64().unwrap() > 200), "{colors:?}");
+    let pictures = page.pixels();
+    assert_ne!(pictures[0], pictures[1], "the methods differ");
+}
+
+fn the_scrubber_moves_the_figures(page: &Page) {
+    page.ask("document.getElementById('scrubber').focus()");
+    let (clock, pixels) = (page.clock(), page.pixels());
+    page.press("Home");
+    let (start, at_start) = (page.clock(), page.pixels());
+    assert_eq!(start, "0.00 s");
+    assert_ne!((&clock, &pixels), (&start, &at_start));
+    page.press("ArrowRight");
+    let (next, at_next) = (page.clock(), page.pixels());
+    assert_eq!(next, "0.02 s");
+    for view in [0, 1] {
+        assert_ne!(at_start[view], at_next[view], "view {view} stands still");
+    }
+    page.press("Home");
+    assert_eq!(page.pixels(), at_start, "the same moment is the same picture");
+    let read = |page: &Page| page.ask("document.querySelector('[data-readout]').textContent");
+    let error = read(page);
+    page.press("End");
+    assert_ne!(read(page), error, "the errors are those of the moment");
+}
+
+fn the_keyboard_turns_the_view(page: &Page) {
+    page.ask("document.querySelector('canvas').focus()");
+    let before = page.pixels();
+    for key in ["ArrowLeft", "ArrowUp", "+"] {
+        let pixels = page.pixels();
+        page.press(key);
+        assert_ne!(page.pixels()[0], pixels[0], "{key}");
+    }
+    assert_ne!(page.pixels()[1], before[1], "both views turn");
+    page.ask("document.getElementById('reset').click()");
+    page.settle();
+    assert_eq!(page.pixels(), before);
+}
+
+fn it_plays(page: &Page) {
+    page.ask("document.getElementById('scrubber').focus()");
+    page.press("Home");
+    page.press(" ");
+    let label = "document.getElementById('play').getAttribute('aria-label')";
+    assert_eq!(page.ask(label), "Pause");
+    page.tab.evaluate("new Promise(r => setTimeout(() => r(1), 400))", true).unwrap();
+    page.press(" ");
+    assert_eq!(page.ask(label), "Play");
+    let clock = page.clock();
+    let seconds: f64 = clock.trim_end_matches(" s").parse().unwrap();
+    assert!((0.2..4.0).contains(&seconds), "0.4 s of playing went to {clock}");
+    page.settle();
+    assert_eq!(page.clock(), clock, "it has stopped");
+}
+
+fn choices_show_other_charts(page: &Page) {
+    let shown = "[...document.querySelectorAll('#time .pair')].filter(p => !p.hidden).map(p => ({...p.dataset}))";
+    let before = page.ask(shown);
+    assert_eq!(before.as_array().unwrap().len(), 1);
+    page.ask(
+        "[['clip', '1'], ['figure', '0'], ['statistic', 'max']].forEach(([name, value]) => {
+            const select = document.querySelector(`#time [data-choice=${name}]`);
+            select.value = value;
+            select.dispatchEvent(new Event('change'));
+        })",
+    );
+    let after = page.ask(shown);
+    assert_eq!(after, serde_json::json!([{ "clip": "1", "figure": "0", "statistic": "max" }]));
+    assert_ne!(after, before);
+}
+
+fn it_fits_a_narrow_screen(page: &Page) {
+    for width in [1280, 768, 400] {
+        page.resize(width, 800);
+        let wide = page.ask("document.documentElement.scrollWidth").as_u64().unwrap();
+        assert!(wide <= u64::from(width), "{wide} on a screen of {width}");
+    }
+    // Nothing is cut off either: what is wider scrolls in its own box.
+    let cut = page.ask(
+        "[...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, svg, .visually-hidden, .skip')
+            && e.getBoundingClientRect().right > 400.5).map(e => e.outerHTML.slice(0, 80))",
+    );
+    assert_eq!(cut, serde_json::json!([]));
+}
+
+fn it_is_dark_where_the_reader_wants_it(page: &Page) {
+    let ground = "getComputedStyle(document.body).backgroundColor";
+    page.emulate("screen", "light");
+    assert_eq!(page.ask(ground), "rgb(255, 255, 255)");
+    page.emulate("screen", "dark");
+    assert_eq!(page.ask(ground), "rgb(18, 23, 29)");
+}
+
+fn it_prints(page: &Page) {
+    page.emulate("print", "dark");
+    let display = |what: &str| {
+        page.ask(&format!("getComputedStyle(document.querySelector('{what}')).display"))
+    };
+    assert_eq!(display(".player"), "none");
+    assert_eq!(display(".still"), "block", "a still stands in for the playback");
+    let ground = page.ask("getComputedStyle(document.body).backgroundColor");
+    assert_eq!(ground, "rgb(255, 255, 255)", "paper is light");
+    let pdf = page.tab.print_to_pdf(None).unwrap();
+    assert!(pdf.starts_with(b"%PDF") && pdf.len() > 50_000, "{} bytes", pdf.len());
+}
