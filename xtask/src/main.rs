@@ -14,7 +14,7 @@ Developer commands of Sinew
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  setup     Installs what is missing: the Arm target, QEMU, rustfmt and clippy
+  setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
   test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
   firmware  Builds both images, prints their flash and RAM, runs one in QEMU and compares it with the host
   help      Prints this

@@ -25,7 +25,16 @@ pub(crate) fn run() -> Result<()> {
         eprintln!("   boards are built with {}", toolchain.name());
     }
     let qemu = || step::output(Command::new("qemu-system-arm").arg("--version")).is_some();
-    need("QEMU for Arm", qemu, || apt_install(&["qemu-system-arm"]))
+    need("QEMU for Arm", qemu, || apt_install(&["qemu-system-arm"]))?;
+    need("Chromium", || chromium().is_some(), || apt_install(&["chromium"]))
+}
+
+/// The browser that reads the report in tests.
+pub(crate) fn chromium() -> Option<String> {
+    let chosen = std::env::var("SINEW_CHROMIUM").ok();
+    let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);
+    let found = |name: &String| step::output(Command::new(name).arg("--version")).is_some();
+    chosen.into_iter().chain(known).find(found)
 }
 
 /// Says whether something is there, and installs it if it is not.
@@ -41,7 +50,7 @@ fn need(what: &str, found: impl Fn() -> bool, install: impl FnOnce() -> bool) ->
     }
     bail!(
         "{what} could not be installed (see the lines above). By hand: `rustup target add {TARGET}` or, on \
-         Debian, `apt-get install {} qemu-system-arm`",
+         Debian, `apt-get install {} qemu-system-arm chromium`",
         DEBIAN_PACKAGES.join(" ")
     )
 }

@@ -35,6 +35,8 @@ pub(crate) fn run() -> Result<()> {
         .env("INSTA_UPDATE", "no")
         .env("SINEW_QEMU_IMAGE", image)
         .env("SINEW_QEMU_SHOW", show);
+    let browser = setup::chromium().unwrap_or_default();
+    tests.env("SINEW_CHROMIUM", &browser);
     if std::env::var_os("SINEW_DATA").is_some() {
         tests.args(["--", "--include-ignored"]);
         step::run("tests, those on real mocap too", &mut tests)
@@ -47,6 +49,12 @@ pub(crate) fn run() -> Result<()> {
             .args(["test", "--locked", "-p", "sinew-tests", "--test", "parity", "--", "--ignored"])
             .env("SINEW_QEMU_IMAGE", image)
             .env("SINEW_QEMU_SHOW", show);
-        step::run("bit parity with QEMU", &mut parity)
+        step::run("bit parity with QEMU", &mut parity)?;
+        let mut report = step::cargo();
+        report
+            .args(["test", "--locked", "-p", "sinew-sim", "--test", "report_browser"])
+            .args(["--", "--ignored"])
+            .env("SINEW_CHROMIUM", browser);
+        step::run("the report in a browser", &mut report)
     }
 }

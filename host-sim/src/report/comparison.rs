@@ -4,7 +4,9 @@ use glam::DVec3;
 use maud::{Markup, html};
 
 use super::chart::{line, px};
-use super::scene::{Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage};
+use super::scene::{
+    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, reach_m, side_view_rad,
+};
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
 use crate::figure::BODY_COUNT;
 use crate::mocap::FigureMotion;
@@ -159,43 +161,24 @@ impl Comparison {
         }
     }
 
-    /// Yellow lines from where hands and feet should be to where they are, with labels at the sides.
+    /// Yellow lines from where hands and feet should be to where they are, with labels beside.
     fn misses(&self, held: &Held, stage: &Stage<'_>) -> Markup {
-        /// A letter is about as wide, and a line as high.
-        const LETTER: f64 = 7.2;
-        const LINE: f64 = 22.0;
-        let mut misses: Vec<_> = MISSES
-            .iter()
-            .zip(held.misses_cm)
-            .map(|((body, name), miss_cm)| {
-                let from = stage.place(self.desired[*body]);
-                let to = stage.place(held.points[*body]);
-                (from, to, format!("{name} {miss_cm:.1} cm"))
-            })
-            .collect();
-        // From above to below, so that labels of one side can be kept apart.
-        misses.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-        let mut free = [80.0; 2];
-        let labelled = misses.into_iter().map(|(from, to, text)| {
+        let ends = |body: usize| [self.desired[body], held.points[body]].map(|at| stage.place(at));
+        let texts = MISSES.iter().zip(held.misses_cm).map(|((body, name), miss_cm)| {
+            let [from, to] = ends(*body);
             let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
-            let right = middle.0 > 0.5 * STAGE_WIDTH;
-            let free = &mut free[usize::from(right)];
-            let y = middle.1.clamp(*free, STAGE_HEIGHT - 16.0);
-            *free = y + LINE;
-            let width = LETTER * text.chars().count() as f64;
-            let (x, inner) = if right {
-                (STAGE_WIDTH - 14.0, STAGE_WIDTH - 14.0 - width)
-            } else {
-                (14.0, 14.0 + width)
-            };
-            let anchor = if right { "end" } else { "start" };
-            html! {
-                path class="leader" d=(line([(inner, y), middle])) {}
-                path class="miss" d=(line([from, to])) {}
-                text class="miss-label" x=(px(x)) y=(px(y + 4.5)) text-anchor=(anchor) { (text) }
-            }
+            (format!("{name} {miss_cm:.1} cm"), middle)
         });
-        html! { @for miss in labelled { (miss) } }
+        let labels = stage.labels(texts.collect());
+        html! {
+            @for (body, _) in MISSES {
+                path class="miss" d=(line(ends(body))) {}
+            }
+            @for label in labels {
+                path class="leader" d=(line([label.lead, label.named])) {}
+                text class="miss-label" x=(px(label.place.0)) y=(px(label.place.1)) { (label.text) }
+            }
+        }
     }
 
     fn ground_m(&self) -> f64 {
@@ -212,14 +195,12 @@ impl Comparison {
             self.desired.iter().fold((self.desired[0], self.desired[0]), |(low, high), point| {
                 (low.min(*point), high.max(*point))
             });
-        let left = self.desired[12] - self.desired[15];
-        let forward = left.cross(DVec3::Y);
         // Hands and feet of the larger figure reach a little farther, and labels stand at the sides.
         let wide_m = 1.5 * (high - low).with_y(0.0).length() * self.scale;
         let size_m = ((high.y - low.y) * 1.25 * self.scale).max(wide_m).max(1.0);
         Camera {
             target_m: 0.5 * (low + high),
-            yaw_rad: libm::atan2(forward.x, forward.z) + 0.6,
+            yaw_rad: side_view_rad(&self.desired),
             pitch_rad: 0.14,
             distance_m: 6.0,
             focal: 6.0 * STAGE_HEIGHT / size_m,
@@ -245,12 +226,6 @@ fn miss_cm(desired: &[Pose; BODY_COUNT], measured: &[Pose], body: usize) -> f64 
 fn most_outstretched(motion: &FigureMotion) -> usize {
     let reaches = (0..motion.rotation.len()).map(|frame| reach_m(&motion.world_positions_m(frame)));
     farthest(reaches)
-}
-
-/// How far beside the pelvis a hand or a foot is at most, in metres.
-pub(super) fn reach_m(points: &[DVec3]) -> f64 {
-    let beside = |(body, _): &(usize, &str)| (points[*body] - points[0]).with_y(0.0).length();
-    MISSES.iter().map(beside).fold(0.0, f64::max)
 }
 
 /// Index of the largest value, the first of equal ones.

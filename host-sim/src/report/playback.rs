@@ -5,8 +5,10 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::comparison::{farthest, reach_m};
-use super::scene::{MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK};
+use super::comparison::farthest;
+use super::scene::{
+    MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK, reach_m, side_view_rad,
+};
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
 use crate::mocap::FigureMotion;
 
@@ -105,6 +107,11 @@ impl Playback {
         farthest(self.desired.iter().map(|points| reach_m(points)))
     }
 
+    /// From where the first frame is seen best.
+    pub(super) fn yaw_rad(&self) -> f64 {
+        self.desired.get(self.best_frame()).map_or(0.0, |points| side_view_rad(points))
+    }
+
     /// The script's data as JSON that may stand in HTML.
     pub(super) fn json(&self) -> String {
         let tracks = || std::iter::once(&self.desired).chain(self.runs.iter().map(|r| &r.measured));
@@ -116,6 +123,7 @@ impl Playback {
             frames: self.desired.len(),
             points: POINT_COUNT,
             start: self.best_frame(),
+            yaw_rad: self.yaw_rad(),
             unit_m,
             ground_m: self.ground_m(),
             parts: PARTS.to_vec(),
@@ -146,6 +154,7 @@ struct Document {
     frames: usize,
     points: usize,
     start: usize,
+    yaw_rad: f64,
     unit_m: f64,
     ground_m: f64,
     parts: Vec<Part>,

@@ -15,7 +15,7 @@ pub(super) fn still(playback: &Playback, scale: f64, methods: &[MethodName]) -> 
     };
     let camera = Camera {
         target_m: desired[0],
-        yaw_rad: 0.6,
+        yaw_rad: playback.yaw_rad(),
         pitch_rad: 0.22,
         distance_m: 6.0,
         focal: 6.0 * STAGE_HEIGHT / 2.4,

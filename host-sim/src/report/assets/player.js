@@ -33,7 +33,7 @@
   };
 
   // ---- State ----
-  const START = { yaw: 0.6, pitch: 0.22, distance: 5.2 };
+  const START = { yaw: data.yaw_rad, pitch: 0.2, distance: 5.7 };
   const camera = { ...START };
   let time = Number(scrubber.value);
   let playing = false;

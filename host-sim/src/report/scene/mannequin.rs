@@ -26,13 +26,13 @@ pub(in crate::report) const TRUNK: usize = 6;
 
 /// The mannequin's parts. They have no other meaning than to be looked at.
 pub(in crate::report) const PARTS: [Part; 19] = [
-    (12, 15, 0.0, 1.0, 0.085, 0.085),
-    (0, 2, 0.0, 1.0, 0.1, 0.1),
-    (2, 3, 0.0, 0.8, 0.105, 0.08),
-    (2, 5, 0.4, 0.85, 0.085, 0.065),
-    (2, 9, 0.4, 0.85, 0.085, 0.065),
-    (3, 18, -0.1, 0.4, 0.048, 0.045),
-    (3, 18, 0.52, 0.66, 0.088, 0.09),
+    (12, 15, 0.0, 1.0, 0.09, 0.09),
+    (0, 2, 0.0, 1.0, 0.108, 0.112),
+    (2, 3, 0.0, 0.8, 0.118, 0.085),
+    (2, 5, 0.35, 0.85, 0.095, 0.068),
+    (2, 9, 0.35, 0.85, 0.095, 0.068),
+    (3, 18, -0.1, 0.4, 0.05, 0.047),
+    (3, 18, 0.52, 0.68, 0.09, 0.095),
     (5, 6, 0.0, 1.0, 0.05, 0.04),
     (6, 7, 0.0, 1.0, 0.04, 0.029),
     (7, 19, 0.1, 0.9, 0.034, 0.026),
@@ -56,6 +56,36 @@ pub(in crate::report) const MEASURED_GIRTH: f64 = 0.74;
 
 /// Shorter than this a segment has no direction, in metres.
 const SHORTEST_M: f64 = 1e-3;
+
+/// Hands and feet among the points.
+pub(in crate::report) const HANDS_AND_FEET: [usize; 4] = [7, 11, 14, 17];
+
+/// How far beside the pelvis a hand or a foot is at most, in metres.
+pub(in crate::report) fn reach_m(points: &[DVec3]) -> f64 {
+    farthest_reach(points).length()
+}
+
+/// From the pelvis to the farthest hand or foot beside it, level, in metres.
+fn farthest_reach(points: &[DVec3]) -> DVec3 {
+    let beside = HANDS_AND_FEET.map(|limb| (points[limb] - points[0]).with_y(0.0));
+    beside
+        .into_iter()
+        .fold(DVec3::ZERO, |best, one| if one.length() > best.length() { one } else { best })
+}
+
+/// From where a figure's farthest reach is seen from its side, a little from in front: angle about the
+/// vertical from the z axis to the x axis.
+pub(in crate::report) fn side_view_rad(points: &[DVec3]) -> f64 {
+    /// Straight from the side a figure is flat.
+    const TURN_RAD: f64 = 0.45;
+    let reach = farthest_reach(points);
+    let side = DVec3::new(reach.z, 0.0, -reach.x);
+    // Of the two sides, the one that the chest is turned to.
+    let chest = (points[12] - points[15]).cross(DVec3::Y);
+    let side = if side.dot(chest) < 0.0 { -side } else { side };
+    let turn = if side.cross(reach).y > 0.0 { TURN_RAD } else { -TURN_RAD };
+    libm::atan2(side.x, side.z) + turn
+}
 
 /// What a skeleton tells about the mannequin's shape.
 #[derive(Debug, Clone, Copy, PartialEq)]

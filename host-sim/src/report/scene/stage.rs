@@ -7,6 +7,7 @@ use glam::DVec3;
 use maud::{Markup, html};
 
 use super::camera::{Camera, Projected};
+use super::labels::{self, Label};
 use super::mannequin::{MEASURED_GIRTH, PARTS, Points, TRUNK};
 use super::outline::{Circle, capsule};
 use crate::report::chart::{line, px};
@@ -72,6 +73,26 @@ impl Stage<'_> {
     pub(in crate::report) fn place(&self, point_m: DVec3) -> (f64, f64) {
         let Projected { x, y, .. } = self.camera.project(point_m);
         (x, y)
+    }
+
+    /// Places for texts beside what they name in the picture.
+    pub(in crate::report) fn labels(&self, texts: Vec<(String, (f64, f64))>) -> Vec<Label> {
+        labels::place(texts, &self.drawn())
+    }
+
+    /// Circles that cover both figures.
+    fn drawn(&self) -> Vec<Circle> {
+        let desired = self.parts(self.desired.0, self.desired.1);
+        let measured = self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH);
+        let along = |part: &Drawn| {
+            let [a, b] = part.ends;
+            [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| Circle {
+                x: a.x + share * (b.x - a.x),
+                y: a.y + share * (b.y - a.y),
+                r: a.r + share * (b.r - a.r),
+            })
+        };
+        desired.iter().chain(&measured).flat_map(along).collect()
     }
 
     fn parts(&self, points: &Points, girth: f64) -> Vec<Drawn> {
