@@ -160,7 +160,7 @@ fn a_reader_can_use_the_report() {
         args: ["--disable-quic", "--disable-component-update", "--no-proxy-server"]
             .map(std::ffi::OsStr::new)
             .into(),
-        idle_browser_timeout: Duration::from_secs(120),
+        idle_browser_timeout: Duration::from_mins(2),
         ..LaunchOptions::default()
     };
     let browser = Browser::new(options).unwrap();

@@ -140,8 +140,10 @@ fn motion(playback: &Playback) -> Markup {
             p {
                 "Clip " b { (playback.clip) }
                 @if playback.cut { ", its first " (format!("{:.0}", playback.desired.len() as f64 * playback.dt_s)) " s" }
-                ". White is where the clip has the bodies, red where the simulated figure has them, drawn thinner. \
-                 Drag to turn; the arrow keys turn the view that has the focus, plus and minus zoom, space plays."
+                ". White is where the clip has the bodies, red where the simulated figure has them, drawn thinner."
+                span class="on-screen" {
+                    " Drag to turn; the arrow keys turn the view that has the focus, plus and minus zoom, space plays."
+                }
             }
             div class="player" id="player" {
                 div class={ "views views-" (views.len()) } {

@@ -173,7 +173,7 @@
       context.fill(shadow);
       return drawn;
     });
-    context.strokeStyle = "rgba(29, 36, 44, .55)";
+    context.strokeStyle = "#38424d";
     // From the farthest to the nearest; a part of one figure stays with that of the other.
     const depth = (group) => group.reduce((sum, i) => sum + parts[0][i].depth + parts[1][i].depth, 0) / group.length;
     const groups = GROUPS.map((group) => ({ group, depth: depth(group) })).sort((a, b) => b.depth - a.depth);
