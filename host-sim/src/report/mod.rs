@@ -90,7 +90,9 @@ impl Report<'_> {
             add("joints", both.map(|q| chart::joints(&spreads, q)).into());
             add("distribution", both.map(|q| chart::distribution(&spreads, q)).into());
         }
-        for (index, grid) in self.sweep.iter().flat_map(|sweep| sweep.grids()).enumerate() {
+        for (index, grid) in
+            self.sweep.iter().flat_map(|sweep| sweep.grids()).take(page::GRIDS).enumerate()
+        {
             pictures.push((format!("sweep-{}", index + 1), chart::heat_map(&grid)));
         }
         pictures

@@ -13,6 +13,9 @@ const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("asset
 /// Clips whose errors over time a page holds: beyond, it would grow too large to open.
 const CLIPS: usize = 60;
 
+/// Maps of a sweep that a page holds.
+pub(super) const GRIDS: usize = 48;
+
 pub(super) fn page(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
     html! {
@@ -352,6 +355,7 @@ fn distributions(evaluation: &Evaluation) -> Markup {
 
 fn swept(sweep: &Sweep) -> Markup {
     let grids = sweep.grids();
+    let shown = grids.len().min(GRIDS);
     html! {
         section id="sweep" {
             h2 { "Sweep" }
@@ -359,8 +363,9 @@ fn swept(sweep: &Sweep) -> Markup {
                 (thousands(sweep.cells())) " cells over "
                 (sweep.parameters().collect::<Vec<_>>().join(", "))
                 ". The darker, the larger; a crossed cell has no result."
+                @if shown < grids.len() { " Of " (grids.len()) " maps, the first " (shown) " are shown." }
             }
-            div class="pair" { @for grid in &grids { (chart::heat_map(grid)) } }
+            div class="pair" { @for grid in &grids[..shown] { (chart::heat_map(grid)) } }
         }
     }
 }

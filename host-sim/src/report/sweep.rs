@@ -31,6 +31,8 @@ pub(super) struct Grid {
     pub(super) columns: Vec<String>,
     /// By row; `None` where there is no cell, or no value in it.
     pub(super) cells: Vec<Option<f64>>,
+    /// Smallest and largest value of the metric in the whole sweep, so that fields can be compared.
+    pub(super) range: (f64, f64),
 }
 
 /// Why a sweep's file cannot be shown.
@@ -158,24 +160,33 @@ impl Sweep {
 
         let mut grids = Vec::new();
         for metric in self.metrics.iter().filter(|metric| metric.name.contains("_mean_")) {
+            let range = metric
+                .values
+                .iter()
+                .flatten()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(*value), high.max(*value))
+                });
             // In the order of the file.
             let mut titles: Vec<String> = Vec::new();
             let mut found: BTreeMap<usize, Grid> = BTreeMap::new();
             for cell in 0..self.cells {
                 let rest: Vec<String> =
                     others.iter().map(|o| format!("{} {}", o.name, o.values[cell])).collect();
-                let title = [vec![metric.name.replace('_', " ")], rest].concat().join(", ");
-                let index = titles.iter().position(|known| *known == title).unwrap_or_else(|| {
-                    titles.push(title.clone());
-                    titles.len() - 1
-                });
+                let title_of_cell = [vec![title(&metric.name)], rest].concat().join(", ");
+                let index =
+                    titles.iter().position(|known| *known == title_of_cell).unwrap_or_else(|| {
+                        titles.push(title_of_cell.clone());
+                        titles.len() - 1
+                    });
                 let grid = found.entry(index).or_insert_with(|| Grid {
-                    title,
+                    title: title_of_cell,
                     row_name: name(row),
                     column_name: name(column),
                     rows: rows.clone(),
                     columns: columns.clone(),
                     cells: vec![None; rows.len() * columns.len()],
+                    range,
                 });
                 if let (Some(r), Some(c)) = (place(row, &rows, cell), place(column, &columns, cell))
                 {
@@ -185,6 +196,17 @@ impl Sweep {
             grids.extend(found.into_values());
         }
         grids
+    }
+}
+
+/// A metric's name as one reads it.
+fn title(metric: &str) -> String {
+    match metric {
+        "all_angular_mean_deg" => "Mean angular error of all bodies (°)".into(),
+        "all_linear_mean_cm" => "Mean linear error of all bodies (cm)".into(),
+        "leaf_angular_mean_deg" => "Mean angular error of the leaves (°)".into(),
+        "leaf_linear_mean_cm" => "Mean linear error of the leaves (cm)".into(),
+        other => other.replace('_', " "),
     }
 }
 
@@ -251,10 +273,10 @@ mod tests {
         assert_eq!(
             titles,
             [
-                "all linear mean cm, c x",
-                "all linear mean cm, c y",
-                "leaf linear mean cm, c x",
-                "leaf linear mean cm, c y",
+                "Mean linear error of all bodies (cm), c x",
+                "Mean linear error of all bodies (cm), c y",
+                "Mean linear error of the leaves (cm), c x",
+                "Mean linear error of the leaves (cm), c y",
             ]
         );
     }

@@ -81,10 +81,12 @@ fn cell(ours: f64, paper: Option<f64>, kind: Kind) -> Markup {
                     (number(paper, kind))
                     @let difference = difference_percent(ours, paper);
                     @if let Some(difference) = difference {
-                        " " span class="difference" { (difference) }
-                    }
-                    @if kind == Kind::Normalised && opposite(ours, paper) {
-                        " " abbr class="opposite" title="On the other side of Local than the paper's" { "≠" }
+                        " " span class="difference" {
+                            (difference)
+                            @if kind == Kind::Normalised && opposite(ours, paper) {
+                                " " abbr class="opposite" title="On the other side of Local than the paper’s" { "≠" }
+                            }
+                        }
                     }
                 }
             }

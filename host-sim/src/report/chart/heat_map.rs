@@ -7,14 +7,16 @@ use crate::report::sweep::Grid;
 
 const CELL: f64 = 34.0;
 
+/// Narrower cells have no room for their number, narrower columns none for their value.
+const NUMBER: f64 = 30.0;
+
 /// A field of coloured cells with their values: the darker, the larger. Empty cells are crossed.
 pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
     let (left, top) = (110.0, 46.0);
     let width = (WIDTH - left - 8.0) / grid.columns.len() as f64;
+    let every = labelled(width);
     let height = top + CELL * grid.rows.len() as f64 + 46.0;
-    let values = || grid.cells.iter().flatten().copied();
-    let (low, high) =
-        values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let (low, high) = grid.range;
     let description = if low <= high {
         format!("{} by {}: from {low:.3} to {high:.3}", grid.row_name, grid.column_name)
     } else {
@@ -36,7 +38,7 @@ pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
                             @let level = level(value, low, high);
                             g class={ "heat heat-" (level) } {
                                 rect x=(px(x + 1.0)) y=(px(y + 1.0)) width=(px(width - 2.0)) height=(px(CELL - 2.0)) rx="3" {}
-                                text x=(px(x + 0.5 * width)) y=(px(y + 0.5 * CELL + 4.0)) text-anchor="middle" { (number(value)) }
+                                @if width >= NUMBER { text x=(px(x + 0.5 * width)) y=(px(y + 0.5 * CELL + 4.0)) text-anchor="middle" { (number(value)) } }
                             }
                         }
                         None => path class="grid" d={
@@ -49,11 +51,17 @@ pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
             @let bottom = top + CELL * grid.rows.len() as f64;
             @for (column, column_label) in grid.columns.iter().enumerate() {
                 @let x = left + width * (column as f64 + 0.5);
-                text class="tick" x=(px(x)) y=(px(bottom + 16.0)) text-anchor="middle" { (column_label) }
+                @if column.is_multiple_of(every) { text class="tick" x=(px(x)) y=(px(bottom + 16.0)) text-anchor="middle" { (column_label) } }
             }
             text class="axis-name" x=(px(WIDTH - 10.0)) y=(px(bottom + 34.0)) text-anchor="end" { (grid.column_name) }
         },
     )
+}
+
+/// Every how many columns there is room for a value.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to some hundreds")]
+fn labelled(width: f64) -> usize {
+    libm::ceil(NUMBER / width).max(1.0) as usize
 }
 
 /// Number of steps of the colour scale.
