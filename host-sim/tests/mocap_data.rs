@@ -370,6 +370,11 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
     let read = load_paths(&[folder.path().to_path_buf()], &settings).expect("a clip").remove(0);
     assert_eq!((read.name.as_str(), read.frames.len()), ("135_06", 600));
     assert!((read.rate_hz() - 120.0).abs() < 1e-9);
+    let (_, notices) = prepare(read.clone(), &settings).expect("a motion");
+    assert_eq!(
+        notices[0].to_string(),
+        "taken as 120 Hz, the mapping's `rate_hz`: the recording does not tell its rate"
+    );
     let read = gaps::fill(read, 0.0).expect("no gaps").0;
     // Nine decimals in a degree and in a unit of 56 mm; a chain of ten joints 2 m long.
     let bound_m = 10.0 * (0.5e-9_f64.to_radians() * 2.0 + 1e-9 * 0.056);

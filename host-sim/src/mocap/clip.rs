@@ -68,6 +68,8 @@ pub struct Clip {
     pub skeleton: Skeleton,
     /// Time from one frame to the next, in seconds.
     pub frame_time_s: f64,
+    /// Whether that time is the mapping's, as the recording does not tell it.
+    pub frame_time_assumed: bool,
     /// `frames[f][j]`: joint `j` in frame `f`; `None` where the recording has a gap.
     pub frames: Vec<Vec<Option<JointSample>>>,
 }

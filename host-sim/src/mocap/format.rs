@@ -1,4 +1,8 @@
 //! Which reader a file is for.
+//!
+//! C3D is not read: it holds markers, and the joints that a figure needs come out of them only with a
+//! marker set's model and the performer's measures, which is what the capture software's solver has. (Nor
+//! did we find a reader to build on: c3dio 0.8.0, of 2024-04, panics on damaged files.)
 
 use std::path::{Path, PathBuf};
 

@@ -246,6 +246,7 @@ mod tests {
             name: "test".to_owned(),
             skeleton: Skeleton { joints: vec![joint("root", None), joint("knee", Some(0))] },
             frame_time_s: 0.1,
+            frame_time_assumed: false,
             frames: samples.iter().map(|s| vec![Some(still), s.map(sample)]).collect(),
         }
     }

@@ -54,6 +54,7 @@ impl Recording {
     /// [`NoRate`] if nobody tells the rate.
     pub fn into_clip(self, mapping: &Mapping) -> Result<Clip, NoRate> {
         let Self { name, mut skeleton, mut frames, frame_time_s, metres_per_unit } = self;
+        let frame_time_assumed = frame_time_s.is_none();
         let frame_time_s = frame_time_s
             .or(mapping.rate_hz.map(f64::recip))
             .ok_or_else(|| NoRate { mapping: mapping.name.clone() })?;
@@ -67,7 +68,7 @@ impl Recording {
         for sample in frames.iter_mut().flatten().flatten() {
             sample.position_m *= metres_per_unit;
         }
-        Ok(Clip { name, skeleton, frame_time_s, frames })
+        Ok(Clip { name, skeleton, frame_time_s, frame_time_assumed, frames })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::mocap::clip::JointSample;
 use crate::mocap::recording::{self, FRAME_TIME_S, Frames, SAMPLE_COUNT_MAX};
 use crate::mocap::text::{counted, shown};
 
-/// Frames in a row that the numbering may leave out: more than can be filled at any camera's rate, and
+/// Frames that the numbering may leave out, besides as many as there are: more than can be filled, and
 /// few enough that a small file cannot ask for memory.
 const MISSING_FRAMES_MAX: u64 = 10_000;
 
@@ -26,6 +26,7 @@ pub(super) fn parse(text: &str, skeleton: &Asf) -> Result<Amc, Failure> {
         degrees: skeleton.degrees,
         frame_time_s: None,
         frames: Vec::new(),
+        may_be_missing: MISSING_FRAMES_MAX,
     };
     parser.file()?;
     Ok(Amc { frames: parser.frames, frame_time_s: parser.frame_time_s })
@@ -37,6 +38,8 @@ struct Parser<'a> {
     degrees: bool,
     frame_time_s: Option<f64>,
     frames: Frames,
+    /// How many frames the numbering may yet leave out.
+    may_be_missing: u64,
 }
 
 impl Parser<'_> {
@@ -95,11 +98,13 @@ impl Parser<'_> {
         let mut new = 1;
         if let Some(last) = last {
             let (least, most) =
-                (last.saturating_add(1), last.saturating_add(1 + MISSING_FRAMES_MAX));
+                (last.saturating_add(1), last.saturating_add(1 + self.may_be_missing));
             if !(least..=most).contains(&found) || found == last {
                 return Err((key.at, Problem::FrameNumber { last, least, most, found }));
             }
             new = found - last;
+            // `new - 1` frames are missing, and this one is not.
+            self.may_be_missing = self.may_be_missing + 2 - new;
         }
         let joints = self.skeleton.bones.len();
         for missing in (0..new).rev() {

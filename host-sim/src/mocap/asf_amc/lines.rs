@@ -109,11 +109,17 @@ impl<'a> Lines<'a> {
     fn next_if(&mut self, wanted: impl Fn(&str) -> bool) -> Option<Line<'a>> {
         let (index, line) = self.lines.next_if(|(_, line)| wanted(line))?;
         self.line = index + 1;
-        let position =
-            |byte: usize| Position { line: index + 1, column: line[..byte].chars().count() + 1 };
+        let mut at = Position { line: index + 1, column: 1 };
+        let mut byte = 0;
+        let mut position = |to: usize| {
+            at.column += line[byte..to].chars().count();
+            byte = to;
+            at
+        };
         let words: Vec<Word<'a>> =
             words(line).map(|(byte, text)| Word { text, at: position(byte) }).collect();
-        Some(Line { words, end: position(line.trim_end().len()) })
+        let end = position(line.trim_end().len());
+        Some(Line { words, end })
     }
 }
 

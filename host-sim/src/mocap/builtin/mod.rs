@@ -51,6 +51,7 @@ fn clip(script: &Script) -> Clip {
         name: script.name.clone(),
         skeleton: skeleton::skeleton(),
         frame_time_s: 1.0 / RATE_HZ,
+        frame_time_assumed: false,
         frames: sensors::record(&perform(script), script.seed),
     }
 }

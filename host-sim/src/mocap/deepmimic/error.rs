@@ -61,6 +61,17 @@ pub enum Problem {
         /// Its first number.
         found: f64,
     },
+    /// Times that no camera makes.
+    #[error(
+        "`Frames`: expected times between frames that differ by 100 times at most, found {shortest_s} s \
+         and {longest_s} s"
+    )]
+    Uneven {
+        /// The shortest, in seconds.
+        shortest_s: f64,
+        /// The longest, in seconds.
+        longest_s: f64,
+    },
     /// A number that cannot be.
     #[error("`Frames`, frame {frame}, {item}: expected {expected}, found {found}")]
     Value {

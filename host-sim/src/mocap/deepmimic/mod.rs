@@ -30,6 +30,8 @@ const ROW: usize = 44;
 const NORM: std::ops::RangeInclusive<f64> = 0.5..=1.5;
 /// Times that differ by less, as a ratio, are one time in different rounding.
 const TIME_ROUNDING: f64 = 1e-3;
+/// Largest ratio of two times: what bounds the frames that a small file can ask for.
+const TIME_RATIO_MAX: f64 = 100.0;
 
 #[derive(Deserialize)]
 struct File {
@@ -103,6 +105,9 @@ fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
     if longest_s <= shortest_s * (1.0 + TIME_ROUNDING) {
         let mean_s = times_s[rows.len() - 1] / (rows.len() - 1) as f64;
         return Ok((recording::snapped_s(mean_s), poses));
+    }
+    if longest_s > shortest_s * TIME_RATIO_MAX {
+        return Err(Problem::Uneven { shortest_s, longest_s });
     }
     let frame_time_s = recording::snapped_s(shortest_s);
     Ok((frame_time_s, evenly(&times_s, &poses, frame_time_s)))

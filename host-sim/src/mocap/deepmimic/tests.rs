@@ -97,6 +97,11 @@ fn refuses_what_is_no_humanoid3d() {
         "`Frames`, frame 1: expected a time to the next frame from 0.00001 to 1 second, found 0"
     );
     assert_eq!(
+        error(|rows| rows[1][0] = 0.0001),
+        "`Frames`: expected times between frames that differ by 100 times at most, found 0.0001 s and \
+         0.0333333 s"
+    );
+    assert_eq!(
         error(|rows| rows[2][16] = 0.0),
         "`Frames`, frame 2, right_hip: expected a unit quaternion (norm 0.5 to 1.5), found 0"
     );

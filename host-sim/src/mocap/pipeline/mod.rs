@@ -45,6 +45,12 @@ const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
+    /// The mapping told the frame rate.
+    #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
+    RateAssumed {
+        /// The rate.
+        rate_hz: f64,
+    },
     /// Frame 0 was left out.
     #[error("skipped frame 0, an inserted T-pose")]
     TPoseSkipped,
@@ -244,6 +250,9 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
     }
     let recorded = clip.frames.len();
     let mut notices = Vec::new();
+    if clip.frame_time_assumed {
+        notices.push(Notice::RateAssumed { rate_hz: clip.rate_hz() });
+    }
 
     let t_pose = usize::from(tpose::is_inserted(&clip, &binding));
     if t_pose > 0 {
