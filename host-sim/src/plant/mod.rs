@@ -1,7 +1,11 @@
 //! What is controlled: a simulated figure behind one trait.
 
 mod articulated;
+#[cfg(test)]
+mod fixture;
 mod rapier;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 
@@ -13,7 +17,7 @@ use crate::figure::MassProperties;
 
 pub use crate::figure::Root;
 pub use articulated::{Accelerations, ArticulatedPlant};
-pub use rapier::RapierPlant;
+pub use rapier::{EngineSettings, RapierPlant};
 
 /// Acceleration of gravity in m/s², world axes; the controller's.
 const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
@@ -24,7 +28,7 @@ const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 pub struct PlantSettings {
     /// The plant.
     pub kind: PlantKind,
-    /// Equal parts that a step is cut in, with the torques held; at least 1.
+    /// Equal parts that a step is cut in, with the torques held; at least 1. An engine may cut them further.
     pub substeps: usize,
 }
 
@@ -41,6 +45,10 @@ impl Default for PlantSettings {
 pub enum PlantKind {
     /// The game engine rapier in maximal coordinates, set up for torque control.
     Rapier,
+    /// The same, but with the engine's own gyroscopic term.
+    RapierGyroscopic,
+    /// rapier as it comes: it cuts each of our substeps in 4 of its own.
+    RapierDefaults,
     /// Exact dynamics in reduced coordinates: joints that cannot drift.
     Articulated,
 }
@@ -124,21 +132,30 @@ impl PlantSettings {
         if self.substeps == 0 {
             return Err(PlantError::NoSubsteps);
         }
-        match self.kind {
-            PlantKind::Rapier => {
-                Ok(Box::new(RapierPlant::new(mechanism, start, dt_s, self.substeps)?))
-            }
-            PlantKind::Articulated => {
-                Ok(Box::new(ArticulatedPlant::new(mechanism, start, dt_s, self.substeps)?))
-            }
-        }
+        let Self { kind, substeps } = *self;
+        Ok(match kind.engine() {
+            Some(engine) => Box::new(RapierPlant::new(mechanism, start, dt_s, substeps, engine)?),
+            None => Box::new(ArticulatedPlant::new(mechanism, start, dt_s, substeps)?),
+        })
     }
 
     /// What the plant is, for reports.
     pub fn description(&self) -> Description {
-        match self.kind {
-            PlantKind::Rapier => RapierPlant::description(self.substeps),
-            PlantKind::Articulated => ArticulatedPlant::description(self.substeps),
+        match self.kind.engine() {
+            Some(engine) => engine.description(self.substeps),
+            None => ArticulatedPlant::description(self.substeps),
+        }
+    }
+}
+
+impl PlantKind {
+    /// What is set of the game engine, if it is that.
+    fn engine(self) -> Option<EngineSettings> {
+        match self {
+            Self::Rapier => Some(EngineSettings::TORQUE_CONTROL),
+            Self::RapierGyroscopic => Some(EngineSettings::GYROSCOPIC),
+            Self::RapierDefaults => Some(EngineSettings::DEFAULTS),
+            Self::Articulated => None,
         }
     }
 }

@@ -2,7 +2,9 @@
 //! by constraints.
 //!
 //! The engine's defaults are made for contacts and stacks, not for torques that cancel the dynamics of the
-//! same instant. What is set otherwise, and why, is said at each place.
+//! same instant: see [`EngineSettings`].
+
+mod settings;
 
 use ::nalgebra as na;
 use glam::{DMat3, DQuat, DVec3};
@@ -14,17 +16,16 @@ use rapier3d_f64::prelude::{
 };
 
 use super::{
-    Description, Drive, GRAVITY_M_S2, Mechanism, MovingPose, Plant, PlantBody, PlantError,
-    Pose as BodyPose, Root, Settings,
+    Drive, GRAVITY_M_S2, Mechanism, MovingPose, Plant, PlantBody, PlantError, Pose as BodyPose,
+    Root,
 };
 use crate::figure::MassProperties;
-
-/// Sweeps of the constraint solver. The engine's one diverges when there is one substep; from 4 on the
-/// results agree in three digits.
-const SWEEPS: usize = 8;
+pub use settings::EngineSettings;
+use settings::GyroscopicTerm;
 
 /// A mechanism in rapier, in f64.
 pub struct RapierPlant {
+    settings: EngineSettings,
     pipeline: PhysicsPipeline,
     parameters: IntegrationParameters,
     islands: IslandManager,
@@ -52,8 +53,7 @@ impl RapierPlant {
     /// Builds the mechanism in the given state.
     ///
     /// `start` holds a state per body; the poses must fit the joints, else the first step snaps them. The
-    /// engine holds a torque over all substeps, while the inverse dynamics that it comes from hold for the
-    /// start of the step only: one is best.
+    /// engine holds the torques over all substeps in world axes.
     ///
     /// # Errors
     /// [`PlantError`] if this is no tree with a state for each body, or the engine does not hold a body's
@@ -63,17 +63,19 @@ impl RapierPlant {
         start: &[MovingPose],
         dt_s: f64,
         substeps: usize,
+        settings: EngineSettings,
     ) -> Result<Self, PlantError> {
         mechanism.check(start)?;
         let bodies = &mechanism.bodies;
         let parameters = IntegrationParameters {
             dt: dt_s,
-            num_solver_iterations: substeps,
-            num_internal_pgs_iterations: SWEEPS,
+            num_solver_iterations: substeps * settings.solver_iterations,
+            num_internal_pgs_iterations: settings.sweeps,
             max_ccd_substeps: 0,
             ..IntegrationParameters::default()
         };
         let mut plant = Self {
+            settings,
             pipeline: PhysicsPipeline::new(),
             parameters,
             islands: IslandManager::new(),
@@ -100,21 +102,6 @@ impl RapierPlant {
         Ok(plant)
     }
 
-    /// What this plant is.
-    pub const fn description(substeps: usize) -> Description {
-        Description {
-            name: "rapier",
-            // The version that Cargo.toml pins.
-            engine: "rapier3d-f64 0.36.1",
-            settings: Settings {
-                substeps,
-                solver_sweeps: Some(SWEEPS),
-                gyroscopic_term: "explicit",
-                contacts: false,
-            },
-        }
-    }
-
     fn insert(
         &mut self,
         index: usize,
@@ -134,12 +121,10 @@ impl RapierPlant {
             .linvel(vector(center_velocity))
             .angvel(vector(start.angular_rad_s))
             .additional_mass_properties(mass)
-            // A figure at rest must not freeze, nor a fast limb be slowed.
+            // A figure must not freeze at the turning point of a swing.
             .can_sleep(false)
-            .allow_fast_rotation(true)
-            // The engine takes this term at a velocity that the joints have not corrected yet; `step` adds
-            // it at the velocity that the torques were computed for.
-            .gyroscopic_forces_enabled(false)
+            .allow_fast_rotation(self.settings.fast_rotation)
+            .gyroscopic_forces_enabled(self.settings.gyroscopic_term == GyroscopicTerm::Engine)
             .build();
         let handle = self.bodies.insert(rigid_body);
         // Until the first step the engine has no mass and no centre of mass, but the first force acts before.
@@ -182,10 +167,13 @@ impl Plant for RapierPlant {
         }
         for (index, (link, torque_nm)) in self.links.iter().zip(&drive.torque_nm).enumerate() {
             let body = &mut self.bodies[link.handle];
-            let spin = DVec3::from_array(body.angvel().to_array());
-            let axes = DMat3::from_quat(self.poses[index].rotation);
-            let gyroscopic = spin.cross(axes * (link.rotational_kg_m2 * (axes.transpose() * spin)));
-            body.add_torque(vector(*torque_nm - gyroscopic), true);
+            body.add_torque(vector(*torque_nm), true);
+            if self.settings.gyroscopic_term == GyroscopicTerm::Plant {
+                let spin = DVec3::from_array(body.angvel().to_array());
+                let axes = DMat3::from_quat(self.poses[index].rotation);
+                let momentum = axes * (link.rotational_kg_m2 * (axes.transpose() * spin));
+                body.add_torque(vector(-spin.cross(momentum)), true);
+            }
             if let Some(parent) = link.parent {
                 let parent = self.links[parent].handle;
                 self.bodies[parent].add_torque(vector(-*torque_nm), true);

@@ -2,6 +2,8 @@
 //! in f64. It is the judge of the others.
 
 mod dynamics;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 use glam::DVec3;

@@ -88,7 +88,11 @@ impl Link {
 impl Tree {
     /// The mechanism in the given state, one of `start` per body.
     pub(super) fn new(mechanism: &Mechanism, start: &[MovingPose]) -> Self {
-        let links = mechanism.bodies.iter().zip(start).map(|(body, state)| {
+        let mut start = start.to_vec();
+        if mechanism.root == Root::Fixed {
+            (start[0].angular_rad_s, start[0].linear_m_s) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        let links = mechanism.bodies.iter().zip(&start).map(|(body, state)| {
             let parent = body.parent.map(|parent| &start[parent]);
             Link::new(body, state, parent)
         });
@@ -101,10 +105,6 @@ impl Tree {
             root_force_n: DVec3::ZERO,
             links: links.collect(),
         };
-        if mechanism.root == Root::Fixed {
-            tree.root_velocity_m_s = DVec3::ZERO;
-            tree.links[0].spin_rad_s = DVec3::ZERO;
-        }
         tree.update_world();
         tree
     }

@@ -1,31 +1,14 @@
 use super::*;
+use crate::plant::fixture::{at_rest, diagonal, solid, tilted};
 
 const DT_S: f64 = 0.01;
-
-fn solid(mass_kg: f64, center_of_mass_m: DVec3, rotational_kg_m2: DMat3) -> MassProperties {
-    MassProperties { mass_kg, center_of_mass_m, rotational_kg_m2 }
-}
-
-fn at_rest(position_m: DVec3, rotation: DQuat) -> MovingPose {
-    MovingPose {
-        pose: BodyPose { rotation, position_m },
-        angular_rad_s: DVec3::ZERO,
-        linear_m_s: DVec3::ZERO,
-    }
-}
 
 fn driven(bodies: &[PlantBody]) -> Mechanism {
     Mechanism { root: Root::Driven, bodies: bodies.to_vec() }
 }
 
-fn diagonal(x: f64, y: f64, z: f64) -> DMat3 {
-    DMat3::from_diagonal(DVec3::new(x, y, z))
-}
-
-/// `R D Rᵀ`.
-fn tilted(moments: DMat3, rotation_vector: DVec3) -> DMat3 {
-    let axes = DMat3::from_quat(DQuat::from_scaled_axis(rotation_vector));
-    axes * moments * axes.transpose()
+fn plant(mechanism: &Mechanism, start: &[MovingPose], dt_s: f64) -> RapierPlant {
+    RapierPlant::new(mechanism, start, dt_s, 1, EngineSettings::TORQUE_CONTROL).unwrap()
 }
 
 #[test]
@@ -67,7 +50,7 @@ fn a_pendulum_swings_as_the_equation_says() {
         at_rest(DVec3::ZERO, DQuat::IDENTITY),
         at_rest(DVec3::ZERO, DQuat::from_rotation_z(angle)),
     ];
-    let mut plant = RapierPlant::new(&driven(&bodies), &start, DT_S, 1).unwrap();
+    let mut plant = plant(&driven(&bodies), &start, DT_S);
     let drive = Drive {
         root_force_n: -GRAVITY_M_S2 * (block_kg + mass_kg),
         torque_nm: vec![DVec3::ZERO; 2],
@@ -100,7 +83,7 @@ fn a_free_body_keeps_its_angular_momentum() {
     let spin = DVec3::new(3.0, 2.0, -1.0);
     let start = MovingPose { angular_rad_s: spin, ..at_rest(DVec3::ZERO, DQuat::IDENTITY) };
     let dt_s = 0.001;
-    let mut plant = RapierPlant::new(&driven(&[body]), &[start], dt_s, 1).unwrap();
+    let mut plant = plant(&driven(&[body]), &[start], dt_s);
     let drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO] };
     let momentum = |plant: &RapierPlant| {
         let axes = DMat3::from_quat(plant.poses[0].rotation);
@@ -129,7 +112,7 @@ fn a_torque_acts_on_the_body_and_back_on_its_parent() {
         PlantBody { parent: Some(0), offset_m: DVec3::ZERO, mass: unit },
     ];
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 2];
-    let mut plant = RapierPlant::new(&driven(&bodies), &start, DT_S, 1).unwrap();
+    let mut plant = plant(&driven(&bodies), &start, DT_S);
     let torque = DVec3::new(0.0, 0.3, 0.0);
     plant.step(&Drive { root_force_n: -GRAVITY_M_S2 * 2.0, torque_nm: vec![DVec3::ZERO, torque] });
     // h² τ / I; a rotation of 3e-4 rad is its sine to 1e-8.
@@ -138,4 +121,15 @@ fn a_torque_acts_on_the_body_and_back_on_its_parent() {
         assert!((pose.rotation.to_scaled_axis().y - sign * expected).abs() < 1e-10);
         assert!(pose.position_m.length() < 1e-12, "the root's force carries both");
     }
+}
+
+#[test]
+fn the_default_settings_are_the_engines() {
+    let (settings, engine) = (EngineSettings::DEFAULTS, IntegrationParameters::default());
+    assert_eq!(settings.solver_iterations, engine.num_solver_iterations);
+    assert_eq!(settings.sweeps, engine.num_internal_pgs_iterations);
+    let body = RigidBodyBuilder::dynamic();
+    let by_engine = settings.gyroscopic_term == GyroscopicTerm::Engine;
+    assert_eq!(by_engine, body.gyroscopic_forces_enabled);
+    assert_eq!(settings.fast_rotation, body.allow_fast_rotation);
 }
