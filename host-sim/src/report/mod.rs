@@ -56,7 +56,7 @@ impl Report<'_> {
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         fs::write(folder.join("index.html"), self.html())?;
         for (name, picture) in self.pictures() {
-            let svg = alone(&picture);
+            let svg = alone(&picture.0);
             fs::write(folder.join(format!("{name}.png")), png::png(&svg))?;
             fs::write(folder.join(format!("{name}.svg")), svg)?;
         }
@@ -124,16 +124,16 @@ fn height(svg: &str) -> f64 {
     height.expect("every chart has a box of view")
 }
 
-/// A picture as a file of its own: with its colours, on a ground.
-fn alone(picture: &Markup) -> String {
-    let text = &picture.0;
-    let open = text.find('>').expect("a picture is an element") + 1;
+/// A picture as a file of its own: with its colours, and charts on a ground. A stage is one.
+fn alone(svg: &str) -> String {
+    let (head, content) = svg.split_at(svg.find('>').expect("a picture is an element") + 1);
     let style = palette::picture();
-    format!(
-        "{}<style>{style}</style><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>{}\n",
-        &text[..open],
-        &text[open..]
-    )
+    let ground = if svg.contains("class=\"stage\"") {
+        ""
+    } else {
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
+    };
+    format!("{head}<style>{style}</style>{ground}{content}\n")
 }
 
 /// Errors over time of one clip with every method.

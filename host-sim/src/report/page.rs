@@ -162,7 +162,7 @@ fn motion(playback: &Playback) -> Markup {
                                     }
                                 }
                             }
-                            canvas tabindex="0" role="img"
+                            canvas tabindex="0" role="application"
                                 aria-label={ "Desired and actual figure, view " (index + 1) ". Arrow keys turn, plus and minus zoom." } {}
                             dl class="readout" {
                                 @for name in ["All bodies", "Hands, feet, head"] {

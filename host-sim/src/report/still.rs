@@ -18,7 +18,7 @@ pub(super) fn still(playback: &Playback, scale: f64, methods: &[MethodName]) -> 
         yaw_rad: playback.yaw_rad(),
         pitch_rad: 0.22,
         distance_m: 6.0,
-        focal: 6.0 * STAGE_HEIGHT / 2.7,
+        focal: 6.0 * STAGE_HEIGHT / (2.7 * playback.mannequin.girth()),
         center: [0.5 * STAGE_WIDTH, 0.5 * STAGE_HEIGHT],
     };
     html! {

@@ -33,7 +33,7 @@
   };
 
   // ---- State ----
-  const START = { yaw: data.yaw_rad, pitch: 0.2, distance: 5.7 };
+  const START = { yaw: data.yaw_rad, pitch: 0.2, distance: 5.7 * data.girth };
   const camera = { ...START };
   let time = Number(scrubber.value);
   let playing = false;
@@ -245,7 +245,7 @@
     ask();
   };
   const zoom = (factor) => {
-    camera.distance = Math.min(Math.max(camera.distance * factor, 2), 15);
+    camera.distance = Math.min(Math.max(camera.distance * factor, 2 * data.girth), 15 * data.girth);
     ask();
   };
   const KEYS = {
