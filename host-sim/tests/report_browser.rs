@@ -31,6 +31,7 @@ fn write_report(folder: &Path) {
     let report = Report {
         command: "sinew evaluate",
         settings: &[("Plant", "rapier".into())],
+        notices: &["kick: skipped <nothing>".into()],
         evaluation: &evaluation,
         dt_s: motions[0].dt_s,
         comparison: Some(&Comparison::new(&motions[0], &protocol, 1.1).unwrap()),

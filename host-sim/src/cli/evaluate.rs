@@ -129,8 +129,8 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(folder) = &args.out {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
-    let motions = motions(args)?;
-    let plan = args.page.plan(&motions)?;
+    let (motions, notices) = motions(args)?;
+    let plan = args.page.plan(&motions, notices)?;
     let result = with_progress(steps_of_all(&motions, &protocol), |progress| {
         evaluate(&motions, &protocol, progress)
     });
@@ -155,8 +155,8 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads and prepares the clips, in their order.
-fn motions(args: &Args) -> anyhow::Result<Vec<FigureMotion>> {
+/// Reads and prepares the clips, in their order, and tells what was done to them.
+fn motions(args: &Args) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
     let settings = Settings {
         mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
         ..Settings::default()
@@ -170,15 +170,17 @@ fn motions(args: &Args) -> anyhow::Result<Vec<FigureMotion>> {
             .map(|file| mocap::prepare(pipeline::load(file, &settings)?, &settings))
             .collect()
     };
-    let mut motions = Vec::with_capacity(prepared.len());
+    let (mut motions, mut lines) = (Vec::with_capacity(prepared.len()), Vec::new());
     for prepared in prepared {
         let (motion, notices) = prepared?;
         for notice in notices {
-            note(format_args!("{}: {notice}", motion.name));
+            let line = format!("{}: {notice}", motion.name);
+            note(format_args!("{line}"));
+            lines.push(line);
         }
         motions.push(motion);
     }
-    Ok(motions)
+    Ok((motions, lines))
 }
 
 fn prepare(

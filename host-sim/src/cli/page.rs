@@ -28,11 +28,17 @@ pub(super) struct Plan {
     /// Place of the clip to play among the evaluated ones.
     clip: usize,
     sweep: Option<Sweep>,
+    /// What was done to the clips.
+    notices: Vec<String>,
 }
 
 impl PageArgs {
     /// Finds the clip and reads the sweep.
-    pub(super) fn plan(&self, motions: &[FigureMotion]) -> anyhow::Result<Plan> {
+    pub(super) fn plan(
+        &self,
+        motions: &[FigureMotion],
+        notices: Vec<String>,
+    ) -> anyhow::Result<Plan> {
         let clip = self.playback.as_deref().map_or(Ok(0), |wanted| {
             let place = motions.iter().position(|motion| motion.name == wanted);
             place.with_context(|| {
@@ -41,7 +47,7 @@ impl PageArgs {
             })
         })?;
         let sweep = self.sweep.as_deref().map(Sweep::read).transpose()?;
-        Ok(Plan { clip, sweep })
+        Ok(Plan { clip, sweep, notices })
     }
 }
 
@@ -80,6 +86,7 @@ impl Plan {
         let report = Report {
             command: &command(std::env::args()),
             settings: &settings,
+            notices: &self.notices,
             evaluation,
             dt_s: motion.dt_s,
             comparison: comparison.as_ref(),

@@ -31,6 +31,8 @@ pub struct Report<'a> {
     pub command: &'a str,
     /// What was set, such as the plant: name and value.
     pub settings: &'a [(&'a str, String)],
+    /// What was done to the clips before: skipped, filled, found.
+    pub notices: &'a [String],
     /// The result.
     pub evaluation: &'a Evaluation,
     /// Time from one frame to the next, in seconds.

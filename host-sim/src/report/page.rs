@@ -42,7 +42,7 @@ pub(super) fn page(report: &Report<'_>) -> Markup {
                     (by_body(evaluation))
                     (distributions(evaluation))
                     @if let Some(sweep) = report.sweep { (swept(sweep)) }
-                    (notes(evaluation))
+                    (notes(report))
                 }
                 script { (PreEscaped(SCRIPT)) }
             }
@@ -370,12 +370,12 @@ fn swept(sweep: &Sweep) -> Markup {
     }
 }
 
-fn notes(evaluation: &Evaluation) -> Markup {
+fn notes(report: &Report<'_>) -> Markup {
     html! {
         section id="notes" {
             h2 { "Notes" }
             dl class="notes" {
-                @for method in methods(evaluation) {
+                @for method in methods(report.evaluation) {
                     div { dt { (method.label()) } dd { (explanation(method)) } }
                 }
                 div { dt { "Errors" } dd {
@@ -386,6 +386,12 @@ fn notes(evaluation: &Evaluation) -> Markup {
                     "D. Notman, P. Carlisle and R. Manning tracked some 80 punches and 40 kicks of one actor, 22,560 frames, with a \
                      figure of 18 bodies in a game engine."
                 } }
+            }
+            @if !report.notices.is_empty() {
+                details {
+                    summary { "What was done to the clips before" }
+                    ul class="small" { @for notice in report.notices { li { (notice) } } }
+                }
             }
         }
     }
