@@ -7,6 +7,7 @@
 //! had a quarter less error (root mean square) up to 0.2 s, none less at 0.4 s, and their worst errors
 //! were as large. The velocity at the edge of a gap is where a recording is least to be trusted.
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 
 use super::clip::{Clip, GaplessClip, JointSample, Skeleton};
@@ -140,7 +141,8 @@ pub fn fill(clip: Clip, limit_s: f64) -> Result<(GaplessClip, Filled), Unfillabl
     let count = clip.frames.len();
     let mut frames: Vec<Vec<JointSample>> =
         vec![Vec::with_capacity(clip.skeleton.joints.len()); count];
-    let mut gaps: Vec<Gap> = Vec::new();
+    // By first frame and length.
+    let mut gaps: BTreeMap<(usize, usize), Gap> = BTreeMap::new();
     for j in 0..clip.skeleton.joints.len() {
         let mut previous: Option<JointSample> = None;
         let mut f = 0;
@@ -178,20 +180,18 @@ pub fn fill(clip: Clip, limit_s: f64) -> Result<(GaplessClip, Filled), Unfillabl
             for (k, frame) in frames[f..f + length].iter_mut().enumerate() {
                 frame.push(before.towards(&after, (k + 1) as f64 / (length + 1) as f64));
             }
-            match gaps.iter_mut().find(|gap| gap.first_frame == f && gap.frames == length) {
-                Some(gap) => gap.joints.push(j),
-                None => gaps.push(Gap {
-                    first_frame: f,
-                    frames: length,
-                    joints: vec![j],
-                    held: previous.is_none() || next.is_none(),
-                    names: String::new(),
-                }),
-            }
+            let gap = gaps.entry((f, length)).or_insert_with(|| Gap {
+                first_frame: f,
+                frames: length,
+                joints: Vec::new(),
+                held: previous.is_none() || next.is_none(),
+                names: String::new(),
+            });
+            gap.joints.push(j);
             f += length;
         }
     }
-    gaps.sort_by_key(|gap| gap.first_frame);
+    let mut gaps: Vec<Gap> = gaps.into_values().collect();
     for gap in &mut gaps {
         gap.names = names(&gap.joints, &clip.skeleton);
     }

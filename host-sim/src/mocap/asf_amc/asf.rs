@@ -87,7 +87,7 @@ struct Parser<'a> {
 impl Parser<'_> {
     fn units(&mut self, key: Word<'_>) -> Result<(), Failure> {
         if self.root.is_some() || !self.bones.is_empty() {
-            return Err(key.not("units before the first section that has some"));
+            return Err(key.not("`:units` before `:root` and `:bonedata`"));
         }
         while let Some(line) = self.lines.next_in_section() {
             let key = line.key();
@@ -95,8 +95,8 @@ impl Parser<'_> {
                 "mass" => drop(line.word(1).finite()?),
                 "length" => {
                     self.length_unit = line.word(1).finite()?;
-                    if self.length_unit <= 0.0 {
-                        return Err(line.word(1).not("a unit of length above 0"));
+                    if !(1e-3..=1e3).contains(&self.length_unit) {
+                        return Err(line.word(1).not("a unit of length from 0.001 to 1000"));
                     }
                 }
                 "angle" => self.degrees = is_degrees(line.word(1))?,

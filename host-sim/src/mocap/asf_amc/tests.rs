@@ -205,7 +205,11 @@ fn left_out_frames_and_bones_are_gaps() {
 fn refuses_wrong_units_roots_and_bones() {
     for (what, with, expected) in [
         (":root", "root", "a/s.asf:62:1: expected a `:root` section, found the end"),
-        ("length 0.45", "length 0", "a/s.asf:7:10: expected a unit of length above 0, found `0`"),
+        (
+            "length 0.45",
+            "length 0",
+            "a/s.asf:7:10: expected a unit of length from 0.001 to 1000, found `0`",
+        ),
         ("angle deg", "angle grad", "a/s.asf:8:9: expected `deg` or `rad`, found `grad`"),
         (
             "mass 1.0",
