@@ -1,0 +1,65 @@
+//! What one step of each plant costs, without a controller: `cargo bench --bench plant`.
+//!
+//! The time is that of 100 steps of the figure of 18 bodies under small constant torques, from the start pose
+//! of a built-in clip; the rate counts single steps.
+
+use std::hint::black_box;
+
+use clap::ValueEnum as _;
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use glam::DVec3;
+use sinew_sim::figure::{BODIES, BODY_COUNT, BodyModel};
+use sinew_sim::mocap::{self, FigureMotion, Settings, builtin};
+use sinew_sim::plant::{
+    Drive, Mechanism, MovingPose, PlantBody, PlantKind, PlantSettings, Pose, Root,
+};
+
+const STEPS: u32 = 100;
+
+fn steps(criterion: &mut Criterion) {
+    let clip = builtin::clips().swap_remove(0);
+    let (motion, _) = mocap::prepare(clip, &Settings::default()).expect("a built-in clip");
+    let (mechanism, start) = at_rest(&motion);
+    let torque = DVec3::new(0.01, 0.02, -0.01);
+    let drive = Drive { root_force_n: DVec3::Y * 700.0, torque_nm: vec![torque; BODY_COUNT] };
+
+    let mut group = criterion.benchmark_group("100 steps");
+    group.throughput(Throughput::Elements(u64::from(STEPS)));
+    for kind in PlantKind::value_variants() {
+        let settings = PlantSettings { kind: *kind, ..PlantSettings::default() };
+        let start = || settings.build(&mechanism, &start, motion.dt_s).expect("a figure");
+        group.bench_function(settings.description().name, |bencher| {
+            bencher.iter_batched_ref(
+                start,
+                |plant| {
+                    for _ in 0..STEPS {
+                        plant.step(black_box(&drive));
+                    }
+                },
+                BatchSize::SmallInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+/// The figure in the first pose of a clip.
+fn at_rest(motion: &FigureMotion) -> (Mechanism, Vec<MovingPose>) {
+    let model = BodyModel::from_motion(motion).expect("a figure of the clip's dimensions");
+    let mut bodies = Vec::new();
+    let mut start: Vec<MovingPose> = Vec::new();
+    for (index, body) in BODIES.iter().enumerate() {
+        let (offset_m, mass) = (model.offset_m[index], model.bodies[index]);
+        bodies.push(PlantBody { parent: body.parent, offset_m, mass });
+        let rotation = motion.rotation[0][index];
+        let pose = match body.parent {
+            Some(parent) => start[parent].pose.child(offset_m, rotation),
+            None => Pose { rotation, position_m: motion.root_position_m[0] },
+        };
+        start.push(MovingPose { pose, angular_rad_s: DVec3::ZERO, linear_m_s: DVec3::ZERO });
+    }
+    (Mechanism { root: Root::Driven, bodies }, start)
+}
+
+criterion_group!(plants, steps);
+criterion_main!(plants);
