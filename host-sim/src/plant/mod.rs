@@ -236,6 +236,8 @@ pub struct Description {
 /// How a plant computes a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
+    /// How velocities and poses follow from accelerations.
+    pub integrator: &'static str,
     /// Equal parts that a step is cut in, with the torques held.
     pub substeps: usize,
     /// Sweeps of the constraint solver in each of them, where there is one.

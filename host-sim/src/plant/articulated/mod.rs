@@ -68,6 +68,7 @@ impl ArticulatedPlant {
             name: "articulated",
             engine: "articulated-body algorithm in f64",
             settings: Settings {
+                integrator: "semi-implicit Euler, rotations by the exponential map",
                 substeps,
                 solver_sweeps: None,
                 gyroscopic_term: "exact",

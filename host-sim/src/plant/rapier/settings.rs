@@ -62,6 +62,7 @@ impl EngineSettings {
             // The version that Cargo.toml pins.
             engine: "rapier3d-f64 0.36.1",
             settings: Settings {
+                integrator: "semi-implicit Euler, rotations linearised",
                 substeps: substeps * self.solver_iterations,
                 solver_sweeps: Some(self.sweeps),
                 gyroscopic_term: match self.gyroscopic_term {
