@@ -7,4 +7,5 @@ pub mod plant;
 mod random;
 pub mod report;
 pub mod show;
+pub mod sweep;
 pub mod verify;

@@ -8,7 +8,8 @@ use sinew_sim::mocap::pipeline::{self, ClipFile};
 use sinew_sim::mocap::{self, Settings, builtin, mapping};
 use sinew_sim::show;
 
-use super::evaluate::{scale, seconds};
+use super::clips::seconds;
+use super::evaluate::scale;
 use super::output::{note, print};
 
 /// Bake a clip and the figure that performs it into a file that a board's image reads from its flash.

@@ -2,22 +2,20 @@
 
 use std::fmt::Display;
 use std::fs;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
 use sinew_sim::evaluate::{
     EvaluateError, Evaluation, MethodName, Protocol, evaluate, report, steps_of_all,
 };
-use sinew_sim::mocap::{self, Clip, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
 
-use super::output::{note, print};
+use super::clips::{ClipArgs, seconds};
+use super::output::{note, print, with_progress};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
+use super::threads::ThreadArgs;
 
 /// Track motion capture with every method and print the paper's tables.
 ///
@@ -30,9 +28,8 @@ use super::setup::SetupArgs;
 /// ends the evaluation with exit code 1 and its clip, method and frame; bad input is exit code 2.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
-    #[arg(long, value_name = "PATH", num_args = 1..)]
-    clips: Vec<PathBuf>,
+    #[command(flatten)]
+    clips: ClipArgs,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale)]
@@ -66,13 +63,8 @@ pub(super) struct Args {
     #[command(flatten)]
     page: PageArgs,
 
-    /// Number of threads; the result does not depend on it. Without: one per processor.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-
-    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
-    #[arg(long, value_name = "FILE")]
-    mapping: Option<PathBuf>,
+    #[command(flatten)]
+    threads: ThreadArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -92,23 +84,11 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected a number of seconds above 0".into()),
-    }
-}
-
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     ensure_different(&args.scale, "--scale")?;
     ensure_different(&args.methods, "--methods")?;
-    let threads = args.threads.map_or(0, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .context("the threads could not be started")?;
-    pool.install(|| run_in_pool(args))
+    args.threads.install(|| run_in_pool(args))
 }
 
 fn ensure_different<T: PartialEq + Display>(values: &[T], option: &str) -> anyhow::Result<()> {
@@ -129,7 +109,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(folder) = &args.out {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
-    let (motions, notices) = motions(args)?;
+    let (motions, notices) = args.clips.motions()?;
     let plan = args.page.plan(&motions, notices)?;
     let result = with_progress(steps_of_all(&motions, &protocol), |progress| {
         evaluate(&motions, &protocol, progress)
@@ -153,53 +133,6 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         Format::Csv => report::result_csv(&evaluation),
     })?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Reads and prepares the clips, in their order, and tells what was done to them.
-fn motions(args: &Args) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
-    let settings = Settings {
-        mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
-        ..Settings::default()
-    };
-    let prepared: Vec<Result<(FigureMotion, Vec<Notice>), mocap::Error>> = if args.clips.is_empty()
-    {
-        prepare(builtin::clips(), &settings)
-    } else {
-        pipeline::expand(&args.clips)?
-            .par_iter()
-            .map(|file| mocap::prepare(pipeline::load(file, &settings)?, &settings))
-            .collect()
-    };
-    let (mut motions, mut lines) = (Vec::with_capacity(prepared.len()), Vec::new());
-    for prepared in prepared {
-        let (motion, notices) = prepared?;
-        for notice in notices {
-            let line = format!("{}: {notice}", motion.name);
-            note(format_args!("{line}"));
-            lines.push(line);
-        }
-        motions.push(motion);
-    }
-    Ok((motions, lines))
-}
-
-fn prepare(
-    clips: Vec<Clip>,
-    settings: &Settings,
-) -> Vec<Result<(FigureMotion, Vec<Notice>), mocap::Error>> {
-    clips.into_par_iter().map(|clip| mocap::prepare(clip, settings)).collect()
-}
-
-/// Shows a bar on standard error while `work` runs, if that is a terminal.
-fn with_progress<T>(steps: usize, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
-    let style = ProgressStyle::with_template(
-        "{bar:40} {percent:>3} %  {human_pos} of {human_len} steps, {eta} left",
-    )
-    .expect("the template is sound");
-    let bar = ProgressBar::new(steps as u64).with_style(style);
-    let result = work(&|done| bar.inc(done as u64));
-    bar.finish_and_clear();
-    result
 }
 
 fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {

@@ -3,11 +3,14 @@
 //! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
 mod bake;
+mod clips;
 mod evaluate;
 mod figure;
 mod output;
 mod page;
 mod setup;
+mod sweep;
+mod threads;
 mod verify;
 
 use std::io;
@@ -35,6 +38,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     Bake(bake::Args),
     Figure(figure::Args),
+    Sweep(sweep::Args),
 }
 
 /// Parses the command line and runs it.
@@ -44,6 +48,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

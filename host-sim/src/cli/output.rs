@@ -3,6 +3,8 @@
 use std::fmt;
 use std::io::{self, Write as _};
 
+use indicatif::{ProgressBar, ProgressStyle};
+
 /// Writes to standard output.
 ///
 /// # Errors
@@ -17,4 +19,16 @@ pub(super) fn print(text: &str) -> io::Result<()> {
 pub(super) fn note(line: fmt::Arguments<'_>) {
     // There is no place left to tell about a failure here.
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Shows a bar on standard error while `work` runs, if that is a terminal.
+pub(super) fn with_progress<T>(steps: usize, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+    let style = ProgressStyle::with_template(
+        "{bar:40} {percent:>3} %  {human_pos} of {human_len} steps, {eta} left",
+    )
+    .expect("the template is sound");
+    let bar = ProgressBar::new(steps as u64).with_style(style);
+    let result = work(&|done| bar.inc(done as u64));
+    bar.finish_and_clear();
+    result
 }

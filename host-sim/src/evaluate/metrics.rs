@@ -1,13 +1,14 @@
 //! How far the measured figure is from the desired one, in the world, as the paper reports it.
 
 use glam::DQuat;
+use serde::{Deserialize, Serialize};
 
 use super::Step;
 use crate::figure::{BODY_COUNT, is_leaf};
 use crate::plant::Pose;
 
 /// Errors over all bodies and over the leaves (head, hands, feet) alone.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
     /// Over all bodies.
     pub all: ErrorTotals,
@@ -20,7 +21,7 @@ pub struct Errors {
 }
 
 /// Sums and maxima of the errors of many poses.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorTotals {
     /// Number of poses.
     pub n: u64,

@@ -64,7 +64,7 @@ pub struct ControllerSettings {
     /// The body that its descendants are seen from, for `accumulated`; all others are seen from the world.
     pub reference: BodyName,
     /// Weight β of Linear Compensation: 0 is World Space Error, 1 the paper's.
-    pub beta: f32,
+    pub beta: f64,
     /// The derivative of the compensating rotation.
     pub rate_term: RateTermName,
     /// What a body of several children aims at in Linear Compensation.
@@ -74,7 +74,7 @@ pub struct ControllerSettings {
     /// How the error becomes a torque.
     pub law: LawName,
     /// Stiffness in 1/s², critically damped.
-    pub kp: f32,
+    pub kp: f64,
     /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
     pub root: Root,
 }
@@ -243,10 +243,10 @@ impl Setup {
         }
         let ControllerSettings { beta, kp, .. } = self.controller;
         if !(0.0..=2.0).contains(&beta) {
-            return value("controller.beta", ("a weight from 0 to 2", f64::from(beta)));
+            return value("controller.beta", ("a weight from 0 to 2", beta));
         }
         if !(kp > 0.0 && kp.is_finite()) {
-            return value("controller.kp", ("a finite number above 0", f64::from(kp)));
+            return value("controller.kp", ("a finite number above 0", kp));
         }
         if !(1..=1000).contains(&self.plant.substeps) {
             let found = self.plant.substeps as f64;
@@ -293,7 +293,8 @@ impl Setup {
             LawName::Pd => ControlLaw::ProportionalDerivative,
         };
         let limits = self.disturbance.torque_limits();
-        let controller = Controller::new(tree, Gains::critically_damped(settings.kp)?, method)?;
+        let controller =
+            Controller::new(tree, Gains::critically_damped(narrow(settings.kp))?, method)?;
         Ok(controller.with_law(law).with_limits(&limits)?)
     }
 }
@@ -330,10 +331,18 @@ impl ControllerSettings {
                     AimName::HeaviestChild => Aims::heaviest_child(tree),
                     AimName::AllChildren => Aims::all_children(tree),
                 },
-                settings: Compensation { beta: self.beta, rate_term: self.rate_term.into() },
+                settings: Compensation {
+                    beta: narrow(self.beta),
+                    rate_term: self.rate_term.into(),
+                },
             },
         }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+fn narrow(x: f64) -> f32 {
+    x as f32
 }
 
 impl From<RateTermName> for RateTerm {

@@ -73,7 +73,8 @@ const METRICS: [&str; 4] =
     ["angular_mean_deg", "linear_mean_cm", "angular_max_deg", "linear_max_cm"];
 
 /// Columns that are neither metrics nor parameters.
-const OTHERS: [&str; 4] = ["status", "n", "frames", "cell"];
+const OTHERS: [&str; 7] =
+    ["cell", "status", "reason", "n_all", "n_leaf", "widest_gap_mm", "limited"];
 
 impl Sweep {
     /// Reads a sweep's CSV: a row per cell; columns of parameters, metrics and a status.

@@ -1,0 +1,58 @@
+//! Options that name clips.
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use sinew_sim::mocap::{self, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
+
+use super::output::note;
+
+/// Options that name clips.
+#[derive(Debug, clap::Args)]
+pub(super) struct ClipArgs {
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    clips: Vec<PathBuf>,
+
+    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+}
+
+type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
+
+impl ClipArgs {
+    /// Reads and prepares the clips, in their order, and tells what was done to them.
+    pub(super) fn motions(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
+        let settings = Settings {
+            mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
+            ..Settings::default()
+        };
+        let prepared: Vec<Prepared> = if self.clips.is_empty() {
+            builtin::clips().into_par_iter().map(|clip| mocap::prepare(clip, &settings)).collect()
+        } else {
+            pipeline::expand(&self.clips)?
+                .par_iter()
+                .map(|file| mocap::prepare(pipeline::load(file, &settings)?, &settings))
+                .collect()
+        };
+        let (mut motions, mut lines) = (Vec::with_capacity(prepared.len()), Vec::new());
+        for prepared in prepared {
+            let (motion, notices) = prepared?;
+            for notice in notices {
+                let line = format!("{}: {notice}", motion.name);
+                note(format_args!("{line}"));
+                lines.push(line);
+            }
+            motions.push(motion);
+        }
+        Ok((motions, lines))
+    }
+}
+
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a number of seconds above 0".into()),
+    }
+}

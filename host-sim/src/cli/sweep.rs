@@ -1,0 +1,116 @@
+//! `sinew sweep`: many setups.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::ensure;
+use sinew_sim::evaluate::step_count;
+use sinew_sim::sweep::{self, Journal, Plan, Shard, Summary, SweepFile};
+
+use super::clips::{ClipArgs, seconds};
+use super::output::{note, print, with_progress};
+use super::threads::ThreadArgs;
+
+/// Run every combination of many settings and write a row for each.
+///
+/// The file holds what all setups have in common, and grids of what they have not:
+///
+///     setup.plant.kind = "articulated"
+///
+///     [[grid]]
+///     controller.method = ["local", "world"]
+///     dimensions.scale = [0.9, 1.0, 1.1]
+///
+/// Each combination is a cell. The keys are those of `sinew evaluate --format json`, under "setup"; the same
+/// setup in two grids is run once. What cannot be is refused before anything runs.
+///
+/// Every finished run goes to DIR/journal.jsonl at once: the same command goes on where it was stopped. Then
+/// sweep.csv and sweep.parquet have a row per cell, `sweep_clips.*` a row per cell and clip. They are the same
+/// bytes, however often it was stopped, whatever the number of threads, and from one machine or many. A
+/// figure that is lost is a result: its row has no numbers and says why.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// The sweep, in TOML.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// Folder of the journal and the tables.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+
+    #[command(flatten)]
+    clips: ClipArgs,
+
+    /// Use only the first S seconds of every clip.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    seconds: Option<f64>,
+
+    /// Only every N-th cell, beginning with the I-th; then `--merge` the folders of all N.
+    #[arg(long, value_name = "I/N", conflicts_with = "merge")]
+    shard: Option<Shard>,
+
+    /// Run nothing: put the journals of these folders together, and write the tables of the whole.
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    merge: Vec<PathBuf>,
+
+    /// Only say what would be run.
+    #[arg(long)]
+    dry_run: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// Runs the subcommand. Lost figures are results: they do not make it fail.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    args.threads.install(|| run_in_pool(args))
+}
+
+fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
+    let file = SweepFile::read(&args.file)?;
+    if file.repeated > 0 {
+        note(format_args!(
+            "{}: {} cells are left out, an earlier grid has the same setup",
+            args.file.display(),
+            file.repeated
+        ));
+    }
+    let (motions, _) = args.clips.motions()?;
+    for motion in &motions {
+        let steps = step_count(motion, args.seconds);
+        ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name);
+    }
+    let shard = args.shard.unwrap_or(Shard::WHOLE);
+    let plan = Plan::new(file, &motions, args.seconds, shard);
+    if args.dry_run {
+        let (cells, runs) = (plan.shard_cells().count(), plan.units().count());
+        let steps: usize =
+            plan.units().map(|unit| step_count(&motions[unit.clip], args.seconds)).sum();
+        print(&format!("{cells} cells, {runs} runs, {steps} steps\n"))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let (journal, notices) = Journal::open(&args.out, &plan)?;
+    for notice in notices {
+        note(format_args!("{}: {notice}", args.out.display()));
+    }
+    let summary = if args.merge.is_empty() {
+        let steps = sweep::steps_left(&plan, &journal, &motions);
+        with_progress(steps, |progress| sweep::sweep(&plan, journal, &motions, progress))?
+    } else {
+        sweep::merge(&plan, journal, &args.merge)?
+    };
+    print(&told(&summary))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn told(summary: &Summary) -> String {
+    let Summary { cells, run, resumed, lost, files } = summary;
+    let mut lines = vec![format!("{cells} cells; {run} runs made, {resumed} taken over")];
+    if *lost > 0 {
+        lines.push(format!("the figure was lost in {lost} cells"));
+    }
+    lines.extend(files.iter().map(|file| file.display().to_string()));
+    lines.push(String::new());
+    lines.join("\n")
+}

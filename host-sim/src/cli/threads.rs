@@ -1,0 +1,27 @@
+//! The option of the number of threads.
+
+use std::num::NonZeroUsize;
+
+use anyhow::Context as _;
+
+/// The option of the number of threads.
+#[derive(Debug, clap::Args)]
+pub(super) struct ThreadArgs {
+    /// Number of threads; the result does not depend on it. Without: one per processor.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+}
+
+impl ThreadArgs {
+    /// Does `work` with that many threads.
+    pub(super) fn install<T: Send>(
+        &self,
+        work: impl FnOnce() -> anyhow::Result<T> + Send,
+    ) -> anyhow::Result<T> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, NonZeroUsize::get))
+            .build()
+            .context("the threads could not be started")?;
+        pool.install(work)
+    }
+}

@@ -1,0 +1,219 @@
+//! The journal of a sweep: a line per finished unit, written at once.
+//!
+//! The first line says what sweep it is. A line that was cut off by a crash is the last one; it is dropped
+//! and its unit run again.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{SweepError, io};
+use super::plan::{ClipIdentity, Plan, Unit};
+use crate::evaluate::Errors;
+
+/// The journal's file in a sweep's folder.
+pub(super) const NAME: &str = "journal.jsonl";
+
+/// What came of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// How far the figure was off.
+    Errors(Errors),
+    /// The figure was lost, or could not be built: why.
+    Lost(String),
+}
+
+/// What a reader of the journal should know.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Notice {
+    /// Finished units were found.
+    #[error("goes on with {0} finished runs")]
+    Resumed(usize),
+    /// The last line was cut off.
+    #[error("the last line was cut off; its run is made again")]
+    Torn,
+}
+
+/// The finished units of a sweep, on disk and in memory.
+#[derive(Debug)]
+pub struct Journal {
+    folder: PathBuf,
+    path: PathBuf,
+    file: File,
+    outcomes: BTreeMap<Unit, Outcome>,
+}
+
+/// The first line.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Head {
+    schema: String,
+    version: String,
+    cells: usize,
+    cells_sha256: String,
+    seconds: Option<f64>,
+    clips: Vec<ClipIdentity>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Line {
+    cell: usize,
+    clip: usize,
+    outcome: Outcome,
+}
+
+impl Head {
+    fn of(plan: &Plan) -> Self {
+        Self {
+            schema: "sinew-sweep/1".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            cells: plan.cells.len(),
+            cells_sha256: plan.cells_sha256(),
+            seconds: plan.seconds,
+            clips: plan.clips.clone(),
+        }
+    }
+
+    /// What makes this the head of another sweep.
+    fn difference(&self, other: &Self) -> Option<&'static str> {
+        [
+            (self.schema != other.schema, "file formats"),
+            (self.version != other.version, "program versions"),
+            (self.cells != other.cells || self.cells_sha256 != other.cells_sha256, "grids"),
+            (self.seconds != other.seconds, "--seconds"),
+            (self.clips != other.clips, "clips"),
+        ]
+        .into_iter()
+        .find_map(|(differ, what)| differ.then_some(what))
+    }
+}
+
+impl Journal {
+    /// Opens the journal of a plan in `folder`, or begins it. Nobody else can write to it meanwhile.
+    ///
+    /// # Errors
+    /// [`SweepError`] if the journal is of another sweep, in use or damaged; it is left as it is.
+    pub fn open(folder: &Path, plan: &Plan) -> Result<(Self, Vec<Notice>), SweepError> {
+        fs::create_dir_all(folder).map_err(io(folder))?;
+        let path = folder.join(NAME);
+        let mut options = OpenOptions::new();
+        let mut file = options
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(io(&path))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(SweepError::Busy { journal: path }),
+            Err(TryLockError::Error(source)) => return Err(io(&path)(source)),
+        }
+        let mut notices = Vec::new();
+        let text = fs::read_to_string(&path).map_err(io(&path))?;
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        if whole < text.len() {
+            notices.push(Notice::Torn);
+            file.set_len(whole as u64).map_err(io(&path))?;
+        }
+        let outcomes = read(&text[..whole], &path, plan)?;
+        file.seek(SeekFrom::End(0)).map_err(io(&path))?;
+        let mut journal = Self { folder: folder.to_path_buf(), path, file, outcomes };
+        if whole == 0 {
+            journal.append(&Head::of(plan))?;
+        }
+        if !journal.outcomes.is_empty() {
+            notices.push(Notice::Resumed(journal.outcomes.len()));
+        }
+        Ok((journal, notices))
+    }
+
+    /// Where the journal lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Whether a unit is finished.
+    pub fn has(&self, unit: Unit) -> bool {
+        self.outcomes.contains_key(&unit)
+    }
+
+    /// What came of a unit.
+    pub(super) fn outcome(&self, unit: Unit) -> Option<&Outcome> {
+        self.outcomes.get(&unit)
+    }
+
+    /// Adds a finished unit.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn add(&mut self, unit: Unit, outcome: Outcome) -> Result<(), SweepError> {
+        self.append(&Line { cell: unit.cell, clip: unit.clip, outcome: outcome.clone() })?;
+        self.outcomes.insert(unit, outcome);
+        Ok(())
+    }
+
+    /// Takes over what the journal in another folder has; returns how many units were new.
+    ///
+    /// # Errors
+    /// [`SweepError`] if it is of another sweep, damaged, or has another result for a unit.
+    pub fn take_over(&mut self, plan: &Plan, folder: &Path) -> Result<usize, SweepError> {
+        let path = folder.join(NAME);
+        let text = fs::read_to_string(&path).map_err(io(&path))?;
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        if whole == 0 {
+            let what = "expected the journal of a sweep, found nothing".to_owned();
+            return Err(SweepError::Damaged { journal: path, line: 1, what });
+        }
+        let mut new = 0;
+        for (unit, outcome) in read(&text[..whole], &path, plan)? {
+            match self.outcomes.get(&unit) {
+                None => {
+                    self.add(unit, outcome)?;
+                    new += 1;
+                }
+                Some(ours) if *ours == outcome => {}
+                Some(_) => {
+                    let clip = plan.clips[unit.clip].name.clone();
+                    return Err(SweepError::Contradiction { journal: path, cell: unit.cell, clip });
+                }
+            }
+        }
+        Ok(new)
+    }
+
+    /// One write for the whole line: a killed process leaves no line half written but by the system's own
+    /// failure.
+    fn append(&mut self, line: &impl Serialize) -> Result<(), SweepError> {
+        let mut text = serde_json::to_string(line).expect("plain data turns into JSON");
+        text.push('\n');
+        self.file.write_all(text.as_bytes()).map_err(io(&self.path))
+    }
+}
+
+/// The finished units in a journal's whole lines.
+fn read(text: &str, path: &Path, plan: &Plan) -> Result<BTreeMap<Unit, Outcome>, SweepError> {
+    let damaged =
+        |line: usize, what: String| SweepError::Damaged { journal: path.to_path_buf(), line, what };
+    let mut outcomes = BTreeMap::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        if number == 1 {
+            let head: Head =
+                serde_json::from_str(line).map_err(|error| damaged(number, error.to_string()))?;
+            if let Some(what) = head.difference(&Head::of(plan)) {
+                return Err(SweepError::Foreign { journal: path.to_path_buf(), what });
+            }
+            continue;
+        }
+        let Line { cell, clip, outcome } =
+            serde_json::from_str(line).map_err(|error| damaged(number, error.to_string()))?;
+        if cell >= plan.cells.len() || clip >= plan.clips.len() {
+            return Err(damaged(number, format!("there is no cell {cell} on clip {clip}")));
+        }
+        outcomes.insert(Unit { cell, clip }, outcome);
+    }
+    Ok(outcomes)
+}

@@ -1,0 +1,220 @@
+//! `sinew sweep`: killed, resumed, shared out and put together, it comes to the same bytes.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::Field;
+use tempfile::TempDir;
+
+const SWEEP: &str = "
+setup.plant.kind = 'articulated'
+
+[[grid]]
+controller.method = ['local', 'world', 'linear_compensation']
+dimensions.scale = [0.9, 1.0, 1.1]
+
+[[grid]]
+controller.method = 'world'
+disturbance.torque_limit_nm = [inf, 300.0, 1.0]
+";
+
+const TABLES: [&str; 4] = ["sweep.csv", "sweep.parquet", "sweep_clips.csv", "sweep_clips.parquet"];
+
+/// A folder with the sweep file.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("sweep.toml"), SWEEP).unwrap();
+    folder
+}
+
+fn command(folder: &Path, out: &str, options: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+    command
+        .current_dir(folder)
+        .args(["sweep", "sweep.toml", "--seconds", "0.4", "--out", out])
+        .args(options);
+    command
+}
+
+fn sweep(folder: &Path, out: &str, options: &[&str]) -> Output {
+    command(folder, out, options).output().unwrap()
+}
+
+fn succeed(folder: &Path, out: &str, options: &[&str]) -> String {
+    let output = sweep(folder, out, options);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn refuse(folder: &Path, out: &str, options: &[&str]) -> String {
+    let output = sweep(folder, out, options);
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8(output.stderr).unwrap().lines().last().unwrap_or_default().to_owned()
+}
+
+fn assert_same_tables(folder: &Path, a: &str, b: &str) {
+    for table in TABLES {
+        let [a, b] = [a, b].map(|out| fs::read(folder.join(out).join(table)).unwrap());
+        assert!(a == b, "{table} differs");
+    }
+}
+
+#[test]
+fn killed_in_the_middle_it_ends_with_the_bytes_of_an_unbroken_run() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, "unbroken", &["--threads", "2"]);
+
+    let mut killed = command(folder, "killed", &["--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // Not before something is finished: the head and some runs.
+    let journal = folder.join("killed/journal.jsonl");
+    let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
+    while lines() < 10 {
+        assert!(killed.try_wait().unwrap().is_none(), "too fast to be killed");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let finished = lines() - 1;
+    assert!(!folder.join("killed/sweep.csv").exists(), "it was killed too late");
+
+    // And what a full disk or a crash of the system may do to the last line.
+    let mut text = fs::read_to_string(&journal).unwrap();
+    text.push_str("{\"cell\":3,\"cl");
+    fs::write(&journal, text).unwrap();
+
+    let told = succeed(folder, "killed", &["--threads", "2"]);
+    assert!(told.contains(&format!("{finished} taken over")), "{told}");
+    assert_same_tables(folder, "unbroken", "killed");
+    let again = succeed(folder, "killed", &[]);
+    assert!(again.contains(" 0 runs made"), "{again}");
+}
+
+#[test]
+fn shards_merged_are_the_whole_whatever_the_threads() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, "whole", &["--threads", "1"]);
+    succeed(folder, "first", &["--shard", "1/2", "--threads", "2"]);
+    let incomplete = refuse(folder, "merged", &["--merge", "first"]);
+    assert!(incomplete.contains("runs are in none of the shards"), "{incomplete}");
+    succeed(folder, "second", &["--shard", "2/2", "--threads", "2"]);
+    succeed(folder, "merged", &["--merge", "first", "second"]);
+    assert_same_tables(folder, "whole", "merged");
+}
+
+#[test]
+fn the_parquet_file_says_what_the_csv_says() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, "out", &[]);
+    for name in ["sweep", "sweep_clips"] {
+        let out = folder.join("out").join(name);
+        let mut csv = csv::Reader::from_path(out.with_extension("csv")).unwrap();
+        let header: Vec<String> = csv.headers().unwrap().iter().map(str::to_owned).collect();
+        let reader =
+            SerializedFileReader::new(fs::File::open(out.with_extension("parquet")).unwrap());
+        let reader = reader.unwrap();
+        let mut rows = reader.get_row_iter(None).unwrap();
+        for record in csv.records() {
+            let (record, row) = (record.unwrap(), rows.next().unwrap().unwrap());
+            for ((name, (column, field)), text) in
+                header.iter().zip(row.get_column_iter()).zip(record.iter())
+            {
+                assert_eq!(name, column);
+                let same = match field {
+                    Field::Null => text.is_empty(),
+                    Field::Str(value) => value == text,
+                    Field::Long(value) => value.to_string() == text,
+                    Field::Double(value) => {
+                        text.parse::<f64>().unwrap().to_bits() == value.to_bits()
+                    }
+                    other => panic!("{other:?}"),
+                };
+                assert!(same, "{name}: {field:?} {text}");
+            }
+        }
+        assert!(rows.next().is_none());
+    }
+}
+
+#[test]
+fn a_lost_figure_is_a_row_that_says_why() {
+    let folder = folder();
+    let folder = folder.path();
+    let told = succeed(folder, "out", &[]);
+    // World without limits is in both grids: once is enough. No figure stands with joints of 1 N m.
+    assert!(told.contains("11 cells") && told.contains("the figure was lost in"), "{told}");
+    let mut csv = csv::Reader::from_path(folder.join("out/sweep.csv")).unwrap();
+    let header = csv.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = csv.records().map(Result::unwrap).collect();
+    let last = rows.last().unwrap();
+    let field = |name: &str| &last[header.iter().position(|column| column == name).unwrap()];
+    assert_eq!(field("disturbance.torque_limit_nm"), "1");
+    assert_eq!((field("status"), field("all_linear_mean_cm")), ("lost", ""));
+    assert!(field("reason").contains("diverged at frame"), "{}", field("reason"));
+}
+
+#[test]
+fn a_folder_of_another_sweep_is_left_alone() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, "out", &[]);
+    let before = fs::read(folder.join("out/journal.jsonl")).unwrap();
+    fs::write(folder.join("sweep.toml"), SWEEP.replace("1.1", "1.2")).unwrap();
+    let error = refuse(folder, "out", &[]);
+    assert!(error.contains("journal.jsonl: of another sweep: its grids differ"), "{error}");
+    assert_eq!(fs::read(folder.join("out/journal.jsonl")).unwrap(), before);
+
+    fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
+    let damaged = String::from_utf8(before).unwrap().replacen("{\"cell\"", "{\"cull\"", 1);
+    fs::write(folder.join("out/journal.jsonl"), damaged).unwrap();
+    let error = refuse(folder, "out", &[]);
+    assert!(error.contains("journal.jsonl:2: "), "{error}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_before_anything_runs() {
+    let folder = folder();
+    let folder = folder.path();
+    for (text, told) in [
+        ("[[grid]]\ncontroller.method = ['lokal']", "controller.method"),
+        ("[[grid]]\ncontroller.beta = [0.5, nan]", "controller.beta"),
+        ("[[grid]]\ncontroller.beta = []", "expected a list of values"),
+        ("[[grid]]\nplant.substeps = [1, 0]", "plant.substeps = 0"),
+        ("[[grid]]\nplant = ['rapier']", "plant"),
+        ("setup.body = 3\n[[grid]]", "[setup]"),
+        ("grid = []", "at least one [[grid]]"),
+        ("[grids]", "grids"),
+        ("[[grid", "line 1"),
+    ] {
+        fs::write(folder.join("sweep.toml"), text).unwrap();
+        let output = sweep(folder, "out", &[]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(error.contains("sweep.toml") && error.contains(told), "{text}: {error}");
+    }
+    assert!(!folder.join("out").exists());
+    for shard in ["0/2", "3/2", "1", "a/b", "1/0"] {
+        assert_eq!(sweep(folder, "out", &["--shard", shard]).status.code(), Some(2), "{shard}");
+    }
+}
+
+#[test]
+fn a_journal_in_use_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, "out", &[]);
+    let journal = fs::File::open(folder.join("out/journal.jsonl")).unwrap();
+    journal.lock().unwrap();
+    let error = refuse(folder, "out", &[]);
+    assert!(error.contains("another sweep is writing to it"), "{error}");
+}
