@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, commanded_acceleration};
-use crate::dynamics::{BodyMotion, inverse_dynamics};
+use crate::dynamics::{BodyMotion, ReflectedInertia, inverse_dynamics};
 use crate::kinematics;
 use crate::state::{BodyState, JointStates, JointTargets};
 use crate::state_error::{
@@ -55,6 +55,8 @@ pub struct Controller<const N: usize> {
     law: ControlLaw,
     gravity_m_s2: Vec3,
     limits: Vec<TorqueLimit, N>,
+    /// By joint, or none at all.
+    inertias: Vec<ReflectedInertia, N>,
 }
 
 impl<const N: usize> Controller<N> {
@@ -83,7 +85,8 @@ impl<const N: usize> Controller<N> {
         let gains = tree.bodies().iter().map(|_| gains).collect();
         let limits = tree.bodies().iter().map(|_| TorqueLimit::NONE).collect();
         let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
-        Ok(Self { tree, gains, method, law: ControlLaw::default(), gravity_m_s2, limits })
+        let (law, inertias) = (ControlLaw::default(), Vec::new());
+        Ok(Self { tree, gains, method, law, gravity_m_s2, limits, inertias })
     }
 
     /// The same controller with another control law.
@@ -124,6 +127,24 @@ impl<const N: usize> Controller<N> {
             return Err(ControllerError::Count { expected: self.tree.len(), found: limits.len() });
         }
         Ok(Self { limits: limits.iter().copied().collect(), ..self })
+    }
+
+    /// The same controller with the PD law, its gains per unit of inertia: the torque of a joint is what these
+    /// gains ask for, times the joint's own constant inertia (see
+    /// [`reflected_inertia`](crate::dynamics::reflected_inertia)).
+    ///
+    /// # Errors
+    /// [`ControllerError::InertiaCount`] if there is not one for each joint.
+    pub fn with_pd_of_inertia(
+        self,
+        inertias: &[ReflectedInertia],
+    ) -> Result<Self, ControllerError> {
+        if inertias.len() != self.tree.len() {
+            let (expected, found) = (self.tree.len(), inertias.len());
+            return Err(ControllerError::InertiaCount { expected, found });
+        }
+        let law = ControlLaw::ProportionalDerivative;
+        Ok(Self { inertias: inertias.iter().copied().collect(), law, ..self })
     }
 
     /// The rig.
@@ -205,9 +226,16 @@ impl<const N: usize> Controller<N> {
         }
 
         match self.law {
-            ControlLaw::ProportionalDerivative => {
+            ControlLaw::ProportionalDerivative if self.inertias.is_empty() => {
                 for (command, wrench) in w.commands.iter().zip(&mut w.wrenches) {
                     *wrench = Wrench::new(command.angular, command.linear);
+                }
+            }
+            ControlLaw::ProportionalDerivative => {
+                for ((command, inertia), wrench) in
+                    w.commands.iter().zip(&self.inertias).zip(&mut w.wrenches)
+                {
+                    *wrench = inertia.wrench(*command);
                 }
             }
             ControlLaw::InverseDynamics => inverse_dynamics(
@@ -322,6 +350,13 @@ pub enum ControllerError {
         /// Number of gains.
         found: usize,
     },
+    /// There must be an inertia for each joint.
+    InertiaCount {
+        /// Number of joints of the tree.
+        expected: usize,
+        /// Number of inertias.
+        found: usize,
+    },
     /// The named setting is NaN or infinite.
     NonFinite(&'static str),
 }
@@ -335,6 +370,9 @@ impl fmt::Display for ControllerError {
             }
             Self::GainsCount { expected, found } => {
                 write!(f, "{expected} joints need as many gains, {found} were given")
+            }
+            Self::InertiaCount { expected, found } => {
+                write!(f, "{expected} joints need as many inertias, {found} were given")
             }
             Self::References(error) => write!(f, "the method is for another tree: {error}"),
             Self::Aims(error) => write!(f, "the method is for another tree: {error}"),

@@ -4,6 +4,7 @@
 use std::error::Error;
 
 use sinew_core::control::{Gains, GainsError, LimitError, TorqueLimit};
+use sinew_core::dynamics::ReflectedInertia;
 use sinew_core::finite_difference::{DifferenceError, Scheme, of_rotations, of_vectors};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::{
@@ -216,6 +217,9 @@ fn methods_and_controllers() {
     refused(two, &E::Count { expected: 3, found: 2 }, &["3 joints", "limits", "2 were given"]);
     let four = new(Method::World).and_then(|c| c.with_joint_gains(&[gains(); 4]));
     refused(four, &E::GainsCount { expected: 3, found: 4 }, &["3 joints", "gains", "4 were given"]);
+    let one = [ReflectedInertia::default()];
+    let one = new(Method::World).and_then(|c| c.with_pd_of_inertia(&one));
+    refused(one, &E::InertiaCount { expected: 3, found: 1 }, &["3 joints", "inertias", "1 were"]);
 }
 
 #[test]

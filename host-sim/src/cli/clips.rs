@@ -17,6 +17,10 @@ pub(super) struct ClipArgs {
     /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
+
+    /// Rate of control and plant, in Hz; the clips are resampled to it. The paper's is 100.
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
+    rate: f64,
 }
 
 type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
@@ -26,6 +30,7 @@ impl ClipArgs {
     pub(super) fn motions(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
+            rate_hz: self.rate,
             ..Settings::default()
         };
         let prepared: Vec<Prepared> = if self.clips.is_empty() {
@@ -47,6 +52,13 @@ impl ClipArgs {
             motions.push(motion);
         }
         Ok((motions, lines))
+    }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(rate) if (10.0..=10_000.0).contains(&rate) => Ok(rate),
+        _ => Err("expected a number of Hz from 10 to 10000".into()),
     }
 }
 

@@ -4,8 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 use sinew_core::control::{ControlLaw, Gains};
+use sinew_core::dynamics::{OuterJoints, reflected_inertia};
 use sinew_core::state_error::{Aims, Compensation, Method, RateTerm, References};
-use sinew_core::{Controller, Tree};
+use sinew_core::{Controller, JointStates, Tree};
 use thiserror::Error;
 
 use super::disturbance::Disturbance;
@@ -73,7 +74,9 @@ pub struct ControllerSettings {
     pub desired_velocity: DesiredVelocity,
     /// How the error becomes a torque.
     pub law: LawName,
-    /// Stiffness in 1/s², critically damped.
+    /// What the gains of `pd` are multiplied with, joint by joint.
+    pub gains: GainsName,
+    /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
     pub kp: f64,
     /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
     pub root: Root,
@@ -89,6 +92,7 @@ impl Default for ControllerSettings {
             aim: AimName::HeaviestChild,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
+            gains: GainsName::Uniform,
             kp: 200.0,
             root: Root::Driven,
         }
@@ -154,8 +158,23 @@ pub enum DesiredVelocity {
 pub enum LawName {
     /// PD and inverse dynamics, eq. (11).
     InverseDynamics,
-    /// PD alone.
+    /// PD alone, without a model of the dynamics: what a servo does by itself.
     Pd,
+}
+
+/// What the gains of a PD controller are multiplied with, joint by joint.
+///
+/// The rule: a joint's gains are those of unit inertia (kp, and kv for critical damping) times the constant
+/// inertia that its drive works against in the figure's rest pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GainsName {
+    /// Nothing: all joints have the same.
+    Uniform,
+    /// The inertia of all bodies beyond the joint, their joints held: the composite-rigid-body inertia.
+    CompositeInertia,
+    /// The inertia of all bodies beyond the joint, their joints giving way: the articulated-body inertia.
+    ArticulatedInertia,
 }
 
 /// A body of the figure, by its name.
@@ -189,6 +208,9 @@ pub enum SetupError {
     /// A subject for a body that needs none.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
+    /// Gains of joints for a law that knows their inertia itself.
+    #[error("controller.gains: expected \"uniform\", but with controller.law = \"pd\"")]
+    GainsWithoutPd,
     /// A value out of its range.
     #[error("{key}: expected {expected}, found {value}")]
     Value {
@@ -241,7 +263,10 @@ impl Setup {
         if self.subject.is_some() && self.body != BodySource::HanavanKwon {
             return Err(SetupError::SubjectWithoutBody);
         }
-        let ControllerSettings { beta, kp, .. } = self.controller;
+        let ControllerSettings { beta, kp, law, gains, .. } = self.controller;
+        if gains != GainsName::Uniform && law != LawName::Pd {
+            return Err(SetupError::GainsWithoutPd);
+        }
         if !(0.0..=2.0).contains(&beta) {
             return value("controller.beta", ("a weight from 0 to 2", beta));
         }
@@ -292,10 +317,20 @@ impl Setup {
             LawName::InverseDynamics => ControlLaw::InverseDynamics,
             LawName::Pd => ControlLaw::ProportionalDerivative,
         };
-        let limits = self.disturbance.torque_limits();
+        let outer = match settings.gains {
+            GainsName::Uniform => None,
+            GainsName::CompositeInertia => Some(OuterJoints::Locked),
+            GainsName::ArticulatedInertia => Some(OuterJoints::Free),
+        };
+        let inertias =
+            outer.map(|outer| reflected_inertia(&tree, &JointStates::rest(&tree), outer));
+        let gains = Gains::critically_damped(narrow(settings.kp))?;
         let controller =
-            Controller::new(tree, Gains::critically_damped(narrow(settings.kp))?, method)?;
-        Ok(controller.with_law(law).with_limits(&limits)?)
+            Controller::new(tree, gains, method)?.with_limits(&self.disturbance.torque_limits())?;
+        if let Some(inertias) = inertias {
+            return Ok(controller.with_pd_of_inertia(&inertias)?);
+        }
+        Ok(controller.with_law(law))
     }
 }
 

@@ -247,3 +247,19 @@ fn a_figure_that_is_lost_is_an_error_not_a_mean() {
     // Forward differences see the leap coming: the figure may leave before it.
     assert!((29..=31).contains(&frame), "{frame}");
 }
+
+#[test]
+fn gains_of_joints_are_for_pd_alone() {
+    let text = "controller.gains = 'composite_inertia'";
+    assert_eq!(Setup::parse(text), Err(SetupError::GainsWithoutPd));
+    let with_pd = Setup::parse(&format!("{text}\ncontroller.law = 'pd'")).unwrap();
+    assert_ne!(with_pd, Setup::default());
+    let of = |gains| {
+        altered(|setup| {
+            setup.controller.law = LawName::Pd;
+            setup.controller.kp = 1.0;
+            setup.controller.gains = gains;
+        })
+    };
+    assert!(of(GainsName::CompositeInertia) != of(GainsName::ArticulatedInertia));
+}

@@ -19,7 +19,7 @@ pub(super) const SMALLEST_SINE: f32 = 1e-6;
 ///
 /// Three points where the paper's printed form does not do what its text wants are put right: the angle
 /// is taken by atan2, the rotation turns *towards* the goal, and the rate has the sign of that rotation
-/// ([`RateTerm`]).
+/// ([`RateTerm`](super::RateTerm)).
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};

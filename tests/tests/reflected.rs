@@ -1,0 +1,114 @@
+//! Reflected inertia against the mass matrix, column by column from inverse dynamics, in f64.
+
+use nalgebra::DMatrix;
+use proptest::prelude::*;
+use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
+use sinew_core::glam::Vec3;
+use sinew_core::{JointState, JointStates, Motion, Wrench};
+use sinew_tests::property;
+use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
+
+/// The rig, standing still in its pose.
+fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
+    let mut states = JointStates::rest(&rig.tree);
+    for (joint, state) in rig.states().as_slice().iter().enumerate() {
+        states.set(joint, JointState { velocity: Motion::ZERO, ..*state }).unwrap();
+    }
+    states
+}
+
+/// All degrees of freedom: their joint, and their column of its motion subspace.
+fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Motion)> {
+    let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
+    joints
+        .flat_map(|(joint, (body, state))| {
+            let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+            body.joint.motion_subspace(in_joint).into_iter().map(move |column| (joint, column))
+        })
+        .collect()
+}
+
+/// The joint-space inertia: what acceleration along one freedom costs along all.
+fn mass_matrix(
+    rig: &Rig,
+    states: &JointStates<CAPACITY>,
+    freedoms: &[(usize, Motion)],
+) -> DMatrix<f64> {
+    let count = rig.tree.len();
+    let mut matrix = DMatrix::zeros(freedoms.len(), freedoms.len());
+    for (column, (joint, motion)) in freedoms.iter().enumerate() {
+        let mut accelerations = vec![Motion::ZERO; count];
+        accelerations[*joint] = *motion;
+        let mut scratch = vec![BodyMotion::default(); count];
+        let mut out = vec![Wrench::ZERO; count];
+        let bodies = rig.tree.bodies();
+        let states = states.as_slice();
+        inverse_dynamics(bodies, states, &accelerations, Vec3::ZERO, &[], &mut scratch, &mut out);
+        for (row, (joint, motion)) in freedoms.iter().enumerate() {
+            matrix[(row, column)] = f64::from(out[*joint].power_w(*motion));
+        }
+    }
+    // Rounding must not leave it unsymmetric.
+    (&matrix + matrix.transpose()) * 0.5
+}
+
+proptest! {
+    #![proptest_config(property(200))]
+
+    #[test]
+    fn locked_and_free_are_blocks_of_the_mass_matrix_and_of_its_inverse(
+        rig in rigs(8, Joints::Mixed)
+    ) {
+        let states = at_rest(&rig);
+        let freedoms = freedoms(&rig, &states);
+        let matrix = mass_matrix(&rig, &states, &freedoms);
+        let locked = reflected_inertia(&rig.tree, &states, OuterJoints::Locked);
+        let free = reflected_inertia(&rig.tree, &states, OuterJoints::Free);
+        for joint in 0..rig.tree.len() {
+            // The parent is held: only the freedoms from this joint outwards are left.
+            let subtree = rig.tree.subtree(joint);
+            let inside: Vec<usize> =
+                (0..freedoms.len()).filter(|f| subtree.contains(freedoms[*f].0)).collect();
+            let own: Vec<usize> =
+                (0..inside.len()).filter(|f| freedoms[inside[*f]].0 == joint).collect();
+            if own.is_empty() {
+                prop_assert_eq!(locked[joint].linear_kg.to_bits(), 0);
+                continue;
+            }
+            let outwards = matrix.select_rows(&inside).select_columns(&inside);
+            let values = outwards.clone().symmetric_eigenvalues();
+            // f32 leaves some 1e-6 of the largest: what is near that has no inverse to compare with.
+            prop_assume!(values.min() > 1e-3 * values.max());
+            let block = |m: &DMatrix<f64>| m.select_rows(&own).select_columns(&own);
+            let inverse = outwards.clone().try_inverse().expect("it is well conditioned");
+            let expected_free = block(&inverse).try_inverse().expect("so is its block");
+            // A thousand times the rounding, by the condition.
+            for (expected, reflected, tolerance) in
+                [(block(&outwards), &locked[joint], 1e-5), (expected_free, &free[joint], 3e-3)]
+            {
+                let scale = expected.amax();
+                let (mut slides, mut mass) = (0, 0.0);
+                for (row, a) in own.iter().enumerate() {
+                    let (_, of_row) = freedoms[inside[*a]];
+                    if of_row.angular == Vec3::ZERO {
+                        slides += 1;
+                        mass += expected[(row, row)];
+                        continue;
+                    }
+                    for (column, b) in own.iter().enumerate() {
+                        let (_, of_column) = freedoms[inside[*b]];
+                        if of_column.angular != Vec3::ZERO {
+                            let got = f64::from(reflected.wrench(of_column).power_w(of_row));
+                            let error = (got - expected[(row, column)]).abs();
+                            prop_assert!(error <= tolerance * scale, "joint {joint}: {error:e}");
+                        }
+                    }
+                }
+                if slides > 0 {
+                    let error = (f64::from(reflected.linear_kg) - mass / f64::from(slides)).abs();
+                    prop_assert!(error <= tolerance * scale, "joint {joint}: {error:e} kg");
+                }
+            }
+        }
+    }
+}
