@@ -170,15 +170,35 @@ fn a_folder_of_another_sweep_is_left_alone() {
     succeed(folder, "out", &[]);
     let before = fs::read(folder.join("out/journal.jsonl")).unwrap();
     fs::write(folder.join("sweep.toml"), SWEEP.replace("1.1", "1.2")).unwrap();
+    // Its last line is not ours to cut off either.
+    let torn = [&before[..], b"{\"cell\":3"].concat();
+    fs::write(folder.join("out/journal.jsonl"), &torn).unwrap();
     let error = refuse(folder, "out", &[]);
     assert!(error.contains("journal.jsonl: of another sweep: its grids differ"), "{error}");
-    assert_eq!(fs::read(folder.join("out/journal.jsonl")).unwrap(), before);
+    assert_eq!(fs::read(folder.join("out/journal.jsonl")).unwrap(), torn);
+    let error = refuse(folder, "merged", &["--merge", "out"]);
+    assert!(error.contains("out/journal.jsonl: of another sweep: its grids differ"), "{error}");
 
     fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
     let damaged = String::from_utf8(before).unwrap().replacen("{\"cell\"", "{\"cull\"", 1);
     fs::write(folder.join("out/journal.jsonl"), damaged).unwrap();
     let error = refuse(folder, "out", &[]);
     assert!(error.contains("journal.jsonl:2: "), "{error}");
+}
+
+#[test]
+fn the_summary_ranks_the_cells_by_what_they_do_not_share() {
+    let folder = folder();
+    let told = succeed(folder.path(), "out", &[]);
+    let (_, ranking) = told.split_once("smallest and largest:\n").unwrap();
+    let errors: Vec<f64> = ranking
+        .lines()
+        .filter_map(|line| line.split_once(" cm "))
+        .map(|(error, _)| error.trim().parse().unwrap())
+        .collect();
+    assert_eq!(errors.len(), 6, "{told}");
+    assert!(errors.is_sorted(), "{told}");
+    assert!(ranking.contains("dimensions.scale = ") && !ranking.contains("plant.kind"), "{told}");
 }
 
 #[test]

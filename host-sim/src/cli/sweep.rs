@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
-use sinew_sim::evaluate::step_count;
+use sinew_sim::evaluate::{Errors, step_count};
 use sinew_sim::sweep::{self, Journal, Plan, Shard, Summary, SweepFile};
 
 use super::clips::{ClipArgs, seconds};
@@ -21,12 +21,14 @@ use super::threads::ThreadArgs;
 ///     controller.method = ["local", "world"]
 ///     dimensions.scale = [0.9, 1.0, 1.1]
 ///
-/// Each combination is a cell. The keys are those of `sinew evaluate --format json`, under "setup"; the same
-/// setup in two grids is run once. What cannot be is refused before anything runs.
+/// Each combination is a cell. The keys are those of `sinew evaluate --format json`,
+/// under "setup"; the same setup in two grids is run once. What cannot be is refused
+/// before anything runs.
 ///
-/// Every finished run goes to DIR/journal.jsonl at once: the same command goes on where it was stopped. Then
-/// sweep.csv and sweep.parquet have a row per cell, `sweep_clips.*` a row per cell and clip. They are the same
-/// bytes, however often it was stopped, whatever the number of threads, and from one machine or many. A
+/// Every finished run goes to DIR/journal.jsonl at once: the same command goes on
+/// where it was stopped. Then sweep.csv and sweep.parquet have a row per cell,
+/// `sweep_clips.*` a row per cell and clip. They are the same bytes, however often
+/// it was stopped, whatever the number of threads, and from one machine or many. A
 /// figure that is lost is a result: its row has no numbers and says why.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -100,17 +102,49 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     } else {
         sweep::merge(&plan, journal, &args.merge)?
     };
-    print(&told(&summary))?;
+    print(&told(&summary, &plan))?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn told(summary: &Summary) -> String {
-    let Summary { cells, run, resumed, lost, files } = summary;
+fn told(summary: &Summary, plan: &Plan) -> String {
+    let Summary { cells, run, resumed, lost, ranking, files } = summary;
     let mut lines = vec![format!("{cells} cells; {run} runs made, {resumed} taken over")];
     if *lost > 0 {
         lines.push(format!("the figure was lost in {lost} cells"));
     }
+    if ranking.len() > 1 {
+        lines.push("mean linear error of all bodies, smallest and largest:".to_owned());
+        lines.extend(extremes(ranking, plan));
+    }
     lines.extend(files.iter().map(|file| file.display().to_string()));
     lines.push(String::new());
     lines.join("\n")
+}
+
+/// How many cells of either end are shown.
+const SHOWN: usize = 3;
+
+/// The first and last cells of a ranking, with what not all cells have in common.
+fn extremes(ranking: &[(usize, Errors)], plan: &Plan) -> Vec<String> {
+    let mut own: Vec<Vec<String>> =
+        plan.cells.iter().map(|cell| cell.setup.differences()).collect();
+    let common: Vec<String> = own[0]
+        .iter()
+        .filter(|line| own.iter().all(|lines| lines.contains(line)))
+        .cloned()
+        .collect();
+    for lines in &mut own {
+        lines.retain(|line| !common.contains(line));
+    }
+    let last = ranking.len().saturating_sub(SHOWN).max(SHOWN);
+    let ends = ranking.iter().take(SHOWN).chain(ranking.iter().skip(last));
+    ends.map(|(cell, errors)| {
+        let own = if own[*cell].is_empty() {
+            "nothing else set".to_owned()
+        } else {
+            own[*cell].join(", ")
+        };
+        format!("  {:>9.4} cm  cell {cell:<5} {own}", errors.all.linear_mean_cm())
+    })
+    .collect()
 }

@@ -36,14 +36,12 @@ pub enum SweepError {
         what: String,
     },
     /// A cell whose setup cannot be.
-    #[error("{}: grid {grid}, {values}: {source}", file.display())]
+    #[error("{}: {place}: {source}", file.display())]
     Setup {
         /// The file.
         file: PathBuf,
-        /// Number of the grid, from 1; 0 for what all have in common.
-        grid: usize,
-        /// The values that the cell has of its own.
-        values: String,
+        /// `[setup]`, or the grid and the values that it gives the cell.
+        place: String,
         /// Why not.
         source: SetupError,
     },
@@ -86,7 +84,8 @@ pub enum SweepError {
     },
     /// The shards do not make up the whole.
     #[error(
-        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}"
+        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}; what there \
+         is has been put together: merge the other shards, or make the runs here without --merge"
     )]
     Incomplete {
         /// How many.

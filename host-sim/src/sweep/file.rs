@@ -1,11 +1,15 @@
 //! Sweep files (TOML): what all setups have in common, and grids of what they have not.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::error::{SweepError, io};
 use crate::evaluate::Setup;
+
+/// More cells than anybody waits for are a mistake in a list, and would not fit in memory.
+const MOST_CELLS: usize = 1_000_000;
 
 /// A sweep file, read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +44,8 @@ struct File {
 impl SweepFile {
     /// Reads a sweep file.
     ///
-    /// The cells of a grid go through its lists, the last key in alphabetical order fastest.
+    /// The cells of a grid go through its lists, the last key in alphabetical order fastest. Keys may be
+    /// dotted, in quotes too, or lie in tables.
     ///
     /// # Errors
     /// [`SweepError`] with the file's name and what is wrong where; nothing has been run then.
@@ -57,28 +62,30 @@ impl SweepFile {
         let file = || PathBuf::from(path);
         let content: File = toml::from_str(&text)
             .map_err(|source| SweepError::Toml { file: file(), source: Box::new(source) })?;
-        let setup_error = |grid, values: String| {
-            move |source| SweepError::Setup { file: path.to_path_buf(), grid, values, source }
-        };
-        Setup::from_table(content.setup.clone()).map_err(setup_error(0, "[setup]".to_owned()))?;
+        let setup_error =
+            |place| move |source| SweepError::Setup { file: path.to_path_buf(), place, source };
+        Setup::from_table(content.setup.clone()).map_err(setup_error("[setup]".to_owned()))?;
 
         let mut cells: Vec<Cell> = Vec::new();
+        let mut keys = BTreeSet::new();
         let mut repeated = 0;
+        let mut left = MOST_CELLS;
         for (number, grid) in (1..).zip(&content.grid) {
             let grid_error = |what| SweepError::Grid { file: file(), grid: number, what };
             let axes = axes(grid).map_err(grid_error)?;
+            left = remaining(left, &axes).map_err(grid_error)?;
             for values in combinations(&axes) {
                 let mut table = content.setup.clone();
                 for ((key, _), value) in axes.iter().zip(&values) {
                     insert(&mut table, key, (*value).clone()).map_err(grid_error)?;
                 }
-                let setup =
-                    Setup::from_table(table).map_err(setup_error(number, names(&axes, &values)))?;
+                let place = format!("grid {number}, {}", names(&axes, &values));
+                let setup = Setup::from_table(table).map_err(setup_error(place))?;
                 let key = toml::to_string(&setup).expect("every setup can be written in TOML");
-                if cells.iter().any(|cell| cell.key == key) {
-                    repeated += 1;
-                } else {
+                if keys.insert(key.clone()) {
                     cells.push(Cell { setup, key });
+                } else {
+                    repeated += 1;
                 }
             }
         }
@@ -97,12 +104,18 @@ type Axis = (Vec<String>, Vec<toml::Value>);
 fn axes(grid: &toml::Table) -> Result<Vec<Axis>, String> {
     let mut axes = Vec::new();
     collect(&[], grid, &mut axes)?;
-    Ok(axes)
+    // `beta` in `controller` and "controller.beta" are the same key, but not for TOML.
+    let mut keys = BTreeSet::new();
+    match axes.iter().find(|(key, _)| !keys.insert(key)) {
+        Some((key, _)) => Err(format!("{}: expected once, found twice", key.join("."))),
+        None => Ok(axes),
+    }
 }
 
 fn collect(path: &[String], table: &toml::Table, axes: &mut Vec<Axis>) -> Result<(), String> {
     for (key, value) in table {
-        let path = [path, std::slice::from_ref(key)].concat();
+        let path: Vec<String> =
+            path.iter().cloned().chain(key.split('.').map(str::to_owned)).collect();
         match value {
             toml::Value::Table(inner) => collect(&path, inner, axes)?,
             toml::Value::Array(values) if values.is_empty() => {
@@ -113,6 +126,19 @@ fn collect(path: &[String], table: &toml::Table, axes: &mut Vec<Axis>) -> Result
         }
     }
     Ok(())
+}
+
+/// What is left of the cells that a file may have after a grid of these axes.
+fn remaining(left: usize, axes: &[Axis]) -> Result<usize, String> {
+    let cells = axes.iter().try_fold(1usize, |cells, (_, values)| cells.checked_mul(values.len()));
+    cells.and_then(|cells| left.checked_sub(cells)).ok_or_else(|| {
+        let lengths: Vec<_> = axes.iter().map(|(_, values)| values.len().to_string()).collect();
+        format!(
+            "expected at most {MOST_CELLS} cells in all grids, found {} of them after {}",
+            lengths.join(" x "),
+            MOST_CELLS - left
+        )
+    })
 }
 
 /// Every combination of one value of each axis, the last axis fastest.
@@ -152,6 +178,75 @@ fn insert(table: &mut toml::Table, key: &[String], value: toml::Value) -> Result
                 Some(inner) => insert(inner, rest, value),
                 None => Err(format!("`{first}` has no keys of its own")),
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<SweepFile, String> {
+        SweepFile::parse(text.to_owned(), Path::new("s.toml")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn cells_are_numbered_with_the_last_key_fastest_and_grids_in_turn() {
+        let text = "setup.plant.substeps = 2
+            [[grid]]
+            dimensions.scale = [0.9, 1.1]
+            'controller.beta' = [0.0, 1.0]
+            [[grid]]
+            controller.kp = 50
+            dimensions.scale = 0.9
+            [[grid]]
+            dimensions.scale = [1.1, 1.2]";
+        let file = parse(text).unwrap();
+        let cells: Vec<_> = file
+            .cells
+            .iter()
+            .map(|cell| {
+                let Setup { controller, dimensions, plant, .. } = &cell.setup;
+                assert_eq!(plant.substeps, 2);
+                (controller.beta, controller.kp, dimensions.scale)
+            })
+            .collect();
+        let expected = [
+            (0.0, 200.0, 0.9),
+            (0.0, 200.0, 1.1),
+            (1.0, 200.0, 0.9),
+            (1.0, 200.0, 1.1),
+            (1.0, 50.0, 0.9),
+            (1.0, 200.0, 1.2),
+        ];
+        assert_eq!((cells.as_slice(), file.repeated), (expected.as_slice(), 1));
+    }
+
+    #[test]
+    fn refusals_say_where_and_what_would_be_right() {
+        let many = format!("[{}]", "0,".repeat(1000));
+        let seeds = format!("disturbance.seed = {many}\ndimensions.seed = {many}");
+        for (text, told) in [
+            ("setup.plant.substeps = 0\n[[grid]]", "s.toml: [setup]: plant.substeps: expected a"),
+            (
+                "[[grid]]\n[[grid]]\ncontroller.beta = [1, 3]",
+                "s.toml: grid 2, controller.beta = 3: controller.beta: expected a weight from 0 to 2",
+            ),
+            (
+                "[[grid]]\ncontroller.beta = 1\n'controller.beta' = 0",
+                "s.toml: grid 1: controller.beta: expected once, found twice",
+            ),
+            (
+                "[[grid]]\nplant = 'rapier'\n'plant.kind' = 'rapier'",
+                "s.toml: grid 1: `plant` has no keys of its own",
+            ),
+            (
+                &format!("[[grid]]\n[[grid]]\n{seeds}"),
+                "grid 2: expected at most 1000000 cells in all grids, found 1000 x 1000 of them after 1",
+            ),
+        ] {
+            let error = parse(text).unwrap_err();
+            assert!(error.contains(told), "{error}");
         }
     }
 }

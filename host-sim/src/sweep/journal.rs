@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,9 @@ use crate::evaluate::Errors;
 
 /// The journal's file in a sweep's folder.
 pub(super) const NAME: &str = "journal.jsonl";
+
+/// The most work that a crash of the machine costs; that of the program alone costs none.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// What came of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,6 +48,7 @@ pub struct Journal {
     folder: PathBuf,
     path: PathBuf,
     file: File,
+    synced: Instant,
     outcomes: BTreeMap<Unit, Outcome>,
 }
 
@@ -115,15 +120,18 @@ impl Journal {
         let mut notices = Vec::new();
         let text = fs::read_to_string(&path).map_err(io(&path))?;
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let outcomes = read(&text[..whole], &path, plan)?;
+        // Only now: a journal of another sweep is left as it is.
         if whole < text.len() {
             notices.push(Notice::Torn);
             file.set_len(whole as u64).map_err(io(&path))?;
         }
-        let outcomes = read(&text[..whole], &path, plan)?;
         file.seek(SeekFrom::End(0)).map_err(io(&path))?;
-        let mut journal = Self { folder: folder.to_path_buf(), path, file, outcomes };
+        let synced = Instant::now();
+        let mut journal = Self { folder: folder.to_path_buf(), path, file, synced, outcomes };
         if whole == 0 {
             journal.append(&Head::of(plan))?;
+            journal.sync()?;
         }
         if !journal.outcomes.is_empty() {
             notices.push(Notice::Resumed(journal.outcomes.len()));
@@ -153,6 +161,19 @@ impl Journal {
     pub fn add(&mut self, unit: Unit, outcome: Outcome) -> Result<(), SweepError> {
         self.append(&Line { cell: unit.cell, clip: unit.clip, outcome: outcome.clone() })?;
         self.outcomes.insert(unit, outcome);
+        if self.synced.elapsed() >= SYNC_EVERY {
+            self.sync()?;
+        }
+        Ok(())
+    }
+
+    /// Waits until all finished units are on the disk.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub(super) fn sync(&mut self) -> Result<(), SweepError> {
+        self.file.sync_data().map_err(io(&self.path))?;
+        self.synced = Instant::now();
         Ok(())
     }
 

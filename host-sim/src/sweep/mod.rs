@@ -16,7 +16,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use crate::evaluate::{run, step_count};
+use crate::evaluate::{Errors, run, step_count};
 use crate::mocap::FigureMotion;
 
 pub use error::SweepError;
@@ -25,7 +25,7 @@ pub use journal::{Journal, Notice, Outcome};
 pub use plan::{Plan, Shard, Unit};
 
 /// What a sweep came to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// Cells of this shard.
     pub cells: usize,
@@ -35,6 +35,8 @@ pub struct Summary {
     pub resumed: usize,
     /// Cells whose figure was lost on some clip.
     pub lost: usize,
+    /// All others with their errors over all clips, the smallest mean linear error first.
+    pub ranking: Vec<(usize, Errors)>,
     /// The tables.
     pub files: Vec<PathBuf>,
 }
@@ -71,7 +73,8 @@ pub fn sweep(
         progress(step_count(motion, plan.seconds));
         Ok::<_, SweepError>(())
     })?;
-    let journal = journal.into_inner().expect("no thread panics with it");
+    let mut journal = journal.into_inner().expect("no thread panics with it");
+    journal.sync()?;
     finish(plan, &journal, &folder, missing.len(), resumed)
 }
 
@@ -84,6 +87,7 @@ pub fn merge(plan: &Plan, mut journal: Journal, shards: &[PathBuf]) -> Result<Su
     for shard in shards {
         taken += journal.take_over(plan, shard)?;
     }
+    journal.sync()?;
     let missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
     if let Some(first) = missing.first() {
         return Err(SweepError::Incomplete {
@@ -103,6 +107,8 @@ fn finish(
     run: usize,
     resumed: usize,
 ) -> Result<Summary, SweepError> {
-    let (files, lost) = table::write(plan, journal, folder)?;
-    Ok(Summary { cells: plan.shard_cells().count(), run, resumed, lost, files })
+    let (files, mut ranking) = table::write(plan, journal, folder)?;
+    ranking.sort_by(|(_, a), (_, b)| a.all.linear_mean_cm().total_cmp(&b.all.linear_mean_cm()));
+    let cells = plan.shard_cells().count();
+    Ok(Summary { cells, run, resumed, lost: cells - ranking.len(), ranking, files })
 }

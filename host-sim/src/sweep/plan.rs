@@ -135,3 +135,57 @@ fn hex(hash: Sha256) -> String {
     let start = hash.finalize().iter().take(8).fold(0, |value, byte| value << 8 | u64::from(*byte));
     format!("{start:016x}")
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A grid with lists of these lengths.
+    fn text(lengths: &[usize]) -> String {
+        let keys = ["controller.kp", "dimensions.scale", "dimensions.trunk"];
+        let line = |(key, length): (&str, &usize)| {
+            let values: Vec<_> = (1..=*length).map(|value| value.to_string()).collect();
+            format!("{key} = [{}]", values.join(", "))
+        };
+        let lines: Vec<_> = keys.into_iter().zip(lengths).map(line).collect();
+        format!("[[grid]]\n{}\n", lines.join("\n"))
+    }
+
+    proptest! {
+        #[test]
+        fn shards_share_out_the_cells_of_any_grids_evenly(
+            grids in prop::collection::vec(prop::collection::vec(1..5usize, 0..=3), 1..4),
+            clips in 0..3usize,
+            count in 1..9usize,
+        ) {
+            let file = SweepFile::parse(grids.iter().map(|grid| text(grid)).collect(), Path::new("s.toml")).unwrap();
+            let products: usize = grids.iter().map(|grid| grid.iter().product::<usize>()).sum();
+            prop_assert_eq!(file.cells.len() + file.repeated, products);
+            let setups: std::collections::BTreeSet<_> = file.cells.iter().map(|cell| &cell.key).collect();
+            prop_assert_eq!(setups.len(), file.cells.len());
+
+            let clip = |clip: usize| ClipIdentity { name: clip.to_string(), sha256: String::new() };
+            let plan = |shard| Plan {
+                text: String::new(),
+                cells: file.cells.clone(),
+                clips: (0..clips).map(clip).collect(),
+                seconds: None,
+                shard,
+            };
+            let whole: Vec<Unit> = plan(Shard::WHOLE).units().collect();
+            let shards = (1..=count).map(|index| plan(format!("{index}/{count}").parse().unwrap()));
+            let (mut units, mut sizes) = (Vec::new(), Vec::new());
+            for shard in shards {
+                sizes.push(shard.shard_cells().count());
+                units.extend(shard.units());
+            }
+            units.sort_unstable();
+            prop_assert_eq!(units, whole);
+            prop_assert!(sizes.iter().max().unwrap() - sizes.iter().min().unwrap() <= 1);
+        }
+    }
+}

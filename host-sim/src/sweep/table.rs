@@ -30,6 +30,9 @@ enum Values {
     Float(Vec<Option<f64>>),
 }
 
+/// A cell, and its errors over all clips.
+pub(super) type Total = (usize, Errors);
+
 /// What a row is about.
 struct Row<'a> {
     cell: usize,
@@ -39,12 +42,13 @@ struct Row<'a> {
     result: Result<Errors, (&'a str, &'a str)>,
 }
 
-/// Writes all tables into `folder`; returns their paths and the number of cells that were lost.
+/// Writes all tables into `folder`; returns their paths, and the cells that were not lost with their errors
+/// over all clips.
 pub(super) fn write(
     plan: &Plan,
     journal: &Journal,
     folder: &Path,
-) -> Result<(Vec<PathBuf>, usize), SweepError> {
+) -> Result<(Vec<PathBuf>, Vec<Total>), SweepError> {
     let (mut cells, mut runs) = (Vec::new(), Vec::new());
     for cell in plan.shard_cells() {
         let setup = &plan.cells[cell].setup;
@@ -68,7 +72,8 @@ pub(super) fn write(
         }
         cells.push(Row { cell, setup, clip: None, result: total });
     }
-    let lost = cells.iter().filter(|row| row.result.is_err()).count();
+    let kept =
+        cells.iter().filter_map(|row| row.result.ok().map(|errors| (row.cell, errors))).collect();
     let mut files = Vec::new();
     for (name, rows) in [("sweep", cells), ("sweep_clips", runs)] {
         let columns = columns(&rows);
@@ -80,7 +85,7 @@ pub(super) fn write(
             files.push(file);
         }
     }
-    Ok((files, lost))
+    Ok((files, kept))
 }
 
 /// Writes beside the file, then takes its place: whoever reads it has the old one or the new one.
@@ -166,9 +171,7 @@ fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
                 toml::Value::Float(_) => {
                     Values::Float(flat.iter().map(|row| of(row).as_float()).collect())
                 }
-                _ => Values::Text(
-                    flat.iter().map(|row| of(row).as_str().map(str::to_owned)).collect(),
-                ),
+                _ => Values::Text(flat.iter().map(|row| Some(plain(&of(row)))).collect()),
             };
             Column { name, values }
         })
@@ -180,6 +183,11 @@ fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
         values: Values::Text(rows.iter().map(subject).collect()),
     });
     columns
+}
+
+/// A value without the quotes of TOML.
+fn plain(value: &toml::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 fn table(setup: &Setup) -> toml::Table {
