@@ -123,6 +123,12 @@ fn the_parquet_file_says_what_the_csv_says() {
         let reader =
             SerializedFileReader::new(fs::File::open(out.with_extension("parquet")).unwrap());
         let reader = reader.unwrap();
+        let metadata = reader.metadata().file_metadata();
+        assert_eq!(metadata.created_by(), Some(concat!("sinew ", env!("CARGO_PKG_VERSION"))));
+        let notes = metadata.key_value_metadata().unwrap();
+        let note = |key| notes.iter().find(|note| note.key == key).unwrap().value.as_deref();
+        assert_eq!((note("sweep_file"), note("seconds")), (Some(SWEEP), Some("0.4")));
+        assert!(note("clips").unwrap().contains("punches_01"));
         let mut rows = reader.get_row_iter(None).unwrap();
         for record in csv.records() {
             let (record, row) = (record.unwrap(), rows.next().unwrap().unwrap());

@@ -62,9 +62,6 @@ impl SweepFile {
         let file = || PathBuf::from(path);
         let content: File = toml::from_str(&text)
             .map_err(|source| SweepError::Toml { file: file(), source: Box::new(source) })?;
-        let setup_error =
-            |place| move |source| SweepError::Setup { file: path.to_path_buf(), place, source };
-        Setup::from_table(content.setup.clone()).map_err(setup_error("[setup]".to_owned()))?;
 
         let mut cells: Vec<Cell> = Vec::new();
         let mut keys = BTreeSet::new();
@@ -79,8 +76,16 @@ impl SweepFile {
                 for ((key, _), value) in axes.iter().zip(&values) {
                     insert(&mut table, key, (*value).clone()).map_err(grid_error)?;
                 }
-                let place = format!("grid {number}, {}", names(&axes, &values));
-                let setup = Setup::from_table(table).map_err(setup_error(place))?;
+                let setup = Setup::from_table(table).map_err(|source| {
+                    // What is wrong without the grid's values too is not their fault.
+                    let common = Setup::from_table(content.setup.clone());
+                    let place = if common.as_ref() == Err(&source) {
+                        "[setup]".to_owned()
+                    } else {
+                        format!("grid {number}, {}", names(&axes, &values))
+                    };
+                    SweepError::Setup { file: file(), place, source }
+                })?;
                 let key = toml::to_string(&setup).expect("every setup can be written in TOML");
                 if keys.insert(key.clone()) {
                     cells.push(Cell { setup, key });
@@ -220,6 +225,16 @@ mod tests {
             (1.0, 200.0, 1.2),
         ];
         assert_eq!((cells.as_slice(), file.repeated), (expected.as_slice(), 1));
+    }
+
+    #[test]
+    fn what_all_have_in_common_need_not_be_a_setup_by_itself() {
+        let text = "setup.controller.gains = 'articulated_inertia'
+            [[grid]]
+            controller.law = 'pd'";
+        assert_eq!(parse(text).unwrap().cells.len(), 1);
+        let error = parse(&format!("{text}\n[[grid]]")).unwrap_err();
+        assert!(error.starts_with("s.toml: [setup]: controller.gains: "), "{error}");
     }
 
     #[test]

@@ -25,10 +25,12 @@ pub struct Plan {
 }
 
 /// A clip, known again by its content.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClipIdentity {
     /// The clip's name.
     pub name: String,
+    /// Its time step in seconds.
+    pub dt_s: f64,
     /// SHA-256 of the figure's motion, the first 16 hexadecimal digits.
     pub sha256: String,
 }
@@ -127,7 +129,7 @@ impl ClipIdentity {
         for rotation in motion.rotation.iter().flatten() {
             add(&rotation.to_array());
         }
-        Self { name: motion.name.clone(), sha256: hex(hash) }
+        Self { name: motion.name.clone(), dt_s: motion.dt_s, sha256: hex(hash) }
     }
 }
 
@@ -168,7 +170,7 @@ mod tests {
             let setups: std::collections::BTreeSet<_> = file.cells.iter().map(|cell| &cell.key).collect();
             prop_assert_eq!(setups.len(), file.cells.len());
 
-            let clip = |clip: usize| ClipIdentity { name: clip.to_string(), sha256: String::new() };
+            let clip = |clip: usize| ClipIdentity { name: clip.to_string(), dt_s: 0.01, sha256: String::new() };
             let plan = |shard| Plan {
                 text: String::new(),
                 cells: file.cells.clone(),

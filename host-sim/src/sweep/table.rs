@@ -262,11 +262,14 @@ fn parquet_bytes(columns: &[Column], plan: &Plan) -> Result<Vec<u8>, ParquetErro
         .collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
     let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());
+    let json = "plain data turns into JSON";
     let properties = WriterProperties::builder()
         .set_created_by(concat!("sinew ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_key_value_metadata(Some(vec![
             note("schema", "sinew-sweep/1"),
             note("sweep_file", &plan.text),
+            note("clips", &serde_json::to_string(&plan.clips).expect(json)),
+            note("seconds", &serde_json::to_string(&plan.seconds).expect(json)),
         ]))
         .build();
     let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
