@@ -129,9 +129,12 @@ impl<const N: usize> Controller<N> {
         Ok(Self { limits: limits.iter().copied().collect(), ..self })
     }
 
-    /// The same controller with the PD law, its gains per unit of inertia: the torque of a joint is what these
-    /// gains ask for, times the joint's own constant inertia (see
+    /// The same controller with the PD law, its gains per unit of inertia (1/s² and 1/s): the torque of a joint
+    /// is what these gains ask for, times the joint's own constant inertia (see
     /// [`reflected_inertia`](crate::dynamics::reflected_inertia)).
+    ///
+    /// Joints move each other, so the damping that a period allows is less than that of one joint alone:
+    /// `kv dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
     ///
     /// # Errors
     /// [`ControllerError::InertiaCount`] if there is not one for each joint.
@@ -312,8 +315,8 @@ impl<const N: usize> Workspace<N> {
         &self.aim_status
     }
 
-    /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics),
-    /// or moment and force in N m and N (PD alone).
+    /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics, or
+    /// PD with inertias), or moment and force in N m and N (PD alone).
     pub fn commands(&self) -> &[Motion] {
         &self.commands
     }

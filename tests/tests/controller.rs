@@ -3,7 +3,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
-use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
+use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::{
@@ -305,6 +305,23 @@ proptest! {
             }
             let held: Vec<_> = held.iter().map(|torque| torque.value).collect();
             prop_assert_eq!(&held[1..], &expected[1..]);
+        }
+    }
+
+    #[test]
+    fn inertias_turn_what_the_gains_ask_for_into_torques((desired, measured) in figures(18, 0.6)) {
+        let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
+        let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
+        for method in methods(tree) {
+            let new = || Controller::new(tree.clone(), gains(), method.clone()).expect("good settings");
+            let plain = new().with_law(ControlLaw::ProportionalDerivative);
+            let asked = plain.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
+            let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
+            let got = weighted.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
+            for ((got, asked), inertia) in got.iter().zip(&asked).zip(&inertias) {
+                let asked = Motion::new(asked.value.moment_nm, asked.value.force_n);
+                prop_assert_eq!(got.value, inertia.wrench(asked));
+            }
         }
     }
 
