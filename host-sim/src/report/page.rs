@@ -14,7 +14,7 @@ const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("asset
 const CLIPS: usize = 60;
 
 /// Maps of a sweep that a page holds.
-pub(super) const GRIDS: usize = 48;
+pub(super) const GRIDS: usize = 24;
 
 pub(super) fn page(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
@@ -362,7 +362,7 @@ fn swept(sweep: &Sweep) -> Markup {
             p {
                 (thousands(sweep.cells())) " cells over "
                 (sweep.parameters().collect::<Vec<_>>().join(", "))
-                ". The darker, the larger; a crossed cell has no result."
+                ". A map is two parameters that vary alone, the largest first. The darker, the larger; a crossed cell has no result."
                 @if shown < grids.len() { " Of " (grids.len()) " maps, the first " (shown) " are shown." }
             }
             div class="pair" { @for grid in &grids[..shown] { (chart::heat_map(grid)) } }

@@ -1,6 +1,6 @@
 //! A sweep's CSV as fields of cells: one metric over two parameters.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use thiserror::Error;
@@ -25,13 +25,15 @@ struct Column<T> {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     pub(super) title: String,
+    /// What the other parameters are, where fields differ in them.
+    pub(super) condition: String,
     pub(super) row_name: String,
     pub(super) column_name: String,
     pub(super) rows: Vec<String>,
     pub(super) columns: Vec<String>,
     /// By row; `None` where there is no cell, or no value in it.
     pub(super) cells: Vec<Option<f64>>,
-    /// Smallest and largest value of the metric in the whole sweep, so that fields can be compared.
+    /// Smallest and largest value.
     pub(super) range: (f64, f64),
 }
 
@@ -138,66 +140,124 @@ impl Sweep {
         self.parameters.iter().map(|parameter| parameter.name.as_str())
     }
 
-    /// Every mean over the two parameters with the most values, once for each choice of the others.
+    /// Every mean over every two parameters that make a whole field, the largest fields first.
     pub(super) fn grids(&self) -> Vec<Grid> {
-        let mut order: Vec<(usize, Vec<String>)> =
-            self.parameters.iter().map(|column| distinct(&column.values)).enumerate().collect();
-        order.sort_by_key(|(index, values)| (std::cmp::Reverse(values.len()), *index));
-        let axis = |place: usize| {
-            order.get(place).map_or((None, vec![String::new()]), |(index, values)| {
-                (Some(&self.parameters[*index]), values.clone())
-            })
+        let mut fields = self.fields();
+        fields.sort_by_key(|field| std::cmp::Reverse(field.cells.len()));
+        let means = self.metrics.iter().filter(|metric| metric.name.contains("_mean_"));
+        let of_field = |field: &Field| -> Vec<Grid> {
+            means.clone().map(|metric| self.grid(field, metric)).collect()
         };
-        let ((column, columns), (row, rows)) = (axis(0), axis(1));
-        let others: Vec<&Column<String>> =
-            order.iter().skip(2).map(|(index, _)| &self.parameters[*index]).collect();
-        let name =
-            |column: Option<&Column<String>>| column.map_or(String::new(), |c| c.name.clone());
-        let place = |column: Option<&Column<String>>, values: &[String], cell: usize| {
-            column.map_or(Some(0), |column| {
-                values.iter().position(|value| *value == column.values[cell])
-            })
-        };
-
-        let mut grids = Vec::new();
-        for metric in self.metrics.iter().filter(|metric| metric.name.contains("_mean_")) {
-            let range = metric
-                .values
-                .iter()
-                .flatten()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(*value), high.max(*value))
-                });
-            // In the order of the file.
-            let mut titles: Vec<String> = Vec::new();
-            let mut found: BTreeMap<usize, Grid> = BTreeMap::new();
-            for cell in 0..self.cells {
-                let rest: Vec<String> =
-                    others.iter().map(|o| format!("{} {}", o.name, o.values[cell])).collect();
-                let title_of_cell = [vec![title(&metric.name)], rest].concat().join(", ");
-                let index =
-                    titles.iter().position(|known| *known == title_of_cell).unwrap_or_else(|| {
-                        titles.push(title_of_cell.clone());
-                        titles.len() - 1
-                    });
-                let grid = found.entry(index).or_insert_with(|| Grid {
-                    title: title_of_cell,
-                    row_name: name(row),
-                    column_name: name(column),
-                    rows: rows.clone(),
-                    columns: columns.clone(),
-                    cells: vec![None; rows.len() * columns.len()],
-                    range,
-                });
-                if let (Some(r), Some(c)) = (place(row, &rows, cell), place(column, &columns, cell))
-                {
-                    grid.cells[r * columns.len() + c] = metric.values[cell];
-                }
-            }
-            grids.extend(found.into_values());
-        }
-        grids
+        fields.iter().flat_map(of_field).collect()
     }
+
+    /// The planes through the cells over which two parameters vary, every value of one with every value of
+    /// the other; without any, the lines of one parameter.
+    fn fields(&self) -> Vec<Field> {
+        let count = self.parameters.len();
+        let mut fields = Vec::new();
+        for a in 0..count {
+            for b in a + 1..count {
+                fields.extend(self.fields_over(a, Some(b)));
+            }
+        }
+        if fields.is_empty() {
+            fields.extend((0..count).flat_map(|a| self.fields_over(a, None)));
+        }
+        fields
+    }
+
+    fn fields_over(&self, a: usize, b: Option<usize>) -> Vec<Field> {
+        let rest: Vec<usize> =
+            (0..self.parameters.len()).filter(|p| *p != a && Some(*p) != b).collect();
+        let mut planes: BTreeMap<Vec<&str>, Vec<usize>> = BTreeMap::new();
+        for cell in 0..self.cells {
+            let at = rest.iter().map(|p| self.parameters[*p].values[cell].as_str()).collect();
+            planes.entry(at).or_default().push(cell);
+        }
+        let values = |parameter: usize, cells: &[usize]| {
+            let values: Vec<String> =
+                cells.iter().map(|cell| self.parameters[parameter].values[*cell].clone()).collect();
+            distinct(&values)
+        };
+        planes.retain(|_, cells| {
+            let others = b.map_or(1, |b| values(b, cells).len());
+            let own = values(a, cells).len();
+            own > 1 && (b.is_none() || others > 1) && cells.len() == own * others
+        });
+        // Named is only what tells these planes apart.
+        let told: Vec<usize> = (0..rest.len())
+            .filter(|p| planes.keys().map(|at| at[*p]).collect::<BTreeSet<_>>().len() > 1)
+            .collect();
+        let mut fields: Vec<Field> = planes
+            .iter()
+            .map(|(at, cells)| {
+                let names: Vec<String> = told
+                    .iter()
+                    .map(|p| format!("{} {}", self.parameters[rest[*p]].name, at[*p]))
+                    .collect();
+                let (mut columns, mut rows) = (Some(a), b);
+                if b.is_some_and(|b| values(b, cells).len() > values(a, cells).len()) {
+                    (columns, rows) = (b, Some(a));
+                }
+                let axis = |parameter: Option<usize>| {
+                    (parameter, parameter.map_or(vec![String::new()], |p| values(p, cells)))
+                };
+                Field {
+                    columns: axis(columns),
+                    rows: axis(rows),
+                    condition: names.join(", "),
+                    cells: cells.clone(),
+                }
+            })
+            .collect();
+        fields.sort_by_key(|field| field.cells[0]);
+        fields
+    }
+
+    fn grid(&self, field: &Field, metric: &Column<Option<f64>>) -> Grid {
+        let name = |axis: &Axis| axis.0.map_or(String::new(), |p| self.parameters[p].name.clone());
+        let place = |axis: &Axis, cell: usize| {
+            axis.0.map_or(Some(0), |p| {
+                axis.1.iter().position(|value| *value == self.parameters[p].values[cell])
+            })
+        };
+        let mut cells = vec![None; field.rows.1.len() * field.columns.1.len()];
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for cell in &field.cells {
+            let value = metric.values[*cell];
+            if let (Some(row), Some(column)) =
+                (place(&field.rows, *cell), place(&field.columns, *cell))
+            {
+                cells[row * field.columns.1.len() + column] = value;
+            }
+            if let Some(value) = value {
+                (low, high) = (low.min(value), high.max(value));
+            }
+        }
+        Grid {
+            title: title(&metric.name),
+            condition: field.condition.clone(),
+            row_name: name(&field.rows),
+            column_name: name(&field.columns),
+            rows: field.rows.1.clone(),
+            columns: field.columns.1.clone(),
+            cells,
+            range: (low, high),
+        }
+    }
+}
+
+/// A parameter, and its values in a field.
+type Axis = (Option<usize>, Vec<String>);
+
+/// Cells over which two parameters vary and nothing else.
+struct Field {
+    columns: Axis,
+    rows: Axis,
+    /// What tells it apart from the other fields of the same parameters.
+    condition: String,
+    cells: Vec<usize>,
 }
 
 /// A metric's name as one reads it.
@@ -264,22 +324,37 @@ mod tests {
     #[test]
     fn further_parameters_make_further_fields() {
         let mut text = "a,b,c,all_linear_mean_cm,leaf_linear_mean_cm\n".to_owned();
-        for (a, b, c) in [(1, 1, "x"), (1, 2, "x"), (2, 1, "x"), (3, 2, "y")] {
-            text += &[a.to_string(), b.to_string(), c.into(), format!("{a}.5"), format!("{b}.5")]
-                .join(",");
-            text.push('\n');
+        for c in ["x", "y"] {
+            for (a, b) in [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (3, 2)] {
+                text += &format!("{a},{b},{c},{a}.5,{b}.5\n");
+            }
         }
-        let titles: Vec<String> =
-            sweep(&text).unwrap().grids().into_iter().map(|g| g.title).collect();
+        // A cell that belongs to no field.
+        text += "9,9,z,1.0,1.0\n";
+        let grids = sweep(&text).unwrap().grids();
+        // By size: a with b for each c; a with c for each b; b with c for each a.
+        let sizes: Vec<usize> = grids.iter().step_by(2).map(|grid| grid.cells.len()).collect();
+        assert_eq!(sizes, [6, 6, 6, 6, 4, 4, 4]);
+        let first: Vec<(&str, &str)> =
+            grids.iter().take(4).map(|g| (g.title.as_str(), g.condition.as_str())).collect();
         assert_eq!(
-            titles,
+            first,
             [
-                "Mean linear error of all bodies (cm), c x",
-                "Mean linear error of all bodies (cm), c y",
-                "Mean linear error of the leaves (cm), c x",
-                "Mean linear error of the leaves (cm), c y",
+                ("Mean linear error of all bodies (cm)", "c x"),
+                ("Mean linear error of the leaves (cm)", "c x"),
+                ("Mean linear error of all bodies (cm)", "c y"),
+                ("Mean linear error of the leaves (cm)", "c y"),
             ]
         );
+        assert_eq!((grids[0].column_name.as_str(), grids[0].row_name.as_str()), ("a", "b"));
+    }
+
+    #[test]
+    fn one_parameter_makes_a_line() {
+        let sweep = sweep("kp,all_linear_mean_cm\n300,2\n100,1\n").unwrap();
+        let [grid] = &sweep.grids()[..] else { panic!("one metric, one line") };
+        assert_eq!((grid.columns.len(), grid.rows.len()), (2, 1));
+        assert_eq!(grid.cells, [Some(1.0), Some(2.0)]);
     }
 
     #[test]

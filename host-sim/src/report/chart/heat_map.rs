@@ -27,7 +27,7 @@ pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
         &grid.title,
         &description,
         &html! {
-            text class="axis-name" x=(px(left - 8.0)) y="36" text-anchor="end" { (grid.row_name) }
+            text class="axis-name" x="8" y="36" { (grid.row_name) @if !grid.condition.is_empty() { " · " (grid.condition) } }
             @for (row, row_label) in grid.rows.iter().enumerate() {
                 @let y = top + CELL * row as f64;
                 text class="tick" x=(px(left - 8.0)) y=(px(y + 0.5 * CELL + 4.0)) text-anchor="end" { (row_label) }
