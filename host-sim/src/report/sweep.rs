@@ -326,7 +326,9 @@ mod tests {
         let mut text = "a,b,c,all_linear_mean_cm,leaf_linear_mean_cm\n".to_owned();
         for c in ["x", "y"] {
             for (a, b) in [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (3, 2)] {
-                text += &format!("{a},{b},{c},{a}.5,{b}.5\n");
+                text +=
+                    &[a.to_string(), b.to_string(), c.into(), format!("{a}.5"), format!("{b}.5\n")]
+                        .join(",");
             }
         }
         // A cell that belongs to no field.
