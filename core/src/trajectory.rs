@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use glam::Vec3;
+
 use crate::finite_difference::{
     DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
 };
@@ -150,6 +152,44 @@ pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform
     Transform {
         rotation: math::slerp(from.rotation, to.rotation, fraction),
         translation_m: from.translation_m + way * fraction,
+    }
+}
+
+/// The pose a fraction of the way from the second to the third of four evenly spaced frames, on a smooth
+/// path through all of them: velocities are continuous, where those of [`interpolate`] jump at every frame,
+/// and with them the torques.
+///
+/// Cubic Hermite with the central differences as velocities (Catmull and Rom 1974); rotations by the
+/// logarithm from the second frame, `φ̇(1) = J_r⁻¹(φ(1)) ω`, its inverse right Jacobian to third order in the
+/// turn between frames: to 1e-4 of the velocity at 0.5 rad.
+///
+/// ```
+/// use sinew_core::{Transform, glam::Vec3, trajectory::interpolate_smoothly};
+/// let frames = [0.0f32, 1.0, 4.0, 9.0].map(|x| Transform::from_translation(Vec3::X * x));
+/// let half_way = interpolate_smoothly(frames.each_ref(), 0.5);
+/// assert_eq!(half_way.translation_m.x, 2.25); // 1.5²
+/// ```
+pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform {
+    let [before, from, to, after] = window;
+    let hermite = |start: Vec3, way: Vec3, end: Vec3| {
+        let curve = start + end - way * 2.0;
+        let bend = way - start - curve;
+        ((curve * fraction + bend) * fraction + start) * fraction
+    };
+    let way = to.translation_m - from.translation_m;
+    let start = (to.translation_m - before.translation_m) * 0.5;
+    let end = (after.translation_m - from.translation_m) * 0.5;
+
+    let turn =
+        |from: &Transform, to: &Transform| math::log(from.rotation.conjugate() * to.rotation);
+    let turns = [turn(before, from), turn(from, to), turn(to, after)];
+    let [led_here, here, leads_on] = turns;
+    let across = here.cross((here + leads_on) * 0.5);
+    let end_rate = (here + leads_on) * 0.5 + across * 0.5 + here.cross(across) * (1.0 / 12.0);
+    let turned = math::exp(hermite((led_here + here) * 0.5, here, end_rate));
+    Transform {
+        rotation: math::unit(from.rotation * turned),
+        translation_m: from.translation_m + hermite(start, way, end),
     }
 }
 
@@ -312,7 +352,6 @@ impl core::error::Error for TrajectoryError {}
 mod tests {
     use super::*;
     use crate::{Body, Inertia, JointKind, Tree};
-    use glam::Vec3;
 
     fn turning(k: f32) -> Transform {
         Transform::new(math::exp(Vec3::new(0.0, 0.02 * k, 0.0)), Vec3::new(0.01 * k * k, 0.0, 0.0))

@@ -21,6 +21,11 @@ pub(super) struct ClipArgs {
     /// Rate of control and plant, in Hz; the clips are resampled to it. The paper's is 100.
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
     rate: f64,
+
+    /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
+    /// between them. Without: a frame for every tick.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    frames: Option<f64>,
 }
 
 type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
@@ -31,6 +36,7 @@ impl ClipArgs {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
             rate_hz: self.rate,
+            frame_rate_hz: self.frames,
             ..Settings::default()
         };
         let prepared: Vec<Prepared> = if self.clips.is_empty() {

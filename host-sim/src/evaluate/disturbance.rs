@@ -1,6 +1,7 @@
 //! What the controller does not know of its figure: wrong masses, noisy sensors, weak and late drives.
 
 use std::collections::VecDeque;
+use std::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
@@ -21,6 +22,9 @@ pub struct Disturbance {
     pub sensor_noise_rad: f64,
     /// Standard deviation of the measured position of the root along each axis, in m.
     pub sensor_noise_m: f64,
+    /// Resolution of the joints' sensors in bits of a turn, 1 to 24; 0 for sensors without steps. Each
+    /// component of a joint's rotation vector is rounded to it.
+    pub sensor_bits: u32,
     /// The most that the drive of a joint gives, in N m; the root's drive is not limited.
     pub torque_limit_nm: f64,
     /// Steps that a torque comes late. Until the first arrives, the first is held.
@@ -34,6 +38,7 @@ impl Default for Disturbance {
             seed: 0,
             sensor_noise_rad: 0.0,
             sensor_noise_m: 0.0,
+            sensor_bits: 0,
             torque_limit_nm: f64::INFINITY,
             latency_steps: 0,
         }
@@ -52,6 +57,9 @@ impl Disturbance {
         }
         if !(0.0..=1.0).contains(&self.sensor_noise_m) {
             return Some(("sensor_noise_m", "a length from 0 to 1 m", self.sensor_noise_m));
+        }
+        if self.sensor_bits > 24 {
+            return Some(("sensor_bits", "0 to 24 bits", f64::from(self.sensor_bits)));
         }
         if self.torque_limit_nm.is_nan() || self.torque_limit_nm <= 0.0 {
             return Some((
@@ -95,15 +103,20 @@ impl Disturbance {
 pub(super) struct Sensors {
     noise_rad: f64,
     noise_m: f64,
+    /// What the sensors' steps are multiples of; none if they have no steps.
+    step_rad: Option<f32>,
     random: Random,
 }
 
 impl Sensors {
     /// `stream` tells the clips apart: every method meets the same noise on the same clip.
     pub(super) fn new(disturbance: &Disturbance, stream: u64) -> Self {
+        // Powers of two: exact.
+        let steps = (1_u32 << disturbance.sensor_bits) as f32;
         Self {
             noise_rad: disturbance.sensor_noise_rad,
             noise_m: disturbance.sensor_noise_m,
+            step_rad: (disturbance.sensor_bits > 0).then(|| TAU / steps),
             random: Random::numbered(disturbance.seed, stream, Subject::Noise),
         }
     }
@@ -118,6 +131,12 @@ impl Sensors {
         }
         if self.noise_m > 0.0 {
             joints[0].translation_m += (self.random.normal3() * self.noise_m).as_vec3();
+        }
+        if let Some(step_rad) = self.step_rad {
+            for joint in &mut joints {
+                let steps = (math::log(joint.rotation) / step_rad).map(f32::round_ties_even);
+                joint.rotation = math::exp(steps * step_rad);
+            }
         }
         joints
     }

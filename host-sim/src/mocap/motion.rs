@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
+use sinew_core::trajectory::interpolate_smoothly;
 
 use crate::figure::{BODIES, BODY_COUNT};
 
@@ -39,6 +40,33 @@ impl FigureMotion {
         }
         position_m
     }
+
+    /// The same motion with `factor` times the frames, by the core's smooth interpolation: what firmware
+    /// makes of a show whose frames are fewer than its ticks.
+    #[must_use]
+    pub fn interpolated(&self, factor: usize) -> Self {
+        let last = self.rotation.len() - 1;
+        let frames: Vec<_> = (0..=last).map(|frame| self.joint_poses(frame)).collect();
+        let (mut root_position_m, mut rotation) = (Vec::new(), Vec::new());
+        for step in 0..=last * factor {
+            let (from, fraction) = (step / factor, (step % factor) as f32 / factor as f32);
+            let window = [from.saturating_sub(1), from, from + 1, from + 2];
+            let window = window.map(|frame| &frames[frame.min(last)]);
+            let joints: [Transform; BODY_COUNT] = std::array::from_fn(|joint| {
+                interpolate_smoothly(window.map(|frame| &frame[joint]), fraction)
+            });
+            root_position_m.push(joints[0].translation_m.as_dvec3());
+            rotation.push(joints.map(|joint| joint.rotation.as_dquat().normalize()));
+        }
+        Self {
+            name: self.name.clone(),
+            dt_s: self.dt_s / factor as f64,
+            root_position_m,
+            rotation,
+            ..*self
+        }
+    }
+
     /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame, as
     /// the core takes them.
     pub fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {

@@ -23,6 +23,9 @@ pub use files::{ClipFile, expand};
 pub struct Settings {
     /// Rate of the figure's motion.
     pub rate_hz: f64,
+    /// Rate of the frames that a show keeps, where it is lower: `rate_hz` is a multiple of it, and the
+    /// motion goes smoothly through the frames.
+    pub frame_rate_hz: Option<f64>,
     /// Cutoff of the low-pass.
     pub cutoff_hz: f64,
     /// What is left out at the start of every clip: recordings settle there.
@@ -35,7 +38,14 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rate_hz: 100.0, cutoff_hz: 6.0, lead_in_s: 0.1, gap_max_s: 0.5, mapping: None }
+        Self {
+            rate_hz: 100.0,
+            frame_rate_hz: None,
+            cutoff_hz: 6.0,
+            lead_in_s: 0.1,
+            gap_max_s: 0.5,
+            mapping: None,
+        }
     }
 }
 
@@ -191,7 +201,7 @@ impl Settings {
     /// [`Error::Setting`] for a rate or cutoff that is not above zero, a time below zero, NaN or
     /// infinity.
     pub fn check(&self) -> Result<(), Error> {
-        let Self { rate_hz, cutoff_hz, lead_in_s, gap_max_s, mapping: _ } = *self;
+        let Self { rate_hz, cutoff_hz, lead_in_s, gap_max_s, .. } = *self;
         for (name, value) in [("rate_hz", rate_hz), ("cutoff_hz", cutoff_hz)] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, expected: "a finite number above 0", value });
@@ -202,7 +212,24 @@ impl Settings {
                 return Err(Error::Setting { name, expected: "a finite number from 0", value });
             }
         }
+        self.ticks_per_frame()?;
         Ok(())
+    }
+
+    /// How many steps of the figure's motion a frame lasts.
+    fn ticks_per_frame(&self) -> Result<usize, Error> {
+        let Some(frame_rate_hz) = self.frame_rate_hz else { return Ok(1) };
+        let factor = self.rate_hz / frame_rate_hz;
+        // Beyond, the rates are no rates; written so that NaN is refused.
+        if !((1.0..=1e4).contains(&factor) && (factor - factor.round()).abs() < 1e-9 * factor) {
+            return Err(Error::Setting {
+                name: "frame_rate_hz",
+                expected: "a rate that goes into rate_hz a whole number of times",
+                value: frame_rate_hz,
+            });
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 1e4")]
+        Ok(factor.round() as usize)
     }
 }
 
@@ -293,11 +320,13 @@ pub fn prepare(mut clip: Clip, settings: &Settings) -> Result<(FigureMotion, Vec
     } else {
         notices.push(Notice::NotFiltered { rate_hz, cutoff_hz: settings.cutoff_hz });
     }
-    let clip = resample(&clip, settings.rate_hz);
+    let factor = settings.ticks_per_frame()?;
+    let clip = resample(&clip, settings.rate_hz / factor as f64);
     if clip.frames.len() < 2 {
         return Err(too_short(clip.frames.len()));
     }
-    Ok((binding.map(&clip), notices))
+    let motion = binding.map(&clip);
+    Ok((if factor > 1 { motion.interpolated(factor) } else { motion }, notices))
 }
 
 /// Frames earlier than `seconds`; the small term keeps 0.1 s at 120 Hz at 12.
