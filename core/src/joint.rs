@@ -129,6 +129,42 @@ impl JointKind {
         }
     }
 
+    /// Angles in rad or way in m along the axes of a joint that has one or two, at the pose that it can take
+    /// next to `in_joint`; zeros for the other kinds.
+    ///
+    /// Angles are in [-π, π].
+    pub(crate) fn along(self, in_joint: &Transform) -> [f32; 2] {
+        let turn_about = |axis: Vec3, rotation: Quat| {
+            let q = if rotation.w < 0.0 { -rotation } else { rotation };
+            2.0 * math::atan2(Vec3::new(q.x, q.y, q.z).dot(axis), q.w)
+        };
+        match self {
+            Self::Revolute { axis } => [turn_about(axis, in_joint.rotation), 0.0],
+            Self::Prismatic { axis } => [axis.dot(in_joint.translation_m), 0.0],
+            Self::Universal { first, second } => {
+                let turned = in_joint.rotation * second;
+                let angle = math::atan2(first.cross(second).dot(turned), second.dot(turned));
+                let rest = math::exp(first * -angle) * in_joint.rotation;
+                [angle, turn_about(second, rest)]
+            }
+            Self::Fixed | Self::Spherical | Self::Free => [0.0; 2],
+        }
+    }
+
+    /// Pose in the joint frame of a joint that has one or two axes; the identity for the other kinds.
+    pub(crate) fn at(self, along: [f32; 2]) -> Transform {
+        let [a, b] = along;
+        let turned = |rotation| Transform::new(rotation, Vec3::ZERO);
+        match self {
+            Self::Revolute { axis } => turned(math::exp(axis * a)),
+            Self::Prismatic { axis } => Transform::from_translation(axis * a),
+            Self::Universal { first, second } => {
+                turned(math::unit(math::exp(first * a) * math::exp(second * b)))
+            }
+            Self::Fixed | Self::Spherical | Self::Free => Transform::IDENTITY,
+        }
+    }
+
     /// State of a joint from its coordinates, as servos and encoders give them.
     ///
     /// `position`: nothing (fixed), angle in rad (revolute), m (prismatic), two angles (universal), a unit
@@ -167,13 +203,8 @@ impl JointKind {
         };
         let in_joint = match (self, position) {
             (Self::Fixed, []) => Transform::IDENTITY,
-            (Self::Revolute { axis }, &[angle]) => {
-                Transform::new(math::exp(axis * angle), Vec3::ZERO)
-            }
-            (Self::Prismatic { axis }, &[way]) => Transform::from_translation(axis * way),
-            (Self::Universal { first, second }, &[a, b]) => {
-                Transform::new(math::exp(first * a) * math::exp(second * b), Vec3::ZERO)
-            }
+            (Self::Revolute { .. } | Self::Prismatic { .. }, &[a]) => self.at([a, 0.0]),
+            (Self::Universal { .. }, &[a, b]) => self.at([a, b]),
             (Self::Spherical, &[x, y, z, w]) => {
                 Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::ZERO)
             }

@@ -57,6 +57,8 @@ mod inertia;
 mod joint;
 pub mod kinematics;
 pub mod math;
+mod matrix;
+pub mod projection;
 pub mod state;
 pub mod state_error;
 pub mod trajectory;

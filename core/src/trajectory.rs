@@ -200,17 +200,87 @@ pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform
 /// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step
 /// is not positive, or the targets are for fewer joints.
 pub fn forward_targets<const N: usize>(
-    [now, next, after]: [&[Transform]; 3],
+    window: [&[Transform]; 3],
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    for (joint, ((now, next), after)) in now.iter().zip(next).zip(after).enumerate() {
-        let difference = |order: usize, window: &[&Transform]| {
-            joint_difference(Scheme::Forward, order, window, now, dt_s).map_err(refusal)
+    targets_in(window, 0, [Scheme::Forward; 2], dt_s, out)
+}
+
+/// Targets of all joints at the *middle* of three frames, aligned with how a controlled rig moves: the
+/// velocity is the backward difference, as that of a measurement is, and the acceleration the central one,
+/// which leads from that velocity to the next frame.
+///
+/// A rig that is on the frame before and on this one, and is given this acceleration for one period (velocity
+/// first, then position: semi-implicit Euler), is on the next frame exactly. Forward differences lead by half a
+/// period and more, and what the controller does about that is most of the error of a good model.
+///
+/// For performances whose next frame is known, and for live streams that may be one frame late.
+///
+/// # Errors
+/// As [`forward_targets`].
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, JointTargets, StateInputError, Transform, Tree};
+/// use sinew_core::{glam::Vec3, trajectory::aligned_targets};
+/// let slide = Body {
+///     parent: None,
+///     joint: JointKind::Prismatic { axis: Vec3::X },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia::default(),
+/// };
+/// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
+/// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
+/// let mut targets = JointTargets::rest(&tree);
+/// aligned_targets(frames.each_ref().map(|frame| &frame[..]), 1.0, &mut targets)?;
+/// let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
+/// // 1 m + (1 m/s + 1 m/s²) 1 s = 3 m
+/// assert_eq!((velocity.linear.x, acceleration.linear.x), (1.0, 1.0));
+/// # Ok::<(), StateInputError>(())
+/// ```
+pub fn aligned_targets<const N: usize>(
+    window: [&[Transform]; 3],
+    dt_s: f32,
+    out: &mut JointTargets<N>,
+) -> Result<(), StateInputError> {
+    targets_in(window, 1, [Scheme::Backward, Scheme::Central], dt_s, out)
+}
+
+/// Targets of all joints at the *last* of three frames, by backward differences: for a live stream whose next
+/// frame nobody knows. The acceleration is that of one period ago, and noise of the stream grows in it.
+///
+/// If the stream may be one frame late, [`aligned_targets`] on the same three frames are far better.
+///
+/// # Errors
+/// As [`forward_targets`].
+pub fn live_targets<const N: usize>(
+    window: [&[Transform]; 3],
+    dt_s: f32,
+    out: &mut JointTargets<N>,
+) -> Result<(), StateInputError> {
+    targets_in(window, 2, [Scheme::Backward; 2], dt_s, out)
+}
+
+/// Targets at one of three frames, the velocity by the first and the acceleration by the second scheme.
+fn targets_in<const N: usize>(
+    window: [&[Transform]; 3],
+    at: usize,
+    [of_velocity, of_acceleration]: [Scheme; 2],
+    dt_s: f32,
+    out: &mut JointTargets<N>,
+) -> Result<(), StateInputError> {
+    let [first, second, third] = window;
+    for (joint, ((first, second), third)) in first.iter().zip(second).zip(third).enumerate() {
+        let window = [first, second, third];
+        let start = if of_velocity == Scheme::Backward { at.saturating_sub(1) } else { at };
+        let step = window.get(start..start.saturating_add(2)).unwrap_or_default();
+        let pose = *window.get(at).copied().unwrap_or(first);
+        let difference = |scheme, order, window: &[&Transform]| {
+            joint_difference(scheme, order, window, &pose, dt_s).map_err(refusal)
         };
-        let velocity = difference(1, &[now, next])?;
-        let acceleration = difference(2, &[now, next, after])?;
-        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+        let velocity = difference(of_velocity, 1, step)?;
+        let acceleration = difference(of_acceleration, 2, &window)?;
+        out.set(joint, JointState { pose, velocity }, acceleration)?;
     }
     Ok(())
 }

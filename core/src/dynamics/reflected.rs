@@ -1,9 +1,11 @@
 //! What inertia the drive of a joint feels.
 
-use glam::{Mat3, Vec3};
+use glam::Mat3;
 use heapless::Vec;
 
-use crate::inertia::{Inertia, RotationalInertia};
+use super::spatial_inertia::SpatialInertia;
+use crate::inertia::RotationalInertia;
+use crate::matrix::outer;
 use crate::state::{JointState, JointStates};
 use crate::transform::{Motion, Wrench};
 use crate::tree::Tree;
@@ -80,126 +82,49 @@ pub fn reflected_inertia<const N: usize>(
         let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
         let freedoms = body.joint.motion_subspace(in_joint);
         if let Some(slot) = reflected.get_mut(index) {
-            *slot = inertia.along(&freedoms);
+            *slot = along(&inertia, &freedoms);
         }
         if outer == OuterJoints::Free {
             inertia = inertia.without(&freedoms);
         }
         if let Some(parent) = body.parent.and_then(|parent| inertias.get_mut(parent)) {
-            *parent = parent.plus(&inertia.seen_from_parent(joint));
+            *parent = parent.plus(&seen_from_parent(&inertia, joint));
         }
     }
     reflected
 }
 
-/// Wrench per acceleration of a body, both at its origin and in body axes: a symmetric 6 x 6 matrix.
-#[derive(Debug, Clone, Copy)]
-struct SpatialInertia {
-    /// Moment per angular acceleration.
-    angular: Mat3,
-    /// Moment per linear acceleration; its transpose is force per angular acceleration.
-    coupling: Mat3,
-    /// Force per linear acceleration.
-    linear: Mat3,
-}
-
-impl SpatialInertia {
-    fn of(inertia: &Inertia) -> Self {
-        let i = &inertia.rotational_kg_m2;
-        let about_center = Mat3::from_cols(
-            Vec3::new(i.xx, i.xy, i.xz),
-            Vec3::new(i.xy, i.yy, i.yz),
-            Vec3::new(i.xz, i.yz, i.zz),
-        );
-        let arm = cross_matrix(inertia.center_of_mass_m);
-        let coupling = arm * inertia.mass_kg;
-        Self {
-            angular: about_center - coupling * arm,
-            coupling,
-            linear: Mat3::from_diagonal(Vec3::splat(inertia.mass_kg)),
-        }
+/// What an inertia is along a joint's freedoms.
+fn along(inertia: &SpatialInertia, freedoms: &[Motion]) -> ReflectedInertia {
+    let mut onto = Mat3::ZERO;
+    let (mut mass, mut ways) = (0.0, 0.0);
+    for freedom in freedoms {
+        onto += outer(freedom.angular, freedom.angular);
+        mass += freedom.linear.dot(inertia.linear * freedom.linear);
+        ways += freedom.linear.dot(freedom.linear);
     }
-
-    fn wrench(&self, acceleration: Motion) -> Wrench {
-        Wrench {
-            moment_nm: self.angular * acceleration.angular + self.coupling * acceleration.linear,
-            force_n: self.coupling.transpose() * acceleration.angular
-                + self.linear * acceleration.linear,
-        }
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        Self {
-            angular: self.angular + other.angular,
-            coupling: self.coupling + other.coupling,
-            linear: self.linear + other.linear,
-        }
-    }
-
-    /// What it is along a joint's freedoms.
-    fn along(&self, freedoms: &[Motion]) -> ReflectedInertia {
-        let mut onto = Mat3::ZERO;
-        let (mut mass, mut ways) = (0.0, 0.0);
-        for freedom in freedoms {
-            onto += outer(freedom.angular, freedom.angular);
-            mass += freedom.linear.dot(self.linear * freedom.linear);
-            ways += freedom.linear.dot(freedom.linear);
-        }
-        let m = onto * self.angular * onto;
-        ReflectedInertia {
-            angular_kg_m2: RotationalInertia {
-                xx: m.x_axis.x,
-                xy: m.x_axis.y,
-                xz: m.x_axis.z,
-                yy: m.y_axis.y,
-                yz: m.y_axis.z,
-                zz: m.z_axis.z,
-            },
-            linear_kg: if ways > 0.0 { mass / ways } else { 0.0 },
-        }
-    }
-
-    /// What is left of it if a joint gives way along its freedoms: one after the other is eliminated.
-    fn without(mut self, freedoms: &[Motion]) -> Self {
-        let whole = self;
-        for freedom in freedoms {
-            let wrench = self.wrench(*freedom);
-            let resistance = wrench.power_w(*freedom);
-            // What the freedoms before have taken away but for rounding has no direction left.
-            if resistance > ROUNDING * whole.wrench(*freedom).power_w(*freedom) {
-                let share = 1.0 / resistance;
-                self.angular -= outer(wrench.moment_nm, wrench.moment_nm) * share;
-                self.coupling -= outer(wrench.moment_nm, wrench.force_n) * share;
-                self.linear -= outer(wrench.force_n, wrench.force_n) * share;
-            }
-        }
-        self
-    }
-
-    /// At the parent's origin, in the parent's axes.
-    fn seen_from_parent(&self, joint: &JointState) -> Self {
-        let turn = Mat3::from_quat(joint.pose.rotation);
-        let turned = |m: Mat3| turn * m * turn.transpose();
-        let arm = cross_matrix(joint.pose.translation_m);
-        let (coupling, linear) = (turned(self.coupling), turned(self.linear));
-        let moved = coupling + arm * linear;
-        Self {
-            angular: turned(self.angular) + arm * coupling.transpose() - moved * arm,
-            coupling: moved,
-            linear,
-        }
+    let m = onto * inertia.angular * onto;
+    ReflectedInertia {
+        angular_kg_m2: RotationalInertia {
+            xx: m.x_axis.x,
+            xy: m.x_axis.y,
+            xz: m.x_axis.z,
+            yy: m.y_axis.y,
+            yz: m.y_axis.z,
+            zz: m.z_axis.z,
+        },
+        linear_kg: if ways > 0.0 { mass / ways } else { 0.0 },
     }
 }
 
-/// Share of an inertia that is rounding, after a few differences.
-const ROUNDING: f32 = 1e-6;
-
-/// The matrix of `v ×`.
-fn cross_matrix(v: Vec3) -> Mat3 {
-    Mat3::from_cols(Vec3::new(0.0, v.z, -v.y), Vec3::new(-v.z, 0.0, v.x), Vec3::new(v.y, -v.x, 0.0))
-}
-
-/// `a bᵀ`.
-fn outer(a: Vec3, b: Vec3) -> Mat3 {
-    Mat3::from_cols(a * b.x, a * b.y, a * b.z)
+/// The inertia of a joint's body at the parent's origin, in the parent's axes.
+fn seen_from_parent(inertia: &SpatialInertia, joint: &JointState) -> SpatialInertia {
+    let turn = Mat3::from_quat(joint.pose.rotation);
+    let turned = |m: Mat3| turn * m * turn.transpose();
+    let in_parent_axes = SpatialInertia {
+        angular: turned(inertia.angular),
+        coupling: turned(inertia.coupling),
+        linear: turned(inertia.linear),
+    };
+    in_parent_axes.moved(joint.pose.translation_m)
 }

@@ -5,6 +5,7 @@ use glam::{Mat3, Quat, Vec3};
 use super::one_goal::{SHORTEST_AIM_M, SMALLEST_SINE};
 use super::{AimStatus, Compensation, compensate, with_turn};
 use crate::math;
+use crate::matrix::outer;
 use crate::state::BodyState;
 use crate::state_error::StateError;
 
@@ -179,11 +180,6 @@ impl Spread {
         let curvature = Mat3::from_diagonal(Vec3::splat(squares)) - self.second_moment;
         solve(curvature, 0.0, self.sum.cross(shift_rate)).unwrap_or(Vec3::ZERO)
     }
-}
-
-/// `a bᵀ`.
-fn outer(a: Vec3, b: Vec3) -> Mat3 {
-    Mat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 fn trace(m: Mat3) -> f32 {

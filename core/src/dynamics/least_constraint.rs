@@ -1,0 +1,145 @@
+//! Gauss's principle of least constraint over a tree, by the sweeps of the articulated-body algorithm
+//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7): of all motions that the joints allow, the
+//! one that makes `Σ ½ (A - T)ᵀ I (A - T)` least, body by body with its wanted motion T and its inertia I.
+//!
+//! The inertias need not be those of masses: the manifold projection and the resolved acceleration weigh
+//! with them how much each body's wanted motion counts. O(n), and no matrix is larger than one joint's.
+
+use glam::{Mat3, Vec3};
+use heapless::Vec;
+
+use super::spatial_inertia::SpatialInertia;
+use crate::matrix::symmetric_inverse;
+use crate::transform::{Motion, Wrench};
+
+/// What the bodies from a joint outwards want: `½ Aᵀ I A - Aᵀ W` should be least, A the motion of the
+/// joint's body. World axes, about the body's origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Demand {
+    pub(crate) inertia: SpatialInertia,
+    pub(crate) wrench: Wrench,
+}
+
+/// How a joint gives way.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Freedoms {
+    /// To any turn.
+    Ball,
+    /// To anything.
+    Free,
+    /// Along some axes; none if it is rigid.
+    Axes(Vec<Axis, 3>),
+}
+
+/// One way that a joint can move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Axis {
+    /// Motion of the body for a unit along the axis, world axes.
+    pub(crate) motion: Motion,
+    /// At the end of its range, and pressed against it: the bodies farther in do not count on it.
+    pub(crate) held: bool,
+}
+
+/// How the joint moves, whatever its parent does.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Response {
+    /// The body turns by `turn` less `per_way` times the way that its parent carries it.
+    Ball { turn: Vec3, per_way: Mat3 },
+    /// The body moves so.
+    Free(Motion),
+    /// Along each axis.
+    Axes(Vec<AxisResponse, 3>),
+}
+
+/// The step along an axis is `per_force (force - wrench · carried)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AxisResponse {
+    motion: Motion,
+    wrench: Wrench,
+    force: f32,
+    per_force: f32,
+}
+
+impl Demand {
+    pub(crate) const ZERO: Self = Self { inertia: SpatialInertia::ZERO, wrench: Wrench::ZERO };
+
+    /// Takes a joint's freedoms out: what is left is what the joint passes on to its parent.
+    ///
+    /// An axis that nothing resists stays where it is.
+    pub(crate) fn eliminate(&mut self, freedoms: &Freedoms) -> Response {
+        match freedoms {
+            Freedoms::Ball => {
+                let (turn, per_way) = self.eliminate_turn();
+                Response::Ball { turn, per_way }
+            }
+            Freedoms::Free => {
+                let (turn, per_way) = self.eliminate_turn();
+                let linear = symmetric_inverse(&self.inertia.linear) * self.wrench.force_n;
+                *self = Self::ZERO;
+                Response::Free(Motion { angular: turn - per_way * linear, linear })
+            }
+            Freedoms::Axes(axes) => {
+                Response::Axes(axes.iter().map(|axis| self.eliminate_axis(axis)).collect())
+            }
+        }
+    }
+
+    fn eliminate_turn(&mut self) -> (Vec3, Mat3) {
+        let SpatialInertia { angular, coupling, linear } = self.inertia;
+        let inverse = symmetric_inverse(&angular);
+        let (turn, per_way) = (inverse * self.wrench.moment_nm, inverse * coupling);
+        let back = coupling.transpose();
+        self.inertia = SpatialInertia { linear: linear - back * per_way, ..SpatialInertia::ZERO };
+        self.wrench = Wrench::new(Vec3::ZERO, self.wrench.force_n - back * turn);
+        (turn, per_way)
+    }
+
+    fn eliminate_axis(&mut self, axis: &Axis) -> AxisResponse {
+        let wrench = self.inertia.wrench(axis.motion);
+        let resistance = wrench.power_w(axis.motion);
+        let per_force = if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 };
+        let force = self.wrench.power_w(axis.motion);
+        if !axis.held {
+            let share = force * per_force;
+            self.inertia = self.inertia.without_one(wrench, per_force);
+            self.wrench =
+                self.wrench + Wrench::new(wrench.moment_nm * -share, wrench.force_n * -share);
+        }
+        AxisResponse { motion: axis.motion, wrench, force, per_force }
+    }
+
+    /// Adds what a child passes on, `arm_m` away from this body's origin.
+    pub(crate) fn add_child(&mut self, child: &Self, arm_m: Vec3) {
+        self.inertia = self.inertia.plus(&child.inertia.moved(arm_m));
+        let Wrench { moment_nm, force_n } = child.wrench;
+        self.wrench = self.wrench + Wrench::new(moment_nm + arm_m.cross(force_n), force_n);
+    }
+}
+
+impl Response {
+    /// Motion of the body when its parent carries it along with `carried`; `limit` is asked what of the step
+    /// along axis k may be made.
+    pub(crate) fn motion(
+        &self,
+        carried: Motion,
+        mut limit: impl FnMut(usize, f32) -> f32,
+    ) -> Motion {
+        match self {
+            Self::Ball { turn, per_way } => {
+                Motion { angular: *turn - *per_way * carried.linear, linear: carried.linear }
+            }
+            Self::Free(motion) => *motion,
+            Self::Axes(axes) => {
+                let mut motion = carried;
+                // The last one eliminated is the first that nothing else stands open for.
+                for (index, axis) in axes.iter().enumerate().rev() {
+                    let step = (axis.force - axis.wrench.power_w(motion)) * axis.per_force;
+                    let step = limit(index, step);
+                    motion =
+                        motion + Motion::new(axis.motion.angular * step, axis.motion.linear * step);
+                }
+                motion
+            }
+        }
+    }
+}

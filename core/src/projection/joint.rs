@@ -1,0 +1,189 @@
+//! How one joint takes part in a projection: where it starts, how it can give way, and its step.
+
+use glam::Vec3;
+
+use super::JointRange;
+use crate::dynamics::least_constraint::{Axis, Freedoms, Response};
+use crate::joint::JointKind;
+use crate::math;
+use crate::transform::{Motion, Transform};
+use crate::tree::Body;
+
+/// The farthest that a joint turns (rad) or slides (m) in one sweep: sweeps are right to first order in it.
+const LONGEST_STEP: f32 = 0.5;
+
+/// One joint's state from frame to frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Joint {
+    /// The solution, in the parent's frame.
+    pub(super) pose: Transform,
+    /// `pose` as the desired pose sees it: the next frame starts with it. Without a step it keeps its bits.
+    deviation: Transform,
+    /// Angles or ways of a joint with one or two axes.
+    along: [f32; 2],
+    /// Which of its axes the last sweep pressed against the end of the range, one bit each.
+    pressed: u8,
+}
+
+impl Joint {
+    /// On the desired pose.
+    pub(super) const NEW: Self = Self {
+        pose: Transform::IDENTITY,
+        deviation: Transform::IDENTITY,
+        along: [0.0; 2],
+        pressed: 0,
+    };
+
+    /// Takes the pose that is off the new desired one by what the last solution was, as far as the joint can.
+    pub(super) fn start(&mut self, body: &Body, range: JointRange, desired: &Transform) {
+        let start = *desired * self.deviation;
+        match body.joint {
+            JointKind::Free => self.pose = start,
+            JointKind::Spherical => {
+                self.pose = Transform { rotation: start.rotation, ..body.placement };
+                self.keep_turn_within(body, range, desired);
+            }
+            kind => {
+                let in_joint = body.placement.inverse() * start;
+                self.along = range.clamp(kind.along(&in_joint));
+                self.pose = body.placement * kind.at(self.along);
+            }
+        }
+    }
+
+    /// How the joint gives way, in world axes, its body at `pose` there.
+    pub(super) fn freedoms(&self, body: &Body, pose: &Transform) -> Freedoms {
+        let held = |index: u8| self.pressed & (1 << index) != 0;
+        match body.joint {
+            JointKind::Free => Freedoms::Free,
+            JointKind::Spherical if held(0) => {
+                // The way out first, then the two across it: along the border, and round itself.
+                let from_zero = body.placement.rotation.conjugate() * self.pose.rotation;
+                let out = pose.rotation * direction(math::log(from_zero));
+                let helper = if out.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
+                let across = direction(out.cross(helper));
+                let turns = [(out, true), (across, false), (out.cross(across), false)];
+                Freedoms::Axes(
+                    turns
+                        .map(|(axis, held)| Axis { motion: Motion::new(axis, Vec3::ZERO), held })
+                        .into_iter()
+                        .collect(),
+                )
+            }
+            JointKind::Spherical => Freedoms::Ball,
+            kind => {
+                let subspace = kind.motion_subspace(kind.at(self.along).rotation);
+                Freedoms::Axes(
+                    (0..)
+                        .zip(&subspace)
+                        .take(2)
+                        .map(|(index, motion)| Axis {
+                            motion: motion.rotated(pose.rotation),
+                            held: held(index),
+                        })
+                        .collect(),
+                )
+            }
+        }
+    }
+
+    /// Moves the joint by a sweep's response, its body at `pose` in the world and `carried` along by the
+    /// parent; returns how the body moves. World axes.
+    ///
+    /// What is not finite (inputs near the end of f32) is no step.
+    pub(super) fn step(
+        &mut self,
+        body: &Body,
+        range: JointRange,
+        desired: &Transform,
+        pose: &Transform,
+        response: &Response,
+        carried: Motion,
+    ) -> Motion {
+        match body.joint {
+            JointKind::Free | JointKind::Spherical => {
+                let motion = response.motion(carried, |_, step| step);
+                let turn = within(motion.angular - carried.angular, LONGEST_STEP);
+                // A spherical joint's body is where the parent carries it; a free one's, where it is best.
+                let way = within(motion.linear - carried.linear, LONGEST_STEP);
+                if !(turn.is_finite() && way.is_finite()) {
+                    return carried;
+                }
+                let to_desired = self.deviation.rotation * pose.rotation.conjugate();
+                self.deviation.rotation = math::unit(
+                    self.deviation.rotation * math::exp(pose.rotation.conjugate() * turn),
+                );
+                self.pose.rotation = desired.rotation * self.deviation.rotation;
+                if matches!(body.joint, JointKind::Free) {
+                    self.deviation.translation_m += to_desired * way;
+                    self.pose.translation_m = desired.transform_point(self.deviation.translation_m);
+                    return carried + Motion::new(turn, way);
+                }
+                let kept = self.keep_turn_within(body, range, desired);
+                self.pressed = u8::from(kept.is_some());
+                let turn = match kept {
+                    // What is left of the step.
+                    Some(back) => turn + pose.rotation * back,
+                    None => turn,
+                };
+                carried + Motion::new(turn, Vec3::ZERO)
+            }
+            kind => {
+                self.pressed = 0;
+                let along = &mut self.along;
+                let pressed = &mut self.pressed;
+                let motion = response.motion(carried, |index, step| {
+                    let Some(now) = along.get_mut(index) else { return 0.0 };
+                    if !step.is_finite() {
+                        return 0.0;
+                    }
+                    let wanted = *now + step.clamp(-LONGEST_STEP, LONGEST_STEP);
+                    let [least, most] = range.ends(index);
+                    let next = wanted.max(least).min(most);
+                    if wanted < least || wanted > most {
+                        *pressed |= if index == 0 { 1 } else { 2 };
+                    }
+                    let made = next - *now;
+                    *now = next;
+                    made
+                });
+                self.pose = body.placement * kind.at(self.along);
+                self.deviation = desired.inverse() * self.pose;
+                self.deviation.rotation = math::unit(self.deviation.rotation);
+                motion
+            }
+        }
+    }
+
+    /// Brings a spherical joint back within its range; returns by which turn, in body axes, if it was outside.
+    fn keep_turn_within(
+        &mut self,
+        body: &Body,
+        range: JointRange,
+        desired: &Transform,
+    ) -> Option<Vec3> {
+        let JointRange::Turn(most_rad) = range else { return None };
+        let from_zero = math::log(body.placement.rotation.conjugate() * self.pose.rotation);
+        let angle = math::length(from_zero);
+        if angle <= most_rad {
+            return None;
+        }
+        let back = from_zero * (most_rad / angle - 1.0);
+        let kept = math::exp(from_zero + back);
+        self.pose.rotation = math::unit(body.placement.rotation * kept);
+        self.deviation.rotation = math::unit(desired.rotation.conjugate() * self.pose.rotation);
+        Some(back)
+    }
+}
+
+/// A vector, shortened to a length.
+fn within(v: Vec3, length: f32) -> Vec3 {
+    let squared = v.dot(v);
+    if squared > length * length { v * (length / math::sqrt(squared)) } else { v }
+}
+
+/// The unit vector in the direction of `v`; X if it has none.
+fn direction(v: Vec3) -> Vec3 {
+    let length = math::length(v);
+    if length > 0.0 { v / length } else { Vec3::X }
+}

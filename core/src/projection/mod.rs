@@ -1,0 +1,398 @@
+//! Manifold projection: the pose of *this* figure that is nearest to the desired one.
+
+mod joint;
+mod range;
+
+use core::fmt;
+
+use heapless::Vec;
+
+use joint::Joint;
+pub use range::JointRange;
+
+use crate::dynamics::SpatialInertia;
+use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
+use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::math;
+use crate::transform::{Motion, Transform, Wrench};
+use crate::tree::{Body, Tree};
+
+/// How much it counts where a body is, and how it is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyWeight {
+    /// Weight of the squared distance of the body's origin from where it should be.
+    pub position: f32,
+    /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
+    /// like being this far off, at a position weight of 1.
+    pub rotation_m: f32,
+}
+
+impl BodyWeight {
+    /// Positions of all bodies count alike, and turns by a lever.
+    pub const fn new(position: f32, rotation_m: f32) -> Self {
+        Self { position, rotation_m }
+    }
+}
+
+/// Finds the pose of a figure that is nearest to the desired one, which another figure can take: the one
+/// that makes `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²` least over all poses within the joints' ranges.
+///
+/// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
+/// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
+///
+/// A fixed number of Gauss-Newton steps a call, each solved exactly in O(n) by sweeps of the
+/// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia
+/// `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose. That changes slowly
+/// in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
+/// use sinew_core::projection::{BodyWeight, ManifoldProjection, ProjectionWorkspace};
+/// let body = |parent, joint, x: f32| Body {
+///     parent,
+///     joint,
+///     placement: Transform::from_translation(Vec3::X * x),
+///     inertia: Inertia::default(),
+/// };
+/// let elbow = JointKind::Revolute { axis: Vec3::Z };
+/// let bodies =
+///     [body(None, JointKind::Fixed, 0.0), body(Some(0), elbow, 0.3), body(Some(1), elbow, 0.3)];
+/// let arm = Tree::<3>::from_bodies(&bodies)?;
+/// let projection = ManifoldProjection::new(&arm, &[BodyWeight::new(1.0, 0.1); 3])?;
+///
+/// // The performer's upper arm is shorter: bent a little, the elbow comes nearer to where it should be.
+/// let mut desired = bodies.map(|body| body.placement);
+/// desired[2].translation_m = Vec3::new(0.29, 0.05, 0.0);
+/// let (mut workspace, mut nearest) = (ProjectionWorkspace::new(), desired);
+/// projection.project(&arm, &desired, &mut workspace, &mut nearest)?;
+/// assert!(nearest[1].rotation.z > 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ManifoldProjection<const N: usize> {
+    weights: Vec<BodyWeight, N>,
+    ranges: Vec<JointRange, N>,
+    root_held: bool,
+    sweeps: u8,
+}
+
+/// Sweeps of a call: from the solution of the frame before, one is within 1 % of the optimum.
+pub const DEFAULT_SWEEPS: u8 = 1;
+
+impl<const N: usize> ManifoldProjection<N> {
+    /// A projection with one weight for each body of the tree, without ranges, and with
+    /// [`DEFAULT_SWEEPS`].
+    ///
+    /// # Errors
+    /// [`ProjectionError`] if there is not a weight for each body, a position weight is not a finite number
+    /// from 0, or a rotation weight not from 1 mm to 1 km: without it, the nearest pose is not unique.
+    pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
+        if weights.len() != tree.len() {
+            let (expected, found) = (tree.len(), weights.len());
+            return Err(ProjectionError::Count { expected, found });
+        }
+        for (body, weight) in weights.iter().enumerate() {
+            if !(weight.position >= 0.0 && weight.position <= HEAVIEST) {
+                return Err(ProjectionError::PositionWeight { body, value: weight.position });
+            }
+            if !(1e-3..=1e3).contains(&weight.rotation_m) {
+                return Err(ProjectionError::RotationWeight { body, value: weight.rotation_m });
+            }
+        }
+        Ok(Self {
+            weights: weights.iter().copied().collect(),
+            ranges: tree.bodies().iter().map(|_| JointRange::Any).collect(),
+            root_held: false,
+            sweeps: DEFAULT_SWEEPS,
+        })
+    }
+
+    /// The same, with a range for each joint: no solution is ever outside of one.
+    ///
+    /// # Errors
+    /// [`ProjectionError`] if there is not a range for each joint, or one does not fit its joint.
+    pub fn with_ranges(
+        self,
+        tree: &Tree<N>,
+        ranges: &[JointRange],
+    ) -> Result<Self, ProjectionError> {
+        if ranges.len() != self.weights.len() || tree.len() != self.weights.len() {
+            let (expected, found) = (self.weights.len(), ranges.len());
+            return Err(ProjectionError::Count { expected, found });
+        }
+        let bad =
+            tree.bodies().iter().zip(ranges).position(|(body, range)| !range.fits(body.joint));
+        if let Some(joint) = bad {
+            return Err(ProjectionError::Range { joint });
+        }
+        Ok(Self { ranges: ranges.iter().copied().collect(), ..self })
+    }
+
+    /// The same with the root where it is desired: what a rig that walks on its own feet must not change.
+    /// A root on a fixed joint is held in any case.
+    #[must_use]
+    pub fn with_root_held(self) -> Self {
+        Self { root_held: true, ..self }
+    }
+
+    /// The same with another number of sweeps, at least one.
+    #[must_use]
+    pub fn with_sweeps(self, sweeps: u8) -> Self {
+        Self { sweeps: sweeps.max(1), ..self }
+    }
+
+    /// The nearest pose, as the poses of all joints in their parents' frames, to one given in the same way
+    /// with the performer's dimensions. O(n) for each sweep.
+    ///
+    /// A root that is fixed or held gets its desired pose; other fixed joints their placement. Consecutive
+    /// frames of a performance go through one workspace; call [`ProjectionWorkspace::reset`] before another.
+    ///
+    /// # Errors
+    /// [`ProjectionError`], and neither `out` nor the workspace is changed, if a slice has not a pose for each
+    /// joint, or a pose is not finite or its rotation not unit.
+    pub fn project(
+        &self,
+        tree: &Tree<N>,
+        desired: &[Transform],
+        workspace: &mut ProjectionWorkspace<N>,
+        out: &mut [Transform],
+    ) -> Result<(), ProjectionError> {
+        let bodies = tree.bodies();
+        for found in [bodies.len(), desired.len(), out.len()] {
+            if found != self.weights.len() {
+                return Err(ProjectionError::Count { expected: self.weights.len(), found });
+            }
+        }
+        let bad = desired.iter().position(|pose| {
+            let squared = pose.rotation.dot(pose.rotation);
+            // Written so that NaN is bad.
+            !(pose.is_finite() && (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE)
+        });
+        if let Some(joint) = bad {
+            return Err(ProjectionError::InvalidPose { joint });
+        }
+        workspace.start(self, bodies, desired);
+        for _ in 0..self.sweeps {
+            workspace.inward(self, bodies);
+            workspace.outward(self, bodies, desired);
+        }
+        for (joint, out) in workspace.joints.iter().zip(out) {
+            *out = joint.pose;
+        }
+        Ok(())
+    }
+
+    /// Whether the joint of a body cannot be moved at all.
+    fn is_rigid(&self, body: &Body) -> bool {
+        matches!(body.joint, JointKind::Fixed) || (body.parent.is_none() && self.root_held)
+    }
+
+    fn range(&self, index: usize) -> JointRange {
+        self.ranges.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// Above, the sums over 128 bodies and their levers could overflow.
+const HEAVIEST: f32 = 1e6;
+
+/// What a [`ManifoldProjection`] remembers of the last frame, and its scratch memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProjectionWorkspace<const N: usize> {
+    joints: [Joint; N],
+    bodies: [Solved; N],
+}
+
+/// One body's part of a sweep, in world axes.
+#[derive(Debug, Clone, PartialEq)]
+struct Solved {
+    desired: Transform,
+    pose: Transform,
+    demand: Demand,
+    response: Response,
+    motion: Motion,
+}
+
+impl<const N: usize> ProjectionWorkspace<N> {
+    /// A workspace for trees of capacity `N`: the first frame starts from the desired pose.
+    pub fn new() -> Self {
+        let solved = Solved {
+            desired: Transform::IDENTITY,
+            pose: Transform::IDENTITY,
+            demand: Demand::ZERO,
+            response: Response::Free(Motion::ZERO),
+            motion: Motion::ZERO,
+        };
+        Self { joints: [Joint::NEW; N], bodies: core::array::from_fn(|_| solved.clone()) }
+    }
+
+    /// Forgets the last frame: the next starts from the desired pose.
+    pub fn reset(&mut self) {
+        *self = Self::new();
+    }
+
+    /// The desired world poses, and the last solution's joints carried over to them.
+    fn start(
+        &mut self,
+        projection: &ManifoldProjection<N>,
+        bodies: &[Body],
+        desired: &[Transform],
+    ) {
+        for (index, (body, desired)) in bodies.iter().zip(desired).enumerate() {
+            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.desired);
+            let (Some(joint), Some(solved)) =
+                (self.joints.get_mut(index), self.bodies.get_mut(index))
+            else {
+                return;
+            };
+            solved.desired = parent * *desired;
+            if projection.is_rigid(body) {
+                joint.pose = if body.parent.is_none() { *desired } else { body.placement };
+            } else {
+                joint.start(body, projection.range(index), desired);
+            }
+        }
+    }
+
+    /// From the leaves to the root: what every joint should do, whatever its parent does.
+    fn inward(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
+        for (index, (body, weight)) in bodies.iter().zip(&projection.weights).enumerate() {
+            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
+            let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
+            else {
+                return;
+            };
+            solved.pose = parent * joint.pose;
+            let turn = math::log(solved.desired.rotation * solved.pose.rotation.conjugate());
+            let way = solved.desired.translation_m - solved.pose.translation_m;
+            let angular = weight.rotation_m * weight.rotation_m;
+            solved.demand = Demand {
+                inertia: SpatialInertia::round(angular, weight.position),
+                wrench: Wrench::new(turn * angular, way * weight.position),
+            };
+        }
+        for (index, body) in bodies.iter().enumerate().rev() {
+            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
+            let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
+            else {
+                return;
+            };
+            let freedoms = if projection.is_rigid(body) {
+                Freedoms::Axes(Vec::new())
+            } else {
+                joint.freedoms(body, &solved.pose)
+            };
+            solved.response = solved.demand.eliminate(&freedoms);
+            let (passed_on, arm) =
+                (solved.demand, solved.pose.translation_m - parent.translation_m);
+            if let Some(parent) = body.parent.and_then(|parent| self.bodies.get_mut(parent)) {
+                parent.demand.add_child(&passed_on, arm);
+            }
+        }
+    }
+
+    /// From the root to the leaves: what every joint does, now that its parent's motion is known.
+    fn outward(
+        &mut self,
+        projection: &ManifoldProjection<N>,
+        bodies: &[Body],
+        desired: &[Transform],
+    ) {
+        for (index, (body, desired)) in bodies.iter().zip(desired).enumerate() {
+            let (parent_pose, parent_motion) = self
+                .body(body.parent)
+                .map_or((Transform::IDENTITY, Motion::ZERO), |body| (body.pose, body.motion));
+            let (Some(joint), Some(solved)) =
+                (self.joints.get_mut(index), self.bodies.get_mut(index))
+            else {
+                return;
+            };
+            let arm = solved.pose.translation_m - parent_pose.translation_m;
+            let carried = Motion {
+                angular: parent_motion.angular,
+                linear: parent_motion.linear + parent_motion.angular.cross(arm),
+            };
+            solved.motion = if projection.is_rigid(body) {
+                carried
+            } else {
+                let range = projection.range(index);
+                joint.step(body, range, desired, &solved.pose, &solved.response, carried)
+            };
+        }
+    }
+
+    fn body(&self, index: Option<usize>) -> Option<&Solved> {
+        self.bodies.get(index?)
+    }
+}
+
+impl<const N: usize> Default for ProjectionWorkspace<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Why a projection could not be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ProjectionError {
+    /// There must be one for each body of the tree.
+    Count {
+        /// Number of bodies.
+        expected: usize,
+        /// Number given.
+        found: usize,
+    },
+    /// The weight of a body's position is not a number from 0 to 1e6.
+    PositionWeight {
+        /// The body.
+        body: usize,
+        /// The weight.
+        value: f32,
+    },
+    /// The weight of a body's rotation is not a length from 1 mm to 1 km.
+    RotationWeight {
+        /// The body.
+        body: usize,
+        /// The weight in m.
+        value: f32,
+    },
+    /// The range is not one of this kind of joint, or its ends are not numbers in order.
+    Range {
+        /// The joint.
+        joint: usize,
+    },
+    /// The desired pose of a joint is not finite, or its rotation not a unit quaternion.
+    InvalidPose {
+        /// The joint.
+        joint: usize,
+    },
+}
+
+impl fmt::Display for ProjectionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "{expected} bodies need one for each, {found} were given")
+            }
+            Self::PositionWeight { body, value } => write!(
+                f,
+                "body {body}: the weight of the position is {value}; it must be a number from 0 to 1e6"
+            ),
+            Self::RotationWeight { body, value } => write!(
+                f,
+                "body {body}: the weight of the rotation is {value} m; it must be from 0.001 to 1000 m"
+            ),
+            Self::Range { joint } => write!(
+                f,
+                "joint {joint}: the range does not fit its kind, or its ends are not in order within a turn"
+            ),
+            Self::InvalidPose { joint } => write!(
+                f,
+                "joint {joint}: the pose is not finite or its rotation not a unit quaternion"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ProjectionError {}

@@ -1,0 +1,55 @@
+//! How far joints can go.
+
+use crate::joint::JointKind;
+use crate::math;
+
+/// How far a joint can go, from the zero pose of its joint frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum JointRange {
+    /// As far as its kind lets it.
+    #[default]
+    Any,
+    /// A revolute joint from the first to the second angle in rad, both in [-π, π]; a prismatic one from the
+    /// first to the second way in m.
+    Axis([f32; 2]),
+    /// Both axes of a universal joint, as [`Self::Axis`]; each reaches to its own ends.
+    Axes([[f32; 2]; 2]),
+    /// A spherical joint up to this angle in rad, above 0 and up to π, in any direction.
+    Turn(f32),
+}
+
+impl JointRange {
+    /// Whether this is a range that a joint of this kind can have; NaN is in none.
+    pub(super) fn fits(self, joint: JointKind) -> bool {
+        let angles =
+            |[least, most]: [f32; 2]| -math::PI <= least && least <= most && most <= math::PI;
+        match (self, joint) {
+            (Self::Any, _) => true,
+            (Self::Axis(ends), JointKind::Revolute { .. }) => angles(ends),
+            (Self::Axis([least, most]), JointKind::Prismatic { .. }) => {
+                least.is_finite() && most.is_finite() && least <= most
+            }
+            (Self::Axes(ends), JointKind::Universal { .. }) => ends.into_iter().all(angles),
+            (Self::Turn(most), JointKind::Spherical) => 0.0 < most && most <= math::PI,
+            _ => false,
+        }
+    }
+
+    /// The ends of axis `index`.
+    pub(super) fn ends(self, index: usize) -> [f32; 2] {
+        match self {
+            Self::Axis(ends) => ends,
+            Self::Axes(ends) => ends.get(index).copied().unwrap_or(EVERYWHERE),
+            Self::Any | Self::Turn(_) => EVERYWHERE,
+        }
+    }
+
+    /// Coordinates brought within the range.
+    pub(super) fn clamp(self, along: [f32; 2]) -> [f32; 2] {
+        let [a, b] = along;
+        let within = |x: f32, [least, most]: [f32; 2]| x.max(least).min(most);
+        [within(a, self.ends(0)), within(b, self.ends(1))]
+    }
+}
+
+const EVERYWHERE: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
