@@ -79,6 +79,9 @@ pub struct ManifoldProjection<const N: usize> {
 /// Sweeps of a call: from the solution of the frame before, one is within 1 % of the optimum.
 pub const DEFAULT_SWEEPS: u8 = 1;
 
+/// Sweeps of the first call, which has no solution to start from.
+const FIRST_SWEEPS: u8 = 20;
+
 impl<const N: usize> ManifoldProjection<N> {
     /// A projection with one weight for each body of the tree, without ranges, and with
     /// [`DEFAULT_SWEEPS`].
@@ -172,7 +175,9 @@ impl<const N: usize> ManifoldProjection<N> {
             return Err(ProjectionError::InvalidPose { joint });
         }
         workspace.start(self, bodies, desired);
-        for _ in 0..self.sweeps {
+        let sweeps = if workspace.started { self.sweeps } else { FIRST_SWEEPS.max(self.sweeps) };
+        workspace.started = true;
+        for _ in 0..sweeps {
             workspace.inward(self, bodies);
             workspace.outward(self, bodies, desired);
         }
@@ -200,6 +205,7 @@ const HEAVIEST: f32 = 1e6;
 pub struct ProjectionWorkspace<const N: usize> {
     joints: [Joint; N],
     bodies: [Solved; N],
+    started: bool,
 }
 
 /// One body's part of a sweep, in world axes.
@@ -222,7 +228,11 @@ impl<const N: usize> ProjectionWorkspace<N> {
             response: Response::Free(Motion::ZERO),
             motion: Motion::ZERO,
         };
-        Self { joints: [Joint::NEW; N], bodies: core::array::from_fn(|_| solved.clone()) }
+        Self {
+            joints: [Joint::NEW; N],
+            bodies: core::array::from_fn(|_| solved.clone()),
+            started: false,
+        }
     }
 
     /// Forgets the last frame: the next starts from the desired pose.

@@ -1,6 +1,8 @@
 //! Why an evaluation has no result.
 
-use sinew_core::{ControllerError, StateInputError, TreeError, control::GainsError};
+use sinew_core::control::GainsError;
+use sinew_core::projection::ProjectionError;
+use sinew_core::{ControllerError, StateInputError, TreeError};
 use thiserror::Error;
 
 use super::{MethodName, SetupError};
@@ -63,6 +65,9 @@ pub enum RunError {
         /// Why.
         source: StateInputError,
     },
+    /// The clip's pose cannot be projected on the figure's.
+    #[error(transparent)]
+    Projection(#[from] ProjectionError),
     /// The clip's skeleton cannot be given a body.
     #[error(transparent)]
     Model(#[from] BodyModelError),

@@ -22,8 +22,8 @@ pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
 pub use setup::{
-    AimName, BodyName, BodySource, ControllerSettings, DesiredVelocity, GainsName, LawName,
-    MethodName, RateTermName, Setup, SetupError,
+    AimName, BodyName, BodySource, ControllerSettings, DesiredVelocity, DifferencesName, GainsName,
+    LawName, MethodName, ProjectionSettings, RateTermName, Setup, SetupError,
 };
 pub use track::{Step, step_count, track};
 

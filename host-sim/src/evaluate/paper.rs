@@ -90,7 +90,7 @@ impl Figure {
             MethodName::Local => Some(rows[0]),
             MethodName::World => Some(rows[1]),
             MethodName::LinearCompensation => Some(rows[2]),
-            MethodName::Egocentric | MethodName::Accumulated => None,
+            _ => None,
         }
     }
 }

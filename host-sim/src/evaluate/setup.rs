@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use sinew_core::control::{ControlLaw, Gains};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
+use sinew_core::projection::{BodyWeight, DEFAULT_SWEEPS, ManifoldProjection};
 use sinew_core::state_error::{Aims, Compensation, Method, RateTerm, References};
 use sinew_core::{Controller, JointStates, Tree};
 use thiserror::Error;
@@ -70,7 +71,11 @@ pub struct ControllerSettings {
     pub rate_term: RateTermName,
     /// What a body of several children aims at in Linear Compensation.
     pub aim: AimName,
-    /// Where the desired velocities come from.
+    /// The manifold projection, for the methods that have it.
+    pub projection: ProjectionSettings,
+    /// Which frames desired velocities and accelerations are differences of.
+    pub differences: DifferencesName,
+    /// Where the desired velocities come from, for forward differences.
     pub desired_velocity: DesiredVelocity,
     /// How the error becomes a torque.
     pub law: LawName,
@@ -90,6 +95,8 @@ impl Default for ControllerSettings {
             beta: 1.0,
             rate_term: RateTermName::Corrected,
             aim: AimName::HeaviestChild,
+            projection: ProjectionSettings::default(),
+            differences: DifferencesName::Forward,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
             gains: GainsName::Uniform,
@@ -114,6 +121,42 @@ pub enum MethodName {
     Accumulated,
     /// Linear Compensation Error: bodies turn so that their child reaches its goal.
     LinearCompensation,
+    /// World Space Error of the figure's own pose that is nearest to the clip's.
+    ManifoldProjection,
+    /// Joint accelerations that make every body's error in the world obey one law.
+    ResolvedAcceleration,
+    /// All that this project knows for real rigs, see [`ControllerSettings::recommended`].
+    Recommended,
+}
+
+/// How the figure's pose nearest to the clip's is found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ProjectionSettings {
+    /// What a turn counts against a distance: 1 rad as much as this many metres.
+    pub rotation_m: f64,
+    /// Whether the pelvis stays where the clip has it.
+    pub root_held: bool,
+    /// Gauss-Newton steps for each frame.
+    pub sweeps: u8,
+}
+
+impl Default for ProjectionSettings {
+    fn default() -> Self {
+        Self { rotation_m: 0.4, root_held: false, sweeps: DEFAULT_SWEEPS }
+    }
+}
+
+/// Which frames desired velocities and accelerations are differences of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DifferencesName {
+    /// This one and the next two: the paper's.
+    Forward,
+    /// The one before, this one and the next, so that velocities are of the same instant as measured ones.
+    Aligned,
+    /// This one and the two before: for a live stream, whose next frame is not known.
+    Live,
 }
 
 /// The sign of the rate term of Linear Compensation.
@@ -263,12 +306,19 @@ impl Setup {
         if self.subject.is_some() && self.body != BodySource::HanavanKwon {
             return Err(SetupError::SubjectWithoutBody);
         }
-        let ControllerSettings { beta, kp, law, gains, .. } = self.controller;
+        let ControllerSettings { beta, kp, law, gains, projection, .. } = self.controller;
         if gains != GainsName::Uniform && law != LawName::Pd {
             return Err(SetupError::GainsWithoutPd);
         }
         if !(0.0..=2.0).contains(&beta) {
             return value("controller.beta", ("a weight from 0 to 2", beta));
+        }
+        if !(0.001..=1000.0).contains(&projection.rotation_m) {
+            let expected = "a length from 0.001 to 1000 m";
+            return value("controller.projection.rotation_m", (expected, projection.rotation_m));
+        }
+        if projection.sweeps == 0 {
+            return value("controller.projection.sweeps", ("a number from 1 to 255", 0.0));
         }
         if !(kp > 0.0 && kp.is_finite()) {
             return value("controller.kp", ("a finite number above 0", kp));
@@ -303,6 +353,20 @@ impl Setup {
             }
         };
         Ok(model.scaled_by(&self.dimensions.factors()))
+    }
+
+    /// The projection of the clip's poses on a figure's, if its method has one.
+    pub(super) fn projection(
+        &self,
+        tree: &Tree<BODY_COUNT>,
+    ) -> Result<Option<ManifoldProjection<BODY_COUNT>>, RunError> {
+        if self.controller.method != MethodName::ManifoldProjection {
+            return Ok(None);
+        }
+        let ProjectionSettings { rotation_m, root_held, sweeps } = self.controller.projection;
+        let weights = [BodyWeight::new(1.0, narrow(rotation_m)); BODY_COUNT];
+        let projection = ManifoldProjection::new(tree, &weights)?.with_sweeps(sweeps);
+        Ok(Some(if root_held { projection.with_root_held() } else { projection }))
     }
 
     /// The controller of a figure.
@@ -351,7 +415,10 @@ impl ControllerSettings {
     fn method(&self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
         match self.method {
             MethodName::Local => Method::Local,
-            MethodName::World => Method::World,
+            MethodName::World
+            | MethodName::ManifoldProjection
+            | MethodName::ResolvedAcceleration
+            | MethodName::Recommended => Method::World,
             MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
             MethodName::Accumulated => {
                 let BodyName(reference) = self.reference;
@@ -402,6 +469,9 @@ impl MethodName {
             Self::Egocentric => "egocentric",
             Self::Accumulated => "accumulated",
             Self::LinearCompensation => "linear_compensation",
+            Self::ManifoldProjection => "manifold_projection",
+            Self::ResolvedAcceleration => "resolved_acceleration",
+            Self::Recommended => "recommended",
         }
     }
 
@@ -413,6 +483,9 @@ impl MethodName {
             Self::Egocentric => "Egocentric",
             Self::Accumulated => "Accumulated",
             Self::LinearCompensation => "Linear Compensation",
+            Self::ManifoldProjection => "Manifold Projection",
+            Self::ResolvedAcceleration => "Resolved Acceleration",
+            Self::Recommended => "Recommended",
         }
     }
 }

@@ -4,15 +4,17 @@ use std::array;
 
 use glam::DVec3;
 use sinew_core::control::LimitReason;
-use sinew_core::trajectory::{backward_states, forward_targets, forward_targets_of_bodies};
-use sinew_core::{
-    BodyState, Controller, JointState, JointStates, JointTargets, Motion, Transform, Workspace,
+use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
+use sinew_core::trajectory::{
+    aligned_targets, backward_states, forward_targets, forward_targets_of_bodies, interpolate,
+    live_targets,
 };
+use sinew_core::{BodyState, Controller, JointStates, JointTargets, Motion, Transform, Workspace};
 
 use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
 use super::reference::{Performance, one_step_before};
-use super::setup::{DesiredVelocity, Setup};
+use super::setup::{ControllerSettings, DesiredVelocity, DifferencesName, Setup};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
@@ -96,7 +98,7 @@ pub fn track(
     let model = setup.model(motion)?;
     let controller = setup.controller(&model)?;
     let performance = Performance { motion, root: setup.controller.root };
-    let mut desired = Desired::new(performance, &controller, setup);
+    let mut desired = Desired::new(performance, &controller, setup)?;
     let mut states = JointStates::rest(controller.tree());
     let mut workspace = Workspace::new();
 
@@ -145,11 +147,13 @@ pub fn track(
 /// The desired side of a run: what the clip asks of the joints.
 struct Desired<'a> {
     performance: Performance<'a>,
-    velocity: DesiredVelocity,
+    settings: ControllerSettings,
     dt_s: f32,
     controller: &'a Controller<BODY_COUNT>,
+    projection: Option<(ManifoldProjection<BODY_COUNT>, ProjectionWorkspace<BODY_COUNT>)>,
     targets: JointTargets<BODY_COUNT>,
-    /// Joint poses of this frame and the next two.
+    /// Joint poses of three frames: the last one is that of the tick and as many farther as the differences
+    /// look ahead.
     window: [[Transform; BODY_COUNT]; 3],
 }
 
@@ -158,32 +162,74 @@ impl<'a> Desired<'a> {
         performance: Performance<'a>,
         controller: &'a Controller<BODY_COUNT>,
         setup: &Setup,
-    ) -> Self {
+    ) -> Result<Self, RunError> {
         #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
         let dt_s = performance.motion.dt_s as f32;
-        Self {
+        let projection = setup.projection(controller.tree())?;
+        let mut desired = Self {
             performance,
-            velocity: setup.controller.desired_velocity,
+            settings: setup.controller,
             dt_s,
             controller,
+            projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
             targets: JointTargets::rest(controller.tree()),
-            window: [0, 1, 2].map(|frame| performance.joint_poses(frame)),
-        }
+            window: [[Transform::IDENTITY; BODY_COUNT]; 3],
+        };
+        // The performance begins with the velocity of its first step, as the figure does.
+        let [first, second] = [desired.joint_poses(0)?, desired.joint_poses(1)?];
+        let before =
+            |steps: f32| array::from_fn(|joint| interpolate(&first[joint], &second[joint], -steps));
+        let [two_before, one_before] = [before(2.0), before(1.0)];
+        desired.window = match desired.settings.differences {
+            DifferencesName::Forward => [one_before, first, second],
+            DifferencesName::Aligned => [two_before, one_before, first],
+            DifferencesName::Live => [two_before, two_before, one_before],
+        };
+        Ok(desired)
+    }
+
+    /// Poses that the figure should take in a frame; frames come one after the other.
+    fn joint_poses(&mut self, frame: usize) -> Result<[Transform; BODY_COUNT], RunError> {
+        let poses = self.performance.joint_poses(frame);
+        let Some((projection, workspace)) = &mut self.projection else { return Ok(poses) };
+        let mut nearest = poses;
+        projection.project(self.controller.tree(), &poses, workspace, &mut nearest)?;
+        Ok(nearest)
     }
 
     /// Targets at `frame`; frames come one after the other.
     fn targets(&mut self, frame: usize) -> Result<&JointTargets<BODY_COUNT>, RunError> {
-        let state_error = |source| RunError::State { frame, source };
+        let newest = frame
+            + match self.settings.differences {
+                DifferencesName::Forward => 2,
+                DifferencesName::Aligned => 1,
+                DifferencesName::Live => 0,
+            };
+        let [_, second, third] = self.window;
+        self.window = [second, third, self.joint_poses(newest)?];
+
         let window = self.window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
         let (tree, dt_s, targets) = (self.controller.tree(), self.dt_s, &mut self.targets);
-        match self.velocity {
-            DesiredVelocity::Bodies => forward_targets_of_bodies(tree, window, dt_s, targets),
-            _ => forward_targets(window, dt_s, targets),
+        match (self.settings.differences, self.settings.desired_velocity) {
+            (DifferencesName::Aligned, _) => aligned_targets(window, dt_s, targets),
+            (DifferencesName::Live, _) => live_targets(window, dt_s, targets),
+            (DifferencesName::Forward, DesiredVelocity::Bodies) => {
+                forward_targets_of_bodies(tree, window, dt_s, targets)
+            }
+            (DifferencesName::Forward, _) => forward_targets(window, dt_s, targets),
         }
-        .map_err(state_error)?;
-        match self.velocity {
-            DesiredVelocity::Bodies | DesiredVelocity::Joints => {}
-            DesiredVelocity::Zero => self.set_velocities(frame, |_| Motion::ZERO)?,
+        .map_err(|source| RunError::State { frame, source })?;
+        if self.settings.differences == DifferencesName::Forward {
+            self.replace_velocities(frame)?;
+        }
+        Ok(&self.targets)
+    }
+
+    /// Puts velocities that are no forward differences in the place of those.
+    fn replace_velocities(&mut self, frame: usize) -> Result<(), RunError> {
+        match self.settings.desired_velocity {
+            DesiredVelocity::Bodies | DesiredVelocity::Joints => Ok(()),
+            DesiredVelocity::Zero => self.set_velocities(frame, |_| Motion::ZERO),
             DesiredVelocity::Backward => {
                 let moving = self.performance.backward(frame);
                 let bodies: [BodyState; BODY_COUNT] = moving.map(|moving| BodyState {
@@ -199,12 +245,9 @@ impl<'a> Desired<'a> {
                 self.set_velocities(frame, |body| {
                     let parent = BODIES[body].parent.map_or(BodyState::WORLD, |p| bodies[p]);
                     bodies[body].joint_state(&parent).velocity
-                })?;
+                })
             }
         }
-        let [_, next, after] = self.window;
-        self.window = [next, after, self.performance.joint_poses(frame + 3)];
-        Ok(&self.targets)
     }
 
     fn set_velocities(
@@ -213,11 +256,8 @@ impl<'a> Desired<'a> {
         velocity: impl Fn(usize) -> Motion,
     ) -> Result<(), RunError> {
         for joint in 0..BODY_COUNT {
-            let pose = self.targets.states()[joint].pose;
-            let acceleration = self.targets.accelerations()[joint];
-            let state = JointState { pose, velocity: velocity(joint) };
             self.targets
-                .set(joint, state, acceleration)
+                .set_velocity(joint, velocity(joint))
                 .map_err(|source| RunError::State { frame, source })?;
         }
         Ok(())

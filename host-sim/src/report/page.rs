@@ -409,6 +409,17 @@ fn explanation(method: MethodName) -> &'static str {
             "As World, but a body’s goal is turned so that its child comes nearest to where the clip has it. That costs angle \
              and gains distance, above all on figures of other dimensions."
         }
+        MethodName::ManifoldProjection => {
+            "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the bending. \
+             With equal dimensions it is World."
+        }
+        MethodName::ResolvedAcceleration => {
+            "Every body’s error in the world obeys one law: the joints together get the accelerations that do that."
+        }
+        MethodName::Recommended => {
+            "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, looks ahead over a \
+             known delay, and cancels what the model has wrong."
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 /// Name, on light, on dark.
-const COLORS: [(&str, &str, &str); 12] = [
+const COLORS: [(&str, &str, &str); 15] = [
     ("text", "#1b2530", "#e4e9ee"),
     ("muted", "#5a6673", "#9ba8b5"),
     ("line", "#dfe4ea", "#2d3742"),
@@ -16,6 +16,9 @@ const COLORS: [(&str, &str, &str); 12] = [
     ("linear-compensation", "#08785a", "#45cca0"),
     ("egocentric", "#8547a6", "#cf9fe8"),
     ("accumulated", "#66707a", "#a9b3bd"),
+    ("manifold-projection", "#b3265e", "#ff8fb8"),
+    ("resolved-acceleration", "#6b6a00", "#c9c74a"),
+    ("recommended", "#0b7285", "#5fd0e3"),
 ];
 
 /// Colours of charts, for the page and for files of their own.

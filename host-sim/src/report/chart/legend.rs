@@ -18,6 +18,24 @@ pub(super) fn marker(method: MethodName, x: f64, y: f64) -> Markup {
         MethodName::LinearCompensation => &[(0.0, -4.8), (4.6, 3.4), (-4.6, 3.4)],
         MethodName::Egocentric => &[(0.0, -4.8), (4.8, 0.0), (0.0, 4.8), (-4.8, 0.0)],
         MethodName::Accumulated => &[(0.0, 4.8), (4.6, -3.4), (-4.6, -3.4)],
+        MethodName::ManifoldProjection => {
+            &[(0.0, -4.8), (4.6, -1.5), (2.8, 3.9), (-2.8, 3.9), (-4.6, -1.5)]
+        }
+        MethodName::ResolvedAcceleration => {
+            &[(4.4, 0.0), (2.2, 3.8), (-2.2, 3.8), (-4.4, 0.0), (-2.2, -3.8), (2.2, -3.8)]
+        }
+        MethodName::Recommended => &[
+            (0.0, -5.4),
+            (1.4, -1.7),
+            (5.2, -1.7),
+            (2.2, 0.7),
+            (3.3, 4.4),
+            (0.0, 2.2),
+            (-3.3, 4.4),
+            (-2.2, 0.7),
+            (-5.2, -1.7),
+            (-1.4, -1.7),
+        ],
     };
     let points: Vec<String> =
         corners.iter().map(|(dx, dy)| format!("{},{}", px(x + dx), px(y + dy))).collect();
