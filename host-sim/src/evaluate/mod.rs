@@ -4,7 +4,9 @@
 pub mod detail;
 mod disturbance;
 mod error;
+pub mod front;
 mod metrics;
+pub mod optimum;
 pub mod paper;
 mod reference;
 pub mod report;
