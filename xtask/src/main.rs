@@ -1,11 +1,15 @@
 //! Developer commands of Sinew: `cargo xtask COMMAND`.
 
 mod arm;
+mod budget;
 mod firmware;
 mod setup;
 mod step;
+mod table;
 mod test;
 
+use std::env;
+use std::path::Path;
 use std::process::ExitCode;
 
 const HELP: &str = "\
@@ -16,12 +20,13 @@ Usage: cargo xtask <COMMAND>
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
   test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
-  firmware  Builds both images, prints their flash and RAM, runs one in QEMU and compares it with the host
+  firmware  Builds both images, runs one in QEMU, and compares its torques with the host's, and what the images take
+            with firmware/budget.toml. With SINEW_SHOW set, that show is performed, and the budget left out
   help      Prints this
 ";
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<String> = env::args().skip(1).collect();
     let command: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match command.as_slice() {
         [] | ["help" | "--help" | "-h"] => {
@@ -30,7 +35,7 @@ fn main() -> ExitCode {
         }
         ["setup"] => setup::run(),
         ["test"] => test::run(),
-        ["firmware"] => firmware::run(),
+        ["firmware"] => firmware::run(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
         other => {
             eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));
             return ExitCode::from(2);

@@ -21,12 +21,13 @@ pub(crate) fn run() -> Result<()> {
     step::run(
         "documentation",
         step::cargo()
-            .args(["doc", "--locked", "--no-deps"])
-            .args(["-p", "sinew-core", "-p", "sinew-firmware", "-p", "sinew-sim"])
+            // Examples, of which there are none, let it share with clippy what is checked of the dependencies.
+            .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
+            .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
 
-    firmware::run()?;
+    firmware::run(None)?;
     firmware::lint()?;
     let (image, show) = firmware::qemu_image();
     let mut tests = step::cargo();
@@ -46,13 +47,13 @@ pub(crate) fn run() -> Result<()> {
         let mut parity = step::cargo();
         let (image, show) = firmware::qemu_image();
         parity
-            .args(["test", "--locked", "-p", "sinew-tests", "--test", "parity", "--", "--ignored"])
+            .args(["test", "--locked", "--workspace", "--test", "parity", "--", "--ignored"])
             .env("SINEW_QEMU_IMAGE", image)
             .env("SINEW_QEMU_SHOW", show);
         step::run("bit parity with QEMU", &mut parity)?;
         let mut report = step::cargo();
         report
-            .args(["test", "--locked", "-p", "sinew-sim", "--test", "report_browser"])
+            .args(["test", "--locked", "--workspace", "--test", "report_browser"])
             .args(["--", "--ignored"])
             .env("SINEW_CHROMIUM", browser);
         step::run("the report in a browser", &mut report)
