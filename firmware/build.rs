@@ -5,6 +5,10 @@
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
+#[path = "src/show.rs"]
+#[expect(dead_code, unreachable_pub, reason = "the library's own file, of which this reads a show")]
+mod show;
+
 /// Images, and the link scripts each needs beside `link.x`. The reference board's memory is the
 /// workspace's `memory.x`, which `link.x` includes; a script of another board overrides its numbers.
 const BOARDS: [(&str, &[&str]); 2] =
@@ -36,16 +40,20 @@ fn main() {
     bake(Path::new(&env::var_os("OUT_DIR").expect("cargo sets it")));
 }
 
-/// Puts the show where the image includes it from.
+/// Puts the show where the image includes it from: a show that the image could perform, or the build ends.
 fn bake(out: &Path) {
-    let Some(show) = env::var_os("SINEW_SHOW") else {
-        panic!(
-            "SINEW_SHOW must name a baked show: make one with `cargo run --release -- bake --out FILE`, \
-             or build the images with `cargo xtask firmware`"
-        );
+    const HELP: &str = "make a show with `cargo run --release -- bake --out FILE`, or build the images with \
+        `cargo xtask firmware`";
+    let Some(path) = env::var_os("SINEW_SHOW").map(PathBuf::from) else {
+        panic!("SINEW_SHOW must name a show: {HELP}");
     };
-    println!("cargo:rerun-if-changed={}", show.display());
-    if let Err(error) = fs::copy(&show, out.join("show.snws")) {
-        panic!("SINEW_SHOW={}: {error}", show.display());
+    let name = format!("SINEW_SHOW={}", path.display());
+    // Cargo runs this in the package's folder, not in the caller's.
+    assert!(path.is_absolute(), "{name} must be a whole path, such as $PWD/FILE");
+    println!("cargo:rerun-if-changed={}", path.display());
+    let show = fs::read(&path).unwrap_or_else(|error| panic!("{name}: {error}; {HELP}"));
+    if let Err(error) = show::Show::parse(&show) {
+        panic!("{name}: {error}; {HELP}");
     }
+    fs::write(out.join("show.snws"), show).expect("cargo's folder can be written to");
 }
