@@ -5,10 +5,13 @@ use core::fmt;
 use glam::{Quat, Vec3};
 use heapless::Vec;
 
+use crate::body_weight::{BodyWeights, BodyWeightsError};
 use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, commanded_acceleration};
-use crate::dynamics::{BodyMotion, ReflectedInertia, inverse_dynamics};
+use crate::dynamics::{
+    BodyMotion, ReflectedInertia, Resolved, inverse_dynamics, resolved_acceleration,
+};
 use crate::kinematics;
-use crate::state::{BodyState, JointStates, JointTargets};
+use crate::state::{BodyState, JointState, JointStates, JointTargets};
 use crate::state_error::{
     self, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };
@@ -81,6 +84,9 @@ impl<const N: usize> Controller<N> {
                 }
                 Aims::new(&tree, aims.as_slice()).map_err(ControllerError::Aims)?;
             }
+            Method::ResolvedAcceleration { weights } => {
+                BodyWeights::new(&tree, weights.as_slice()).map_err(ControllerError::Weights)?;
+            }
         }
         let gains = tree.bodies().iter().map(|_| gains).collect();
         let limits = tree.bodies().iter().map(|_| TorqueLimit::NONE).collect();
@@ -90,9 +96,15 @@ impl<const N: usize> Controller<N> {
     }
 
     /// The same controller with another control law.
-    #[must_use]
-    pub fn with_law(self, law: ControlLaw) -> Self {
-        Self { law, ..self }
+    ///
+    /// # Errors
+    /// [`ControllerError::Law`] if the method needs inverse dynamics.
+    pub fn with_law(self, law: ControlLaw) -> Result<Self, ControllerError> {
+        let resolved = matches!(self.method, Method::ResolvedAcceleration { .. });
+        if resolved && law != ControlLaw::InverseDynamics {
+            return Err(ControllerError::Law);
+        }
+        Ok(Self { law, ..self })
     }
 
     /// The same controller in another field of gravity, world axes.
@@ -137,7 +149,8 @@ impl<const N: usize> Controller<N> {
     /// `kv dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
     ///
     /// # Errors
-    /// [`ControllerError::InertiaCount`] if there is not one for each joint.
+    /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::Law`] if the
+    /// method needs inverse dynamics.
     pub fn with_pd_of_inertia(
         self,
         inertias: &[ReflectedInertia],
@@ -146,8 +159,8 @@ impl<const N: usize> Controller<N> {
             let (expected, found) = (self.tree.len(), inertias.len());
             return Err(ControllerError::InertiaCount { expected, found });
         }
-        let law = ControlLaw::ProportionalDerivative;
-        Ok(Self { inertias: inertias.iter().copied().collect(), law, ..self })
+        let inertias = inertias.iter().copied().collect();
+        Self { inertias, ..self }.with_law(ControlLaw::ProportionalDerivative)
     }
 
     /// The rig.
@@ -181,7 +194,9 @@ impl<const N: usize> Controller<N> {
         }
         match &self.method {
             Method::Local => state_error::local(desired, measured, &mut w.errors),
-            Method::World => state_error::world(&w.desired, &w.measured, &mut w.errors),
+            Method::World | Method::ResolvedAcceleration { .. } => {
+                state_error::world(&w.desired, &w.measured, &mut w.errors);
+            }
             Method::Accumulated(references) => state_error::accumulated(
                 references.as_slice(),
                 &w.desired,
@@ -198,34 +213,11 @@ impl<const N: usize> Controller<N> {
             ),
         }
 
-        for (joint, ((((body, desired), measured), feedforward), ((error, gains), command))) in
-            bodies
-                .iter()
-                .zip(desired)
-                .zip(measured)
-                .zip(targets.accelerations())
-                .zip(w.errors.iter().zip(&self.gains).zip(&mut w.commands))
-                .enumerate()
-        {
-            let correction = gains.apply(error);
-            let to_body = self.error_axes_to_body(joint, measured.pose.rotation, &w.measured);
-            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
-            *command = match self.law {
-                ControlLaw::ProportionalDerivative => {
-                    body.joint.project_motion(in_joint, correction.rotated(to_body))
-                }
-                ControlLaw::InverseDynamics => {
-                    let wanted = commanded_acceleration(
-                        desired,
-                        measured,
-                        *feedforward,
-                        correction,
-                        to_body,
-                    );
-                    body.joint.project_motion(in_joint, wanted)
-                        + body.joint.bias_acceleration(in_joint, measured.velocity)
-                }
-            };
+        match &self.method {
+            Method::ResolvedAcceleration { weights } => {
+                self.resolved_commands(targets, measured, weights, w);
+            }
+            _ => self.direct_commands(targets, measured, w),
         }
 
         match self.law {
@@ -261,13 +253,80 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
+    /// Feeds every error to its own joint, as it is: eq. (11).
+    fn direct_commands(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &[JointState],
+        w: &mut Workspace<N>,
+    ) {
+        for (joint, ((((body, desired), measured), feedforward), ((error, gains), command))) in self
+            .tree
+            .bodies()
+            .iter()
+            .zip(targets.states())
+            .zip(measured)
+            .zip(targets.accelerations())
+            .zip(w.errors.iter().zip(&self.gains).zip(&mut w.commands))
+            .enumerate()
+        {
+            let correction = gains.apply(error);
+            let to_body = self.error_axes_to_body(joint, measured.pose.rotation, &w.measured);
+            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
+            *command = match self.law {
+                ControlLaw::ProportionalDerivative => {
+                    body.joint.project_motion(in_joint, correction.rotated(to_body))
+                }
+                ControlLaw::InverseDynamics => {
+                    let wanted = commanded_acceleration(
+                        desired,
+                        measured,
+                        *feedforward,
+                        correction,
+                        to_body,
+                    );
+                    body.joint.project_motion(in_joint, wanted)
+                        + body.joint.bias_acceleration(in_joint, measured.velocity)
+                }
+            };
+        }
+    }
+
+    /// Feeds every error to its body's acceleration, and asks of the joints what that takes.
+    fn resolved_commands(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &[JointState],
+        weights: &BodyWeights<N>,
+        w: &mut Workspace<N>,
+    ) {
+        let bodies = self.tree.bodies();
+        let (desired, joints) = (targets.states(), targets.accelerations());
+        kinematics::body_accelerations(bodies, desired, &w.desired, joints, &mut w.commands);
+        for (command, (gains, error)) in w.commands.iter_mut().zip(self.gains.iter().zip(&w.errors))
+        {
+            *command = *command + gains.apply(error);
+        }
+        let (world, scratch) = (&w.measured, &mut w.resolved);
+        resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
+        kinematics::joint_accelerations(bodies, measured, world, &mut w.commands);
+        for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
+            // Without what rounding has left across the joint's freedoms.
+            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
+            *command = body.joint.project_motion(in_joint, *command)
+                + body.joint.bias_acceleration(in_joint, measured.velocity);
+        }
+    }
+
     /// Rotation from the axes of a joint's state error to measured body axes: `R_m,iᵀ R_m,l`.
     fn error_axes_to_body(&self, joint: usize, relative: Quat, measured: &[BodyState]) -> Quat {
         let rotation =
             |body: usize| measured.get(body).map_or(Quat::IDENTITY, |state| state.pose.rotation);
         match &self.method {
             Method::Local => relative.conjugate(),
-            Method::World | Method::LinearCompensation { .. } => rotation(joint).conjugate(),
+            Method::World
+            | Method::LinearCompensation { .. }
+            | Method::ResolvedAcceleration { .. } => rotation(joint).conjugate(),
             Method::Accumulated(references) => {
                 let reference = references.as_slice().get(joint).copied().flatten();
                 rotation(joint).conjugate() * reference.map_or(Quat::IDENTITY, rotation)
@@ -285,6 +344,7 @@ pub struct Workspace<const N: usize> {
     errors: [StateError; N],
     aim_status: [AimStatus; N],
     commands: [Motion; N],
+    resolved: [Resolved; N],
     scratch: [BodyMotion; N],
     wrenches: [Wrench; N],
     torques: [Limited<Wrench>; N],
@@ -299,6 +359,7 @@ impl<const N: usize> Workspace<N> {
             errors: [StateError::ZERO; N],
             aim_status: [AimStatus::Leaf; N],
             commands: [Motion::ZERO; N],
+            resolved: [Resolved::ZERO; N],
             scratch: [BodyMotion::default(); N],
             wrenches: [Wrench::ZERO; N],
             torques: [Limited { value: Wrench::ZERO, reason: None }; N],
@@ -329,7 +390,7 @@ impl<const N: usize> Default for Workspace<N> {
 }
 
 /// Why a controller could not be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ControllerError {
@@ -339,6 +400,10 @@ pub enum ControllerError {
     References(ReferencesError),
     /// The method's aims were made for another tree.
     Aims(AimsError),
+    /// The weights of the method's bodies were made for another tree.
+    Weights(BodyWeightsError),
+    /// Resolved acceleration asks for accelerations: only inverse dynamics has torques for them.
+    Law,
     /// There must be one torque limit for each joint.
     Count {
         /// Number of joints of the tree.
@@ -379,6 +444,10 @@ impl fmt::Display for ControllerError {
             }
             Self::References(error) => write!(f, "the method is for another tree: {error}"),
             Self::Aims(error) => write!(f, "the method is for another tree: {error}"),
+            Self::Weights(error) => write!(f, "the method is for another tree: {error}"),
+            Self::Law => f.write_str(
+                "resolved acceleration needs the control law of inverse dynamics: PD alone has no use for accelerations",
+            ),
             Self::NonFinite(name) => write!(f, "the setting {name} is not finite"),
         }
     }

@@ -1,6 +1,7 @@
 //! Forward kinematics: from joint states to world states.
 
 use crate::state::{BodyState, JointState};
+use crate::transform::Motion;
 use crate::tree::Body;
 
 /// World states of all bodies. O(n).
@@ -34,6 +35,66 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
 pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]) {
     for ((body, state), slot) in bodies.iter().zip(world).zip(out) {
         *slot = state.joint_state(&of_parent(body, world, BodyState::WORLD));
+    }
+}
+
+/// World accelerations of all bodies: of the angle, and of the origin (classical). O(n).
+///
+/// `world` are the states that [`body_states`] makes of `joints`. `accelerations` are those of the joints,
+/// relative to the parent, in body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
+pub fn body_accelerations(
+    bodies: &[Body],
+    joints: &[JointState],
+    world: &[BodyState],
+    accelerations: &[Motion],
+    out: &mut [Motion],
+) {
+    for (index, (((body, joint), state), acceleration)) in
+        bodies.iter().zip(joints).zip(world).zip(accelerations).enumerate()
+    {
+        let parent = of_parent(body, world, BodyState::WORLD);
+        let carried = carried(of_parent(body, out, Motion::ZERO), &parent, state);
+        let moving = velocity_products(&parent, state, joint);
+        let Some(slot) = out.get_mut(index) else { return };
+        *slot = carried + moving + acceleration.rotated(state.pose.rotation);
+    }
+}
+
+/// Joint accelerations from world accelerations, in place: the way back from [`body_accelerations`]. O(n).
+pub fn joint_accelerations(
+    bodies: &[Body],
+    joints: &[JointState],
+    world: &[BodyState],
+    accelerations: &mut [Motion],
+) {
+    // From the leaves inwards: a parent's is still that in the world.
+    for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
+        let parent = of_parent(body, world, BodyState::WORLD);
+        let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
+        let moving = velocity_products(&parent, state, joint);
+        let Some(slot) = accelerations.get_mut(index) else { continue };
+        *slot = (*slot - (carried + moving)).rotated(state.pose.rotation.conjugate());
+    }
+}
+
+/// What a body's acceleration is by its parent's alone, as if both were one and stood still. World axes.
+pub(crate) fn carried(of_parent: Motion, parent: &BodyState, body: &BodyState) -> Motion {
+    let arm = body.pose.translation_m - parent.pose.translation_m;
+    Motion { linear: of_parent.linear + of_parent.angular.cross(arm), ..of_parent }
+}
+
+/// What a body's acceleration is by velocities alone: centripetal and Coriolis. World axes.
+pub(crate) fn velocity_products(
+    parent: &BodyState,
+    body: &BodyState,
+    joint: &JointState,
+) -> Motion {
+    let arm = body.pose.translation_m - parent.pose.translation_m;
+    let relative = joint.velocity.rotated(body.pose.rotation);
+    let turning = parent.velocity.angular;
+    Motion {
+        angular: turning.cross(relative.angular),
+        linear: turning.cross(turning.cross(arm) + relative.linear * 2.0),
     }
 }
 

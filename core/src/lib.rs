@@ -49,6 +49,7 @@
 )]
 
 mod body_set;
+mod body_weight;
 pub mod control;
 mod controller;
 pub mod dynamics;

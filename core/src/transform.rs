@@ -1,6 +1,6 @@
 //! Rigid transforms, and the motion and force vectors that go with them.
 
-use core::ops::{Add, Mul};
+use core::ops::{Add, Mul, Sub};
 
 use glam::{Quat, Vec3};
 
@@ -111,6 +111,14 @@ impl Add for Motion {
     }
 }
 
+impl Sub for Motion {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { angular: self.angular - other.angular, linear: self.linear - other.linear }
+    }
+}
+
 /// Force, and its moment about a frame's origin.
 ///
 /// The axes are named where a `Wrench` is used.
@@ -147,5 +155,13 @@ impl Add for Wrench {
 
     fn add(self, other: Self) -> Self {
         Self { moment_nm: self.moment_nm + other.moment_nm, force_n: self.force_n + other.force_n }
+    }
+}
+
+impl Sub for Wrench {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { moment_nm: self.moment_nm - other.moment_nm, force_n: self.force_n - other.force_n }
     }
 }

@@ -49,8 +49,8 @@ impl<'a, const N: usize> Replay<'a, N> {
         let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
         let gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
         let controller = Controller::new(tree, gains, method)
-            .map_err(ReplayError::Controller)?
-            .with_law(ControlLaw::InverseDynamics);
+            .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
+            .map_err(ReplayError::Controller)?;
         Ok(Self { app: App::new(show, controller), late: [Transform::IDENTITY; N] })
     }
 

@@ -78,16 +78,16 @@ fn joint_pose(body: &Body, motion: &Coordinates, time_s: f64) -> Pose {
     };
     let along = |k: usize| f64::from(motion.along[k]) + way(k);
     let ways = |first: usize| DVec3::new(way(first), way(first + 1), way(first + 2));
-    let turn = |axis: DVec3, angle: f64| DQuat::from_scaled_axis(axis.normalize() * angle);
+    let about = |axis: DVec3, angle: f64| DQuat::from_scaled_axis(axis.normalize() * angle);
     // From the start in body axes: there the components of the angular velocity are the derivative.
     let rotation = motion.rotation.as_dquat().normalize();
     let turned = || rotation * DQuat::from_scaled_axis(ways(0));
     let (rotation, position_m) = match body.joint {
         JointKind::Fixed => (DQuat::IDENTITY, DVec3::ZERO),
-        JointKind::Revolute { axis } => (turn(axis.as_dvec3(), along(0)), DVec3::ZERO),
+        JointKind::Revolute { axis } => (about(axis.as_dvec3(), along(0)), DVec3::ZERO),
         JointKind::Prismatic { axis } => (DQuat::IDENTITY, axis.as_dvec3().normalize() * along(0)),
         JointKind::Universal { first, second } => {
-            (turn(first.as_dvec3(), along(0)) * turn(second.as_dvec3(), along(1)), DVec3::ZERO)
+            (about(first.as_dvec3(), along(0)) * about(second.as_dvec3(), along(1)), DVec3::ZERO)
         }
         JointKind::Spherical => (turned(), DVec3::ZERO),
         // The speeds are in body axes as they are now.
@@ -115,11 +115,7 @@ fn motions(rig: &Rig, time_s: f64) -> Vec<CenterMotion> {
             pose.position_m + pose.rotation * center
         });
         let now = at[2][index].rotation;
-        // The rotation vector from now on: its derivatives at zero are ω and α.
-        let turns = [0, 1, 2, 3, 4].map(|k: usize| {
-            let turn = at[k][index].rotation * now.inverse();
-            if turn.w < 0.0 { -turn } else { turn }.to_scaled_axis()
-        });
+        let turns = [0, 1, 2, 3, 4].map(|k: usize| turn(now, at[k][index].rotation));
         let (velocity_m_s, acceleration_m_s2) = derivatives(positions);
         let (omega_rad_s, alpha_rad_s2) = derivatives(turns);
         let i = &inertia.rotational_kg_m2;
@@ -206,4 +202,23 @@ pub fn in_world(wrench: &Wrench, pose: &Pose) -> WorldWrench {
         moment_nm: pose.rotation * wrench.moment_nm.as_dvec3(),
         force_n: pose.rotation * wrench.force_n.as_dvec3(),
     }
+}
+
+/// World accelerations of every body: angular in rad/s², and of its origin in m/s².
+pub fn accelerations(rig: &Rig) -> Vec<[DVec3; 2]> {
+    let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| poses(rig, k * STEP_S));
+    (0..rig.tree.len())
+        .map(|body| {
+            let now = at[2][body].rotation;
+            let turns = [0, 1, 2, 3, 4].map(|k: usize| turn(now, at[k][body].rotation));
+            let positions = [0, 1, 2, 3, 4].map(|k: usize| at[k][body].position_m);
+            [derivatives(turns).1, derivatives(positions).1]
+        })
+        .collect()
+}
+
+/// Rotation vector from one orientation to another, world axes; its derivatives at zero are ω and α.
+pub fn turn(from: DQuat, to: DQuat) -> DVec3 {
+    let turn = to * from.inverse();
+    if turn.w < 0.0 { -turn } else { turn }.to_scaled_axis()
 }

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
 use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
 use sinew_core::glam::{Quat, Vec3};
+use sinew_core::projection::BodyWeights;
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::{
     Controller, JointKind, JointState, JointStates, JointTargets, Motion, Transform, Tree,
@@ -31,6 +32,12 @@ fn methods<const N: usize>(tree: &Tree<N>) -> [Method<N>; 5] {
             settings: Compensation::default(),
         },
     ]
+}
+
+/// The methods that go with inverse dynamics: all.
+fn methods_of_inverse_dynamics<const N: usize>(tree: &Tree<N>) -> Vec<Method<N>> {
+    let weights = BodyWeights::rotations(tree);
+    methods(tree).into_iter().chain([Method::ResolvedAcceleration { weights }]).collect()
 }
 
 fn targets(rig: &Rig) -> JointTargets<CAPACITY> {
@@ -92,12 +99,16 @@ proptest! {
             targets.set(joint, state, acceleration).expect("finite, and a unit rotation");
         }
         let limits = vec![TorqueLimit::new(5.0, 50.0).expect("good limits"); rig.tree.len()];
-        for method in methods(&rig.tree) {
-            for law in [ControlLaw::InverseDynamics, ControlLaw::ProportionalDerivative] {
+        for law in [ControlLaw::InverseDynamics, ControlLaw::ProportionalDerivative] {
+            let methods = match law {
+                ControlLaw::InverseDynamics => methods_of_inverse_dynamics(&rig.tree),
+                ControlLaw::ProportionalDerivative => methods(&rig.tree).into(),
+            };
+            for method in methods {
                 let free = Controller::new(rig.tree.clone(), gains(), method.clone())
                     .and_then(|controller| controller.with_gravity(Vec3::from_array(gravity)))
-                    .expect("good settings")
-                    .with_law(law);
+                    .and_then(|controller| controller.with_law(law))
+                    .expect("good settings");
                 let limited = free.clone().with_limits(&limits).expect("one for each");
                 let mut workspace = Workspace::new();
                 let wanted = free.tick(&targets, &measured, &[], &mut workspace).to_vec();
@@ -145,7 +156,7 @@ proptest! {
             states.set(joint, state).expect("a good state");
             negated.set(joint, JointState { pose, ..state }).expect("as good");
         }
-        for method in methods(&desired.tree) {
+        for method in methods_of_inverse_dynamics(&desired.tree) {
             let controller = Controller::new(desired.tree.clone(), gains(), method).expect("good settings");
             let (mut one, mut other) = (Workspace::new(), Workspace::new());
             let targets = targets(&desired);
@@ -176,7 +187,7 @@ proptest! {
             })
             .sum();
         let allowed = 1e-5 * largest + 200.0 * 1.2e-7 * inertia;
-        for method in methods(&rig.tree) {
+        for method in methods_of_inverse_dynamics(&rig.tree) {
             let controller = Controller::new(rig.tree.clone(), gains(), method).expect("good settings");
             let mut workspace = Workspace::new();
             let torques = controller.tick(&targets, &measured, &[], &mut workspace);
@@ -209,8 +220,8 @@ proptest! {
             // Without inverse dynamics no joint's torque depends on another's gains.
             let tick = |uniform: Gains, by_joint: Option<&[Gains]>| {
                 let mut controller = Controller::new(tree.clone(), uniform, method.clone())
-                    .expect("good settings")
-                    .with_law(ControlLaw::ProportionalDerivative);
+                    .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
+                    .expect("good settings");
                 if let Some(gains) = by_joint {
                     controller = controller.with_joint_gains(gains).expect("one for each");
                 }
@@ -283,7 +294,8 @@ proptest! {
         for (on_fixed, on_free) in methods(&fixed).into_iter().zip(methods(free)) {
             let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY>| {
                 let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
-                controller.with_law(law).tick(&targets, &states, &[], workspace).to_vec()
+                let controller = controller.with_law(law).expect("a law for every method");
+                controller.tick(&targets, &states, &[], workspace).to_vec()
             };
             let (mut one, mut other) = (Workspace::new(), Workspace::new());
             let (held, driven) = (tick(&fixed, on_fixed, &mut one), tick(free, on_free, &mut other));
@@ -314,7 +326,7 @@ proptest! {
         let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
         for method in methods(tree) {
             let new = || Controller::new(tree.clone(), gains(), method.clone()).expect("good settings");
-            let plain = new().with_law(ControlLaw::ProportionalDerivative);
+            let plain = new().with_law(ControlLaw::ProportionalDerivative).expect("for any law");
             let asked = plain.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
             let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
             let got = weighted.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
@@ -332,8 +344,8 @@ proptest! {
         let (mut one, mut other) = (Workspace::new(), Workspace::new());
         let new = |gains| {
             Controller::new(desired.tree.clone(), gains, Method::World)
+                .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
                 .expect("good settings")
-                .with_law(ControlLaw::ProportionalDerivative)
         };
         let both = new(gains()).tick(&targets, &states, &[], &mut one).to_vec();
         let got = new(weak).tick(&targets, &states, &[], &mut other).to_vec();
@@ -353,7 +365,7 @@ fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
     for (joint, state) in rig.states().as_slice().iter().enumerate() {
         targets.set(joint, *state, Motion::ZERO).expect("a good state");
     }
-    methods(tree)
+    methods_of_inverse_dynamics(tree)
         .into_iter()
         .flat_map(|method| {
             let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");

@@ -5,12 +5,14 @@
 //! The inertias need not be those of masses: the manifold projection and the resolved acceleration weigh
 //! with them how much each body's wanted motion counts. O(n), and no matrix is larger than one joint's.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
 
 use super::spatial_inertia::SpatialInertia;
+use crate::joint::JointKind;
 use crate::matrix::symmetric_inverse;
 use crate::transform::{Motion, Wrench};
+use crate::tree::Body;
 
 /// What the bodies from a joint outwards want: `½ Aᵀ I A - Aᵀ W` should be least, A the motion of the
 /// joint's body. World axes, about the body's origin.
@@ -58,6 +60,21 @@ pub(crate) struct AxisResponse {
     wrench: Wrench,
     force: f32,
     per_force: f32,
+}
+
+impl Freedoms {
+    /// Of a joint whose body is turned by `relative` in the parent and by `world` in the world.
+    pub(crate) fn of(body: &Body, relative: Quat, world: Quat) -> Self {
+        match body.joint {
+            JointKind::Spherical => Self::Ball,
+            JointKind::Free => Self::Free,
+            kind => {
+                let in_joint = body.placement.rotation.conjugate() * relative;
+                let axis = |motion: &Motion| Axis { motion: motion.rotated(world), held: false };
+                Self::Axes(kind.motion_subspace(in_joint).iter().take(3).map(axis).collect())
+            }
+        }
+    }
 }
 
 impl Demand {

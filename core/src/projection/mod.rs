@@ -10,29 +10,13 @@ use heapless::Vec;
 use joint::Joint;
 pub use range::JointRange;
 
+pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
 use crate::dynamics::SpatialInertia;
 use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
 use crate::joint::{JointKind, UNIT_TOLERANCE};
 use crate::math;
 use crate::transform::{Motion, Transform, Wrench};
 use crate::tree::{Body, Tree};
-
-/// How much it counts where a body is, and how it is turned.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyWeight {
-    /// Weight of the squared distance of the body's origin from where it should be.
-    pub position: f32,
-    /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
-    /// like being this far off, at a position weight of 1.
-    pub rotation_m: f32,
-}
-
-impl BodyWeight {
-    /// Positions of all bodies count alike, and turns by a lever.
-    pub const fn new(position: f32, rotation_m: f32) -> Self {
-        Self { position, rotation_m }
-    }
-}
 
 /// Finds the pose of a figure that is nearest to the desired one, which another figure can take: the one
 /// that makes `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²` least over all poses within the joints' ranges.
@@ -70,7 +54,7 @@ impl BodyWeight {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ManifoldProjection<const N: usize> {
-    weights: Vec<BodyWeight, N>,
+    weights: BodyWeights<N>,
     ranges: Vec<JointRange, N>,
     root_held: bool,
     sweeps: u8,
@@ -87,23 +71,10 @@ impl<const N: usize> ManifoldProjection<N> {
     /// [`DEFAULT_SWEEPS`].
     ///
     /// # Errors
-    /// [`ProjectionError`] if there is not a weight for each body, a position weight is not a finite number
-    /// from 0, or a rotation weight not from 1 mm to 1 km: without it, the nearest pose is not unique.
+    /// [`ProjectionError::Weights`] as [`BodyWeights::new`].
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
-        if weights.len() != tree.len() {
-            let (expected, found) = (tree.len(), weights.len());
-            return Err(ProjectionError::Count { expected, found });
-        }
-        for (body, weight) in weights.iter().enumerate() {
-            if !(weight.position >= 0.0 && weight.position <= HEAVIEST) {
-                return Err(ProjectionError::PositionWeight { body, value: weight.position });
-            }
-            if !(1e-3..=1e3).contains(&weight.rotation_m) {
-                return Err(ProjectionError::RotationWeight { body, value: weight.rotation_m });
-            }
-        }
         Ok(Self {
-            weights: weights.iter().copied().collect(),
+            weights: BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?,
             ranges: tree.bodies().iter().map(|_| JointRange::Any).collect(),
             root_held: false,
             sweeps: DEFAULT_SWEEPS,
@@ -119,8 +90,8 @@ impl<const N: usize> ManifoldProjection<N> {
         tree: &Tree<N>,
         ranges: &[JointRange],
     ) -> Result<Self, ProjectionError> {
-        if ranges.len() != self.weights.len() || tree.len() != self.weights.len() {
-            let (expected, found) = (self.weights.len(), ranges.len());
+        if ranges.len() != self.ranges.len() || tree.len() != self.ranges.len() {
+            let (expected, found) = (self.ranges.len(), ranges.len());
             return Err(ProjectionError::Count { expected, found });
         }
         let bad =
@@ -162,8 +133,8 @@ impl<const N: usize> ManifoldProjection<N> {
     ) -> Result<(), ProjectionError> {
         let bodies = tree.bodies();
         for found in [bodies.len(), desired.len(), out.len()] {
-            if found != self.weights.len() {
-                return Err(ProjectionError::Count { expected: self.weights.len(), found });
+            if found != self.ranges.len() {
+                return Err(ProjectionError::Count { expected: self.ranges.len(), found });
             }
         }
         let bad = desired.iter().position(|pose| {
@@ -196,9 +167,6 @@ impl<const N: usize> ManifoldProjection<N> {
         self.ranges.get(index).copied().unwrap_or_default()
     }
 }
-
-/// Above, the sums over 128 bodies and their levers could overflow.
-const HEAVIEST: f32 = 1e6;
 
 /// What a [`ManifoldProjection`] remembers of the last frame, and its scratch memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -265,7 +233,8 @@ impl<const N: usize> ProjectionWorkspace<N> {
 
     /// From the leaves to the root: what every joint should do, whatever its parent does.
     fn inward(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
-        for (index, (body, weight)) in bodies.iter().zip(&projection.weights).enumerate() {
+        for (index, (body, weight)) in bodies.iter().zip(projection.weights.as_slice()).enumerate()
+        {
             let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
             let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
             else {
@@ -353,20 +322,8 @@ pub enum ProjectionError {
         /// Number given.
         found: usize,
     },
-    /// The weight of a body's position is not a number from 0 to 1e6.
-    PositionWeight {
-        /// The body.
-        body: usize,
-        /// The weight.
-        value: f32,
-    },
-    /// The weight of a body's rotation is not a length from 1 mm to 1 km.
-    RotationWeight {
-        /// The body.
-        body: usize,
-        /// The weight in m.
-        value: f32,
-    },
+    /// The bodies' weights were refused.
+    Weights(BodyWeightsError),
     /// The range is not one of this kind of joint, or its ends are not numbers in order.
     Range {
         /// The joint.
@@ -385,14 +342,7 @@ impl fmt::Display for ProjectionError {
             Self::Count { expected, found } => {
                 write!(f, "{expected} bodies need one for each, {found} were given")
             }
-            Self::PositionWeight { body, value } => write!(
-                f,
-                "body {body}: the weight of the position is {value}; it must be a number from 0 to 1e6"
-            ),
-            Self::RotationWeight { body, value } => write!(
-                f,
-                "body {body}: the weight of the rotation is {value} m; it must be from 0.001 to 1000 m"
-            ),
+            Self::Weights(error) => error.fmt(f),
             Self::Range { joint } => write!(
                 f,
                 "joint {joint}: the range does not fit its kind, or its ends are not in order within a turn"

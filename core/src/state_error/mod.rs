@@ -26,6 +26,7 @@ pub use world::world;
 
 use glam::Vec3;
 
+use crate::body_weight::BodyWeights;
 use crate::math;
 use crate::state::BodyState;
 
@@ -90,5 +91,12 @@ pub enum Method<const N: usize> {
         aims: Aims<N>,
         /// How much and with which rate.
         settings: Compensation,
+    },
+    /// World Space Error, fed to accelerations of the bodies instead of those of their joints: a body's error
+    /// in the world then does not depend on its ancestors', see
+    /// [`resolved_acceleration`](crate::dynamics::resolved_acceleration). Only with inverse dynamics.
+    ResolvedAcceleration {
+        /// What counts where not every body can have its acceleration.
+        weights: BodyWeights<N>,
     },
 }

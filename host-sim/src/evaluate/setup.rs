@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use sinew_core::control::{ControlLaw, Gains};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
-use sinew_core::projection::{BodyWeight, DEFAULT_SWEEPS, ManifoldProjection};
+use sinew_core::projection::{BodyWeight, BodyWeights, DEFAULT_SWEEPS, ManifoldProjection};
 use sinew_core::state_error::{Aims, Compensation, Method, RateTerm, References};
 use sinew_core::{Controller, JointStates, Tree};
 use thiserror::Error;
@@ -394,7 +394,7 @@ impl Setup {
         if let Some(inertias) = inertias {
             return Ok(controller.with_pd_of_inertia(&inertias)?);
         }
-        Ok(controller.with_law(law))
+        Ok(controller.with_law(law)?)
     }
 }
 
@@ -415,10 +415,12 @@ impl ControllerSettings {
     fn method(&self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
         match self.method {
             MethodName::Local => Method::Local,
-            MethodName::World
-            | MethodName::ManifoldProjection
-            | MethodName::ResolvedAcceleration
-            | MethodName::Recommended => Method::World,
+            MethodName::World | MethodName::ManifoldProjection | MethodName::Recommended => {
+                Method::World
+            }
+            MethodName::ResolvedAcceleration => {
+                Method::ResolvedAcceleration { weights: BodyWeights::rotations(tree) }
+            }
             MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
             MethodName::Accumulated => {
                 let BodyName(reference) = self.reference;

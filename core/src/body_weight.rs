@@ -1,0 +1,123 @@
+//! How much each body counts where not all can have what they want.
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::joint::JointKind;
+use crate::tree::Tree;
+
+/// How much it counts where a body is, and how it is turned.
+///
+/// Of accelerations, how much it counts where it goes and how it is turning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyWeight {
+    /// Weight of the squared distance of the body's origin from where it should be.
+    pub position: f32,
+    /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
+    /// like being this far off, at a position weight of 1.
+    pub rotation_m: f32,
+}
+
+impl BodyWeight {
+    /// Positions of all bodies count alike, and turns by a lever.
+    pub const fn new(position: f32, rotation_m: f32) -> Self {
+        Self { position, rotation_m }
+    }
+}
+
+/// Above, the sums over 128 bodies and their levers could overflow.
+const HEAVIEST: f32 = 1e6;
+
+/// One weight for each body of a tree. Validated once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyWeights<const N: usize> {
+    weights: Vec<BodyWeight, N>,
+}
+
+impl<const N: usize> BodyWeights<N> {
+    /// Weights by body.
+    ///
+    /// # Errors
+    /// [`BodyWeightsError`] if there is not a weight for each body, a position weight is not a finite number
+    /// from 0, or a rotation weight not from 1 mm to 1 km: without it, what is best is not unique.
+    pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
+        if weights.len() != tree.len() {
+            let (expected, found) = (tree.len(), weights.len());
+            return Err(BodyWeightsError::Count { expected, found });
+        }
+        for (body, weight) in weights.iter().enumerate() {
+            if !(weight.position >= 0.0 && weight.position <= HEAVIEST) {
+                return Err(BodyWeightsError::Position { body, value: weight.position });
+            }
+            if !(1e-3..=1e3).contains(&weight.rotation_m) {
+                return Err(BodyWeightsError::Rotation { body, value: weight.rotation_m });
+            }
+        }
+        Ok(Self { weights: weights.iter().copied().collect() })
+    }
+
+    /// All turns alike, and positions only of bodies whose joints move them: those on free and prismatic joints.
+    ///
+    /// On a tree of spherical joints with a free or fixed root, every body can have what it wants.
+    pub fn rotations(tree: &Tree<N>) -> Self {
+        let weight = |joint| match joint {
+            JointKind::Free | JointKind::Prismatic { .. } => BodyWeight::new(1.0, 1.0),
+            _ => BodyWeight::new(0.0, 1.0),
+        };
+        Self { weights: tree.bodies().iter().map(|body| weight(body.joint)).collect() }
+    }
+
+    /// The weights by body.
+    pub fn as_slice(&self) -> &[BodyWeight] {
+        &self.weights
+    }
+}
+
+/// Why weights were refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum BodyWeightsError {
+    /// There must be one for each body of the tree.
+    Count {
+        /// Number of bodies.
+        expected: usize,
+        /// Number of weights.
+        found: usize,
+    },
+    /// The weight of a body's position is not a number from 0 to 1e6.
+    Position {
+        /// The body.
+        body: usize,
+        /// The weight.
+        value: f32,
+    },
+    /// The weight of a body's rotation is not a length from 1 mm to 1 km.
+    Rotation {
+        /// The body.
+        body: usize,
+        /// The weight in m.
+        value: f32,
+    },
+}
+
+impl fmt::Display for BodyWeightsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count { expected, found } => {
+                write!(f, "{expected} bodies need as many weights, {found} were given")
+            }
+            Self::Position { body, value } => write!(
+                f,
+                "body {body}: the weight of the position is {value}; it must be a number from 0 to 1e6"
+            ),
+            Self::Rotation { body, value } => write!(
+                f,
+                "body {body}: the weight of the rotation is {value} m; it must be from 0.001 to 1000 m"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for BodyWeightsError {}

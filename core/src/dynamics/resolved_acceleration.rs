@@ -1,0 +1,110 @@
+//! Resolved acceleration: joint accelerations that give every body the acceleration it should have in the world.
+
+use super::SpatialInertia;
+use super::least_constraint::{Demand, Freedoms};
+use crate::body_weight::BodyWeights;
+use crate::kinematics::{carried, of_parent, velocity_products};
+use crate::state::{BodyState, JointState};
+use crate::transform::Motion;
+use crate::tree::Body;
+
+/// One body's part of [`resolved_acceleration`]: scratch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolved(Demand);
+
+impl Resolved {
+    /// Before the first use.
+    pub const ZERO: Self = Self(Demand::ZERO);
+}
+
+/// Turns the accelerations that the bodies should have into the nearest ones that the joints allow: those that
+/// make `Σ ρᵢ² |αᵢ - α*ᵢ|² + wᵢ |aᵢ - a*ᵢ|²` least, with `ρᵢ` and `wᵢ` the weights of turn and position. O(n).
+///
+/// After Luh, Walker & Paul, "Resolved-acceleration control of mechanical manipulators" (1980), of all bodies of
+/// a tree at once: by Gauss's principle these are the accelerations of bodies with those weights as inertias
+/// and the wanted accelerations as those of free fall, and the articulated-body algorithm finds them.
+///
+/// `joints` are the measured states, and `world` those of their bodies. `accelerations`: by body, angular and of
+/// the origin (classical), world axes; in: those that they should have, out: those that they get.
+/// [`joint_accelerations`](crate::kinematics::joint_accelerations) are the way there. If a slice is
+/// shorter than the tree, the bodies beyond it are left out.
+///
+/// ```
+/// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Motion, Transform, Tree, kinematics};
+/// use sinew_core::dynamics::{Resolved, resolved_acceleration};
+/// use sinew_core::{glam::Vec3, projection::BodyWeights};
+/// let link = |parent, joint, x| Body {
+///     parent,
+///     joint,
+///     placement: Transform::from_translation(Vec3::X * x),
+///     inertia: Inertia::default(),
+/// };
+/// // The hinge can answer for one of two axes only; the ball beyond it makes up for the other.
+/// let hinge = JointKind::Revolute { axis: Vec3::Z };
+/// let arm = Tree::<2>::from_bodies(&[link(None, hinge, 0.0), link(Some(0), JointKind::Spherical, 0.5)])?;
+/// let joints = JointStates::rest(&arm);
+/// let mut world = [BodyState::WORLD; 2];
+/// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
+/// let wanted = Motion::new(Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO);
+/// let (mut accelerations, mut scratch) = ([wanted; 2], [Resolved::ZERO; 2]);
+/// let weights = BodyWeights::rotations(&arm);
+/// resolved_acceleration(
+///     arm.bodies(), joints.as_slice(), &world, &weights, &mut scratch, &mut accelerations,
+/// );
+/// assert_eq!(accelerations.map(|body| body.angular), [Vec3::Z * 4.0, wanted.angular]);
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
+pub fn resolved_acceleration<const N: usize>(
+    bodies: &[Body],
+    joints: &[JointState],
+    world: &[BodyState],
+    weights: &BodyWeights<N>,
+    scratch: &mut [Resolved],
+    accelerations: &mut [Motion],
+) {
+    for ((weight, wanted), Resolved(demand)) in
+        weights.as_slice().iter().zip(accelerations.iter()).zip(scratch.iter_mut())
+    {
+        let inertia = SpatialInertia::round(weight.rotation_m * weight.rotation_m, weight.position);
+        *demand = Demand { inertia, wrench: inertia.wrench(*wanted) };
+    }
+
+    // Inward: what every joint should do, whatever its parent does.
+    for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
+        let parent = of_parent(body, world, BodyState::WORLD);
+        let Some(Resolved(demand)) = scratch.get_mut(index) else { continue };
+        // What velocities do is done; the joint is asked for the rest.
+        let moving = by_velocities(body, &parent, state, joint);
+        demand.wrench = demand.wrench - demand.inertia.wrench(moving);
+        let mut passed_on = *demand;
+        passed_on.eliminate(&freedoms(body, joint, state));
+        let arm = state.pose.translation_m - parent.pose.translation_m;
+        let of_parent = body.parent.and_then(|parent| scratch.get_mut(parent));
+        if let Some(Resolved(parent)) = of_parent {
+            parent.add_child(&passed_on, arm);
+        }
+    }
+
+    // Outward: what it does, now that its parent's acceleration is known.
+    for (index, (((body, joint), state), Resolved(demand))) in
+        bodies.iter().zip(joints).zip(world).zip(scratch).enumerate()
+    {
+        let parent = of_parent(body, world, BodyState::WORLD);
+        let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
+        let response = demand.eliminate(&freedoms(body, joint, state));
+        let moving = by_velocities(body, &parent, state, joint);
+        let Some(slot) = accelerations.get_mut(index) else { return };
+        *slot = response.motion(carried, |_, step| step) + moving;
+    }
+}
+
+fn freedoms(body: &Body, joint: &JointState, state: &BodyState) -> Freedoms {
+    Freedoms::of(body, joint.pose.rotation, state.pose.rotation)
+}
+
+/// What a body's acceleration is with nothing of its parent's and none of its joint's axes. World axes.
+fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Motion {
+    let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
+    let of_joint = body.joint.bias_acceleration(in_joint, joint.velocity);
+    velocity_products(parent, state, joint) + of_joint.rotated(state.pose.rotation)
+}
