@@ -44,7 +44,9 @@ fn the_same_command_writes_the_same_bytes_on_any_number_of_threads() {
     }
 
     let names: Vec<&str> = once.keys().map(String::as_str).collect();
-    for picture in ["figure4", "course-x1", "course-x1.1", "joints-x1", "distribution-x1.1"] {
+    for picture in
+        ["figure4", "front-x1.1", "course-x1", "course-x1.1", "joints-x1", "distribution-x1.1"]
+    {
         for format in ["svg", "png"] {
             let name = format!("{picture}.{format}");
             assert!(names.contains(&name.as_str()), "{name} is not among {names:?}");

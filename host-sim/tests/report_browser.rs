@@ -7,6 +7,7 @@ use std::time::Duration;
 use headless_chrome::protocol::cdp::types::Event;
 use headless_chrome::protocol::cdp::{Emulation, Log, Network, Runtime};
 use headless_chrome::{Browser, LaunchOptions, Tab};
+use sinew_sim::evaluate::optimum::optimum;
 use sinew_sim::evaluate::{Protocol, evaluate};
 use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
@@ -35,6 +36,7 @@ fn write_report(folder: &Path) {
         evaluation: &evaluation,
         dt_s: motions[0].dt_s,
         comparison: Some(&Comparison::new(&motions[0], &protocol, 1.1).unwrap()),
+        optimum: Some(&optimum(&motions, &protocol).unwrap()),
         playback: Some(&Playback::record(&motions[0], &protocol, 0).unwrap()),
         sweep: Some(&Sweep::read(&csv).unwrap()),
     };

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
+use sinew_sim::evaluate::optimum::optimum;
 use sinew_sim::evaluate::{BodySource, Evaluation, Protocol};
 use sinew_sim::mocap::FigureMotion;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
@@ -90,6 +91,7 @@ impl Plan {
             evaluation,
             dt_s: motion.dt_s,
             comparison: comparison.as_ref(),
+            optimum: Some(&optimum(motions, protocol)?),
             playback: Some(&playback),
             sweep: self.sweep.as_ref(),
         };

@@ -2,6 +2,8 @@
 
 mod chart;
 mod comparison;
+mod front;
+mod labels;
 mod page;
 mod palette;
 mod playback;
@@ -21,6 +23,7 @@ pub use playback::Playback;
 pub use sweep::{Sweep, SweepError};
 
 use crate::evaluate::detail::{Detail, Spread};
+use crate::evaluate::optimum::Optimum;
 use crate::evaluate::{Evaluation, FigureResult, MethodName};
 use chart::{Quantity, Statistic};
 
@@ -39,6 +42,8 @@ pub struct Report<'a> {
     pub dt_s: f64,
     /// The paper's Figure 4.
     pub comparison: Option<&'a Comparison>,
+    /// The nearest poses of every figure, of the same scales.
+    pub optimum: Option<&'a Optimum>,
     /// One clip in motion.
     pub playback: Option<&'a Playback>,
     /// A sweep beside the evaluation.
@@ -71,17 +76,17 @@ impl Report<'_> {
         if let Some(comparison) = self.comparison {
             pictures.push(("figure4".to_owned(), comparison.picture()));
         }
-        for figure in &self.evaluation.figures {
+        for (place, figure) in self.evaluation.figures.iter().enumerate() {
             let scale = figure.scale;
-            let methods = figure.methods.iter().map(|result| result.method);
-            let legend = html! { (chart::legend_line(methods, 10.0, 12.0)) };
             let mut add = |name: &str, charts: Vec<Markup>| {
-                pictures.push((format!("{name}-x{scale}"), row(&legend, &charts)));
+                let methods = figure.methods.iter().map(|result| result.method);
+                pictures.push((format!("{name}-x{scale}"), row(methods, &charts)));
             };
             let rows = tables::ratios(figure);
             if !rows.is_empty() {
                 add("ratios", vec![chart::ratios(&tables::figure_name(scale), &rows)]);
             }
+            add("front", front::charts(figure, place, self.optimum).into());
             let both = Quantity::BOTH;
             let courses = courses(figure, 0);
             add(
@@ -101,17 +106,17 @@ impl Report<'_> {
     }
 }
 
-/// Charts side by side under their legend, as one picture.
-fn row(legend: &Markup, charts: &[Markup]) -> Markup {
-    const LEGEND: f64 = 26.0;
-    let heights = charts.iter().map(|chart| height(&chart.0));
-    let height = LEGEND + heights.fold(0.0, f64::max);
+/// Charts side by side under the legend of their methods, as one picture.
+fn row(methods: impl IntoIterator<Item = MethodName>, charts: &[Markup]) -> Markup {
     let width = chart::WIDTH * charts.len() as f64;
+    let (legend, top) = chart::legend_lines(methods, width);
+    let heights: Vec<f64> = charts.iter().map(|chart| height(&chart.0)).collect();
+    let height = top + heights.iter().copied().fold(0.0, f64::max);
     html! {
         svg xmlns="http://www.w3.org/2000/svg" class="chart" viewBox={ "0 0 " (chart::px(width)) " " (chart::px(height)) } {
             (legend)
-            @for (index, chart) in charts.iter().enumerate() {
-                g transform={ "translate(" (chart::px(chart::WIDTH * index as f64)) " " (chart::px(LEGEND)) ")" } {
+            @for (index, (chart, height)) in charts.iter().zip(heights).enumerate() {
+                svg x=(chart::px(chart::WIDTH * index as f64)) y=(chart::px(top)) width=(chart::px(chart::WIDTH)) height=(chart::px(height)) {
                     (chart)
                 }
             }

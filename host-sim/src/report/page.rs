@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart::{self, Quantity, Statistic, legend};
 use super::tables::{figure_name, ratios, table};
-use super::{Comparison, Playback, Report, Sweep, courses, palette, spreads};
+use super::{Comparison, Playback, Report, Sweep, courses, front, palette, spreads};
 use crate::evaluate::paper::Kind;
 use crate::evaluate::{Evaluation, FigureResult, MethodName};
 
@@ -38,6 +38,7 @@ pub(super) fn page(report: &Report<'_>) -> Markup {
                     @if let Some(playback) = report.playback { (motion(playback)) }
                     @if let Some(comparison) = report.comparison { (posture(comparison)) }
                     (results(evaluation))
+                    (fronts(report))
                     (over_time(report))
                     (by_body(evaluation))
                     (distributions(evaluation))
@@ -66,6 +67,7 @@ fn header(report: &Report<'_>) -> Markup {
         ("playback", "Playback", report.playback.is_some()),
         ("posture", "Figure 4", report.comparison.is_some()),
         ("tables", "Tables 1–4", true),
+        ("front", "Front", true),
         ("time", "Over time", true),
         ("bodies", "By body", true),
         ("distributions", "Distributions", true),
@@ -312,6 +314,22 @@ fn over_time(report: &Report<'_>) -> Markup {
                             }
                         }
                     }
+                }
+            }
+        }
+    }
+}
+
+fn fronts(report: &Report<'_>) -> Markup {
+    let evaluation = report.evaluation;
+    html! {
+        section id="front" class="choices" {
+            h2 { "Angle against distance" }
+            (front::explanation(report.optimum))
+            div class="options" { (choice("figure", "Figure", &scales(evaluation), last(evaluation))) }
+            @for (place, figure) in evaluation.figures.iter().enumerate() {
+                div class="pair" data-figure=(place) hidden[place != last(evaluation)] {
+                    @for chart in front::charts(figure, place, report.optimum) { (chart) }
                 }
             }
         }

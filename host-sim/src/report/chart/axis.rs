@@ -19,6 +19,16 @@ impl Axis {
         Self { values: [0.0, steps * step], places, logarithmic: false }
     }
 
+    /// From a round number below `low`, or zero if that is not far, to a round number above `high`.
+    pub(in crate::report) fn around([low, high]: [f64; 2], places: [f64; 2]) -> Self {
+        if !(low > 0.5 * high && low < high) {
+            return Self::from_zero(high, places);
+        }
+        let step = round_step(high - low);
+        let values = [libm::floor(low / step + 1e-9) * step, libm::ceil(high / step - 1e-9) * step];
+        Self { values, places, logarithmic: false }
+    }
+
     /// Exactly from one value to another.
     pub(in crate::report) fn exact(values: [f64; 2], places: [f64; 2]) -> Self {
         Self { values, places, logarithmic: false }
@@ -108,6 +118,12 @@ mod tests {
         );
         assert_eq!(labels(&Axis::from_zero(10.0, places)), ["0", "2", "4", "6", "8", "10"]);
         assert_eq!(labels(&Axis::from_zero(0.0, places)).last().unwrap(), "1.0");
+        assert_eq!(
+            labels(&Axis::around([2.47, 3.76], places)),
+            ["2.0", "2.5", "3.0", "3.5", "4.0"]
+        );
+        assert_eq!(labels(&Axis::around([0.4, 0.9], places))[0], "0.0");
+        assert_eq!(labels(&Axis::around([3.0, 3.0], places))[0], "0");
         assert_eq!(labels(&Axis::logarithmic([0.5, 6.0], places)), ["0.5", "1", "2", "5"]);
         assert_eq!(labels(&Axis::logarithmic([0.79, 1.12], places)), ["0.8", "0.9", "1.0", "1.1"]);
         assert_eq!(labels(&Axis::logarithmic([1e-3, 1e1], places)).len(), 5);

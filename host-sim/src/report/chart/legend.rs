@@ -61,29 +61,31 @@ pub(in crate::report) fn legend(methods: impl IntoIterator<Item = MethodName>) -
     }
 }
 
-/// The legend within a chart that stands alone as a file, in one line.
-pub(in crate::report) fn legend_line(
+/// The legend of charts that stand alone as a file, in lines that fit a width; and its height.
+pub(in crate::report) fn legend_lines(
     methods: impl IntoIterator<Item = MethodName>,
-    x: f64,
-    y: f64,
-) -> Markup {
-    let mut left = x;
-    let entries: Vec<_> = methods
-        .into_iter()
-        .map(|method| {
-            let at = left;
-            // A letter is some 7 units wide.
-            left += 58.0 + 7.0 * method.label().len() as f64;
-            (method, at)
-        })
-        .collect();
-    html! {
-        @for (method, at) in entries {
+    width: f64,
+) -> (Markup, f64) {
+    const LINE: f64 = 20.0;
+    let (mut left, mut y) = (10.0, 12.0);
+    let mut entries = Vec::new();
+    for method in methods {
+        // A letter is some 7 units wide.
+        let length = 58.0 + 7.0 * method.label().len() as f64;
+        if left + length > width && left > 10.0 {
+            (left, y) = (10.0, y + LINE);
+        }
+        entries.push((method, left, y));
+        left += length;
+    }
+    let legend = html! {
+        @for (method, at, y) in entries {
             g class=(class(method)) {
                 path class="stroke" d={ "M" (px(at)) " " (px(y)) "l34 0" } {}
                 (marker(method, at + 17.0, y))
             }
             text class="tick" x=(px(at + 41.0)) y=(px(y + 4.0)) { (method.label()) }
         }
-    }
+    };
+    (legend, y + 14.0)
 }

@@ -4,6 +4,7 @@
 mod axis;
 mod course;
 mod distribution;
+mod front;
 mod heat_map;
 mod joints;
 mod legend;
@@ -16,9 +17,10 @@ use maud::{Markup, html};
 pub(super) use axis::Axis;
 pub(super) use course::{Statistic, course};
 pub(super) use distribution::distribution;
+pub(super) use front::{Front, Reference, Spot};
 pub(super) use heat_map::heat_map;
 pub(super) use joints::joints;
-pub(super) use legend::{legend, legend_line};
+pub(super) use legend::{legend, legend_lines};
 pub(super) use ratios::{Ratio, ratios};
 
 use crate::evaluate::ErrorTotals;

@@ -22,7 +22,7 @@ pub(in crate::report) struct Ratio {
 /// The ratios of one figure. Local is the line at 1: left of it is better.
 pub(in crate::report) fn ratios(title: &str, rows: &[Ratio]) -> Markup {
     let height = 30.0 + ROW * rows.len() as f64 + 40.0;
-    let frame = Frame { left: 148.0, top: 30.0, right: WIDTH - 14.0, bottom: height - 40.0 };
+    let frame = Frame { left: 180.0, top: 30.0, right: WIDTH - 14.0, bottom: height - 40.0 };
     let values = || rows.iter().flat_map(|row| [Some(row.ours), row.paper]).flatten();
     // Both sides of 1, with a margin.
     let low = values().fold(0.9, f64::min) * 0.93;
@@ -60,6 +60,8 @@ pub(in crate::report) fn ratios(title: &str, rows: &[Ratio]) -> Markup {
 const fn short(method: MethodName) -> &'static str {
     match method {
         MethodName::LinearCompensation => "Lin. comp.",
+        MethodName::ManifoldProjection => "Projection",
+        MethodName::ResolvedAcceleration => "Resolved",
         other => other.label(),
     }
 }

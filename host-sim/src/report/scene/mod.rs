@@ -1,7 +1,6 @@
 //! Figures in space as SVG: the stills of the report. The page's script draws the same in motion.
 
 mod camera;
-mod labels;
 mod mannequin;
 mod outline;
 mod stage;

@@ -4,14 +4,7 @@ use core::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::report::chart::px;
-
-/// A circle in the plane of the picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Circle {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) r: f64,
-}
+use crate::report::labels::Circle;
 
 /// The outline around two circles, always turning the same way.
 pub(super) fn capsule(a: Circle, b: Circle) -> String {

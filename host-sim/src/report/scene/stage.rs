@@ -7,13 +7,27 @@ use glam::DVec3;
 use maud::{Markup, html};
 
 use super::camera::{Camera, Projected};
-use super::labels::{self, Label};
 use super::mannequin::{MEASURED_GIRTH, PARTS, Points, TRUNK};
-use super::outline::{Circle, capsule};
+use super::outline::capsule;
 use crate::report::chart::{line, px};
+use crate::report::labels::{self, Circle, Ground, Label, Rectangle};
 
 pub(in crate::report) const STAGE_WIDTH: f64 = 480.0;
 pub(in crate::report) const STAGE_HEIGHT: f64 = 500.0;
+
+/// Labels stay off the edges, and below the title.
+const LABELS: Ground = Ground {
+    bounds: Rectangle {
+        left: 10.0,
+        top: 62.0,
+        right: STAGE_WIDTH - 10.0,
+        bottom: STAGE_HEIGHT - 10.0,
+    },
+    letter: 8.0,
+    line: 20.0,
+    below: 5.5,
+    gap: 5.0,
+};
 
 /// Radius of the ground, in metres.
 const GROUND_M: f64 = 1.6;
@@ -77,7 +91,7 @@ impl Stage<'_> {
 
     /// Places for texts beside what they name in the picture.
     pub(in crate::report) fn labels(&self, texts: Vec<(String, (f64, f64))>) -> Vec<Label> {
-        labels::place(texts, &self.drawn())
+        labels::place(texts, &self.drawn(), &LABELS)
     }
 
     /// Circles that cover both figures.
