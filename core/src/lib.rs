@@ -59,6 +59,7 @@ mod joint;
 pub mod kinematics;
 pub mod math;
 mod matrix;
+pub mod observer;
 pub mod projection;
 pub mod state;
 pub mod state_error;

@@ -38,6 +38,16 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)
 }
 
+/// `eˣ`. The map of rotation vectors is [`exp`].
+///
+/// ```
+/// assert_eq!(sinew_core::math::exponential(0.0), 1.0);
+/// ```
+#[inline]
+pub fn exponential(x: f32) -> f32 {
+    libm::expf(x)
+}
+
 /// Length of a vector.
 ///
 /// ```

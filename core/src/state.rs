@@ -218,6 +218,16 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
+    /// Adds to the acceleration of one joint what is finite of a sum.
+    pub(crate) fn add_acceleration(&mut self, joint: usize, more: Motion) {
+        if let Some(slot) = self.accelerations.get_mut(joint) {
+            let sum = *slot + more;
+            if sum.is_finite() {
+                *slot = sum;
+            }
+        }
+    }
+
     /// The desired states by joint.
     pub fn states(&self) -> &[JointState] {
         &self.states

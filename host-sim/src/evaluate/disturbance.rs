@@ -10,6 +10,9 @@ use sinew_core::{Transform, Wrench, math};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
 use crate::random::{Random, Subject};
 
+/// The most steps that a torque can come late.
+pub(super) const LATENCY_MOST: usize = 100;
+
 /// What the controller does not know of its figure. The default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -68,7 +71,7 @@ impl Disturbance {
                 self.torque_limit_nm,
             ));
         }
-        if self.latency_steps > 100 {
+        if self.latency_steps > LATENCY_MOST {
             return Some(("latency_steps", "0 to 100 steps", self.latency_steps as f64));
         }
         None

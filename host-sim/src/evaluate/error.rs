@@ -1,6 +1,7 @@
 //! Why an evaluation has no result.
 
 use sinew_core::control::GainsError;
+use sinew_core::observer::ObserverError;
 use sinew_core::projection::ProjectionError;
 use sinew_core::{ControllerError, StateInputError, TreeError};
 use thiserror::Error;
@@ -68,6 +69,9 @@ pub enum RunError {
     /// The clip's pose cannot be projected on the figure's.
     #[error(transparent)]
     Projection(#[from] ProjectionError),
+    /// There is no such observer.
+    #[error("controller.observer: {0}")]
+    Observer(#[from] ObserverError),
     /// The clip's skeleton cannot be given a body.
     #[error(transparent)]
     Model(#[from] BodyModelError),

@@ -5,6 +5,7 @@ pub mod detail;
 mod disturbance;
 mod error;
 pub mod front;
+mod estimate;
 mod metrics;
 pub mod optimum;
 pub mod paper;
@@ -25,7 +26,7 @@ pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
 pub use setup::{
     AimName, BodyName, BodySource, ControllerSettings, DesiredVelocity, DifferencesName, GainsName,
-    LawName, MethodName, ProjectionSettings, RateTermName, Setup, SetupError,
+    LawName, MethodName, ObserverChoice, ProjectionSettings, RateTermName, Setup, SetupError,
 };
 pub use track::{Step, step_count, track};
 

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
+use sinew_core::trajectory::interpolate;
 
 use crate::figure::{BODIES, BODY_COUNT, Root};
 use crate::mocap::FigureMotion;
@@ -15,6 +16,12 @@ pub(super) struct Performance<'a> {
 }
 
 impl Performance<'_> {
+    /// Poses of all joints so many frames before the first: they move on as they do in the first step.
+    pub(super) fn joint_poses_before(&self, frames: usize) -> [Transform; BODY_COUNT] {
+        let [first, second] = [self.joint_poses(0), self.joint_poses(1)];
+        std::array::from_fn(|joint| interpolate(&first[joint], &second[joint], -(frames as f32)))
+    }
+
     /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame.
     pub(super) fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {
         let mut poses = self.motion.joint_poses(frame);

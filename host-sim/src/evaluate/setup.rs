@@ -73,6 +73,8 @@ pub struct ControllerSettings {
     pub aim: AimName,
     /// The manifold projection, for the methods that have it.
     pub projection: ProjectionSettings,
+    /// How the state is estimated from what the sensors tell.
+    pub observer: ObserverChoice,
     /// Which frames desired velocities and accelerations are differences of.
     pub differences: DifferencesName,
     /// Where the desired velocities come from, for forward differences.
@@ -96,6 +98,7 @@ impl Default for ControllerSettings {
             rate_term: RateTermName::Corrected,
             aim: AimName::HeaviestChild,
             projection: ProjectionSettings::default(),
+            observer: ObserverChoice::default(),
             differences: DifferencesName::Forward,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
@@ -145,6 +148,18 @@ impl Default for ProjectionSettings {
     fn default() -> Self {
         Self { rotation_m: 0.4, root_held: false, sweeps: DEFAULT_SWEEPS }
     }
+}
+
+/// How the state is estimated from what the sensors tell.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ObserverChoice {
+    /// Bandwidth of an extended state observer; 0 for backward differences.
+    pub bandwidth_rad_s: f64,
+    /// Whether the disturbance that it learns is cancelled.
+    pub cancel: bool,
+    /// Whether the latency is known: commands are made for the state that they will meet.
+    pub predict: bool,
 }
 
 /// Which frames desired velocities and accelerations are differences of.
@@ -251,6 +266,9 @@ pub enum SetupError {
     /// A subject for a body that needs none.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
+    /// An observer of accelerations for a law that commands none.
+    #[error("controller.observer: expected none with controller.law = \"pd\"")]
+    ObserverWithoutDynamics,
     /// Gains of joints for a law that knows their inertia itself.
     #[error("controller.gains: expected \"uniform\", but with controller.law = \"pd\"")]
     GainsWithoutPd,
@@ -317,6 +335,19 @@ impl Setup {
             let expected = "a length from 0.001 to 1000 m";
             return value("controller.projection.rotation_m", (expected, projection.rotation_m));
         }
+        let ObserverChoice { bandwidth_rad_s, cancel, predict } = self.controller.observer;
+        if !(0.0..=1000.0).contains(&bandwidth_rad_s) {
+            let expected = "a bandwidth from 0 to 1000 rad/s";
+            return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
+        }
+        if cancel && bandwidth_rad_s <= 0.0 {
+            let expected =
+                "a bandwidth above 0 rad/s: without an observer there is nothing to cancel";
+            return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
+        }
+        if law == LawName::Pd && (predict || bandwidth_rad_s > 0.0) {
+            return Err(SetupError::ObserverWithoutDynamics);
+        }
         if projection.sweeps == 0 {
             return value("controller.projection.sweeps", ("a number from 1 to 255", 0.0));
         }
@@ -328,6 +359,14 @@ impl Setup {
             return value("plant.substeps", ("a number from 1 to 1000", found));
         }
         Ok(())
+    }
+
+    /// How the figure is controlled in the end: the method `recommended` stands for several settings.
+    pub fn effective_controller(&self) -> ControllerSettings {
+        match self.controller.method {
+            MethodName::Recommended => self.controller.recommended(),
+            _ => self.controller,
+        }
     }
 
     /// The keys that differ from the default, with their values: `plant.substeps = 4`.
@@ -360,10 +399,11 @@ impl Setup {
         &self,
         tree: &Tree<BODY_COUNT>,
     ) -> Result<Option<ManifoldProjection<BODY_COUNT>>, RunError> {
-        if self.controller.method != MethodName::ManifoldProjection {
+        let controller = self.effective_controller();
+        if controller.method != MethodName::ManifoldProjection {
             return Ok(None);
         }
-        let ProjectionSettings { rotation_m, root_held, sweeps } = self.controller.projection;
+        let ProjectionSettings { rotation_m, root_held, sweeps } = controller.projection;
         let weights = [BodyWeight::new(1.0, narrow(rotation_m)); BODY_COUNT];
         let projection = ManifoldProjection::new(tree, &weights)?.with_sweeps(sweeps);
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
@@ -374,7 +414,7 @@ impl Setup {
     /// # Errors
     /// [`RunError`] if the figure's numbers do not survive f32.
     pub(super) fn controller(&self, model: &BodyModel) -> Result<Controller<BODY_COUNT>, RunError> {
-        let settings = self.controller;
+        let settings = self.effective_controller();
         let tree = model.tree(settings.root)?;
         let method = settings.method(&tree);
         let law = match settings.law {
@@ -411,6 +451,18 @@ fn differences(prefix: &str, table: &toml::Table, from: &toml::Table, lines: &mu
 }
 
 impl ControllerSettings {
+    /// The setting for real rigs: manifold projection on aligned targets, with an observer that cancels what
+    /// the model has wrong and looks ahead over the latency. Gains and the projection's weight stay.
+    #[must_use]
+    pub const fn recommended(self) -> Self {
+        Self {
+            method: MethodName::ManifoldProjection,
+            differences: DifferencesName::Aligned,
+            observer: ObserverChoice { bandwidth_rad_s: 100.0, cancel: true, predict: true },
+            ..self
+        }
+    }
+
     /// The method for a figure.
     fn method(&self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
         match self.method {
@@ -445,7 +497,7 @@ impl ControllerSettings {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-fn narrow(x: f64) -> f32 {
+pub(super) fn narrow(x: f64) -> f32 {
     x as f32
 }
 

@@ -6,15 +6,15 @@ use glam::DVec3;
 use sinew_core::control::LimitReason;
 use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
 use sinew_core::trajectory::{
-    aligned_targets, backward_states, forward_targets, forward_targets_of_bodies, interpolate,
-    live_targets,
+    aligned_targets, forward_targets, forward_targets_of_bodies, live_targets,
 };
-use sinew_core::{BodyState, Controller, JointStates, JointTargets, Motion, Transform, Workspace};
+use sinew_core::{BodyState, Controller, JointTargets, Motion, Transform, Workspace};
 
 use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
+use super::estimate::Estimate;
 use super::reference::{Performance, one_step_before};
-use super::setup::{ControllerSettings, DesiredVelocity, DifferencesName, Setup};
+use super::setup::{ControllerSettings, DesiredVelocity, DifferencesName, Setup, narrow};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
@@ -98,8 +98,11 @@ pub fn track(
     let model = setup.model(motion)?;
     let controller = setup.controller(&model)?;
     let performance = Performance { motion, root: setup.controller.root };
-    let mut desired = Desired::new(performance, &controller, setup)?;
-    let mut states = JointStates::rest(controller.tree());
+    let ahead = match setup.effective_controller().observer.predict {
+        true => setup.disturbance.latency_steps,
+        false => 0,
+    };
+    let mut desired = Desired::new(performance, &controller, setup, ahead)?;
     let mut workspace = Workspace::new();
 
     let start = performance.start(&model.offset_m);
@@ -114,19 +117,22 @@ pub fn track(
     let lost_m = length_m(&model.offset_m) + length_m(&motion.offset_m);
 
     let before = one_step_before(&start, motion.dt_s);
-    let mut before = sensors.read(measured_joints(&before, &model.offset_m));
+    let before = sensors.read(measured_joints(&before, &model.offset_m));
+    let mut estimate = Estimate::new(setup, controller.tree(), before, desired.dt_s)?;
     for frame in 0..steps {
         let state_error = |source| RunError::State { frame, source };
         let now = sensors.read(measured_joints(plant.poses(), &model.offset_m));
-        backward_states([&before, &now], desired.dt_s, &mut states).map_err(state_error)?;
-        let targets = desired.targets(frame)?;
-
-        let torques = controller.tick(targets, &states, &[], &mut workspace);
+        estimate.observe(controller.tree(), now).map_err(state_error)?;
+        let targets = desired.targets(frame + ahead)?;
+        estimate.compensate(targets);
+        let torques = controller.tick(targets, estimate.states(), &[], &mut workspace);
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
         let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
         let wanted = array::from_fn(|joint| torques[joint].value);
+        let torques: [_; BODY_COUNT] = array::from_fn(|joint| torques[joint]);
+        estimate.sent(workspace.commands(), &torques);
         set_drive(&mut drive, delay.pass(&wanted), plant.poses());
         plant.step(&drive);
 
@@ -139,7 +145,6 @@ pub fn track(
             offset_m: &model.offset_m,
             limited,
         });
-        before = now;
     }
     Ok(steps)
 }
@@ -158,55 +163,58 @@ struct Desired<'a> {
 }
 
 impl<'a> Desired<'a> {
+    /// The targets from frame `first` on.
     fn new(
         performance: Performance<'a>,
         controller: &'a Controller<BODY_COUNT>,
         setup: &Setup,
+        first: usize,
     ) -> Result<Self, RunError> {
-        #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-        let dt_s = performance.motion.dt_s as f32;
+        let settings = setup.effective_controller();
         let projection = setup.projection(controller.tree())?;
         let mut desired = Self {
             performance,
-            settings: setup.controller,
-            dt_s,
+            settings,
+            dt_s: narrow(performance.motion.dt_s),
             controller,
             projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
             targets: JointTargets::rest(controller.tree()),
             window: [[Transform::IDENTITY; BODY_COUNT]; 3],
         };
-        // The performance begins with the velocity of its first step, as the figure does.
-        let [first, second] = [desired.joint_poses(0)?, desired.joint_poses(1)?];
-        let before =
-            |steps: f32| array::from_fn(|joint| interpolate(&first[joint], &second[joint], -steps));
-        let [two_before, one_before] = [before(2.0), before(1.0)];
-        desired.window = match desired.settings.differences {
-            DifferencesName::Forward => [one_before, first, second],
-            DifferencesName::Aligned => [two_before, one_before, first],
-            DifferencesName::Live => [two_before, two_before, one_before],
-        };
+        let newest = first + desired.frames_ahead();
+        for back in [3, 2, 1] {
+            let poses = match newest.checked_sub(back) {
+                Some(frame) => performance.joint_poses(frame),
+                None => performance.joint_poses_before(back - newest),
+            };
+            desired.take_in(poses)?;
+        }
         Ok(desired)
     }
 
-    /// Poses that the figure should take in a frame; frames come one after the other.
-    fn joint_poses(&mut self, frame: usize) -> Result<[Transform; BODY_COUNT], RunError> {
-        let poses = self.performance.joint_poses(frame);
-        let Some((projection, workspace)) = &mut self.projection else { return Ok(poses) };
+    /// How many frames the differences look ahead.
+    const fn frames_ahead(&self) -> usize {
+        match self.settings.differences {
+            DifferencesName::Forward => 2,
+            DifferencesName::Aligned => 1,
+            DifferencesName::Live => 0,
+        }
+    }
+
+    /// Takes the next frame of the clip into the window, as the figure should perform it.
+    fn take_in(&mut self, poses: [Transform; BODY_COUNT]) -> Result<(), RunError> {
         let mut nearest = poses;
-        projection.project(self.controller.tree(), &poses, workspace, &mut nearest)?;
-        Ok(nearest)
+        if let Some((projection, workspace)) = &mut self.projection {
+            projection.project(self.controller.tree(), &poses, workspace, &mut nearest)?;
+        }
+        let [_, second, third] = self.window;
+        self.window = [second, third, nearest];
+        Ok(())
     }
 
     /// Targets at `frame`; frames come one after the other.
-    fn targets(&mut self, frame: usize) -> Result<&JointTargets<BODY_COUNT>, RunError> {
-        let newest = frame
-            + match self.settings.differences {
-                DifferencesName::Forward => 2,
-                DifferencesName::Aligned => 1,
-                DifferencesName::Live => 0,
-            };
-        let [_, second, third] = self.window;
-        self.window = [second, third, self.joint_poses(newest)?];
+    fn targets(&mut self, frame: usize) -> Result<&mut JointTargets<BODY_COUNT>, RunError> {
+        self.take_in(self.performance.joint_poses(frame + self.frames_ahead()))?;
 
         let window = self.window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
         let (tree, dt_s, targets) = (self.controller.tree(), self.dt_s, &mut self.targets);
@@ -222,7 +230,7 @@ impl<'a> Desired<'a> {
         if self.settings.differences == DifferencesName::Forward {
             self.replace_velocities(frame)?;
         }
-        Ok(&self.targets)
+        Ok(&mut self.targets)
     }
 
     /// Puts velocities that are no forward differences in the place of those.

@@ -1,0 +1,380 @@
+//! From joint sensors to the state that a command will meet: filtered, ahead of a known delay, and with what
+//! the model has wrong.
+
+use core::fmt;
+
+use glam::{Quat, Vec3};
+
+use crate::control::Limited;
+use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::math;
+use crate::state::{JointState, JointStates, JointTargets, StateInputError};
+use crate::transform::{Motion, Transform, Wrench};
+use crate::tree::{Body, Tree};
+
+/// How an observer weighs what it expects against what it is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObserverSettings {
+    dt_s: f32,
+    pose_gain: f32,
+    velocity_gain_per_s: f32,
+    disturbance_gain_per_s2: f32,
+    most_rad_s2: f32,
+    most_m_s2: f32,
+}
+
+impl ObserverSettings {
+    /// No filter: poses as measured, velocities their backward differences, and no disturbance. What is left is
+    /// the look ahead over a delay.
+    ///
+    /// # Errors
+    /// [`ObserverError`] if the time step is not a positive number.
+    pub fn differences(dt_s: f32) -> Result<Self, ObserverError> {
+        if !(dt_s.is_finite() && dt_s > 0.0) {
+            return Err(ObserverError::TimeStep);
+        }
+        Ok(Self {
+            dt_s,
+            pose_gain: 1.0,
+            velocity_gain_per_s: 1.0 / dt_s,
+            disturbance_gain_per_s2: 0.0,
+            most_rad_s2: 200.0,
+            most_m_s2: 20.0,
+        })
+    }
+
+    /// An extended state observer of this bandwidth: the acceleration that the commands do not explain is a
+    /// disturbance, taken as constant but for what is learnt of it (Han, "From PID to Active Disturbance
+    /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Wrong masses, friction and loads are
+    /// learnt within some `3 / bandwidth`; noise above the bandwidth is filtered out.
+    ///
+    /// All three poles of the estimate's error are at `β = exp(-bandwidth dt)`. For the step
+    /// `v += dt (a + d), x += dt v` that takes gains of `1 - β³`, `(1 - β)² (1 + 2β) / dt` and
+    /// `(1 - β)³ / dt²`.
+    ///
+    /// # Errors
+    /// [`ObserverError`] if the time step is not a positive number, or the bandwidth not above 0 and at most
+    /// 1 / `dt_s`.
+    pub fn extended_state(bandwidth_rad_s: f32, dt_s: f32) -> Result<Self, ObserverError> {
+        let differences = Self::differences(dt_s)?;
+        let x = bandwidth_rad_s * dt_s;
+        if !(x > 0.0 && x <= 1.0) {
+            return Err(ObserverError::Bandwidth { rad_s: bandwidth_rad_s });
+        }
+        let beta = math::exponential(-x);
+        let rest = 1.0 - beta;
+        Ok(Self {
+            pose_gain: 1.0 - beta * beta * beta,
+            velocity_gain_per_s: rest * rest * (1.0 + 2.0 * beta) / dt_s,
+            disturbance_gain_per_s2: rest * rest * rest / (dt_s * dt_s),
+            ..differences
+        })
+    }
+
+    /// The same with other bounds on what is taken for a disturbance: also the most that a blocked joint is
+    /// pushed with beyond what the gains ask for. Without, 200 rad/s² and 20 m/s².
+    ///
+    /// # Errors
+    /// [`ObserverError`] if a bound is not a finite number from 0.
+    pub fn with_most(self, most_rad_s2: f32, most_m_s2: f32) -> Result<Self, ObserverError> {
+        for value in [most_rad_s2, most_m_s2] {
+            if !(0.0..=f32::MAX).contains(&value) {
+                return Err(ObserverError::Most { value });
+            }
+        }
+        Ok(Self { most_rad_s2, most_m_s2, ..self })
+    }
+}
+
+/// Estimates the state of a rig from its joints' poses and the accelerations it was commanded, for up to `D`
+/// commands on their way (`D` at least 1: without delay, the last one is).
+///
+/// With inverse dynamics every joint is a body on its own, `q̈ = command + disturbance`, whatever its
+/// inertia. So the estimate costs a few operations a joint, and the state that a late command will meet is
+/// found by making the commands on their way. O(n D).
+///
+/// A tick goes: [`Self::observe`], [`Self::compensate`], [`Controller::tick`](crate::Controller::tick) with
+/// [`Self::states`] and the law of inverse dynamics, [`Self::sent`].
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Motion, Transform, Tree};
+/// use sinew_core::observer::{Observer, ObserverSettings};
+/// use sinew_core::glam::Vec3;
+/// let slide = Body {
+///     parent: None,
+///     joint: JointKind::Prismatic { axis: Vec3::X },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia::default(),
+/// };
+/// let tree = Tree::<1>::from_bodies(&[slide])?;
+/// let settings = ObserverSettings::extended_state(40.0, 0.01)?;
+/// let mut observer = Observer::<1, 1>::new(settings, &JointStates::rest(&tree), 0)?;
+/// // Nothing was commanded, but it falls along its axis with 2 m/s².
+/// let (mut x, mut v) = (0.0, 0.0);
+/// for _ in 0..60 {
+///     v += 0.02;
+///     x += 0.01 * v;
+///     observer.sent(&[Motion::ZERO], &[]);
+///     observer.observe(&tree, &[Transform::from_translation(Vec3::X * x)])?;
+/// }
+/// assert!((observer.disturbances()[0].linear.x - 2.0).abs() < 1e-3);
+/// assert!((observer.states().as_slice()[0].velocity.linear.x - v).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observer<const N: usize, const D: usize> {
+    settings: ObserverSettings,
+    delay: usize,
+    estimates: JointStates<N>,
+    disturbances: [Motion; N],
+    /// The oldest first: those of `delay + 1` ticks, the oldest of which has led to the present.
+    sent: [[Command; N]; D],
+    any_sent: bool,
+    ahead: JointStates<N>,
+}
+
+/// What a joint was commanded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Command {
+    acceleration: Motion,
+    /// The drive could not do it: what is missing is not the world's doing.
+    limited: bool,
+}
+
+impl<const N: usize, const D: usize> Observer<N, D> {
+    /// An observer of a rig in this state, whose commands act `delay` ticks after the measurement that they
+    /// were made from, and not before.
+    ///
+    /// # Errors
+    /// [`ObserverError::Delay`] if that is more than `D` - 1.
+    pub fn new(
+        settings: ObserverSettings,
+        state: &JointStates<N>,
+        delay: usize,
+    ) -> Result<Self, ObserverError> {
+        if delay >= D {
+            return Err(ObserverError::Delay { ticks: delay, most: D.saturating_sub(1) });
+        }
+        let none = Command { acceleration: Motion::ZERO, limited: false };
+        Ok(Self {
+            settings,
+            delay,
+            estimates: state.clone(),
+            disturbances: [Motion::ZERO; N],
+            sent: [[none; N]; D],
+            any_sent: false,
+            ahead: state.clone(),
+        })
+    }
+
+    /// Takes in the joints' poses of a tick, each in its parent's frame.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there are not as many as joints, or a pose is not
+    /// finite or its rotation not unit.
+    pub fn observe(
+        &mut self,
+        tree: &Tree<N>,
+        measured: &[Transform],
+    ) -> Result<(), StateInputError> {
+        let bodies = tree.bodies();
+        if measured.len() != bodies.len() || self.estimates.as_slice().len() != bodies.len() {
+            return Err(StateInputError::NoSuchJoint);
+        }
+        for pose in measured {
+            let squared = pose.rotation.dot(pose.rotation);
+            if !pose.is_finite() {
+                return Err(StateInputError::NonFinite);
+            }
+            if (squared - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+                return Err(StateInputError::RotationNotUnit);
+            }
+        }
+        for (joint, (body, measured)) in bodies.iter().zip(measured).enumerate() {
+            self.correct(joint, body, measured);
+        }
+        Ok(())
+    }
+
+    /// The state that a command made now will meet: that of now, without a delay.
+    pub fn states(&self) -> &JointStates<N> {
+        &self.ahead
+    }
+
+    /// The accelerations of the joints that nothing commanded, in body axes.
+    pub fn disturbances(&self) -> &[Motion] {
+        self.disturbances.get(..self.estimates.as_slice().len()).unwrap_or_default()
+    }
+
+    /// Takes the disturbances off the accelerations that are asked of the joints, so that they cancel.
+    pub fn compensate(&self, targets: &mut JointTargets<N>) {
+        for (joint, (state, disturbance)) in
+            self.ahead.as_slice().iter().zip(&self.disturbances).enumerate()
+        {
+            // The linear target is a vector of the parent's frame in the axes of the desired pose.
+            let to_desired = targets
+                .states()
+                .get(joint)
+                .map_or(Quat::IDENTITY, |target| target.pose.rotation.conjugate());
+            let against = Motion {
+                angular: -disturbance.angular,
+                linear: to_desired * (state.pose.rotation * -disturbance.linear),
+            };
+            targets.add_acceleration(joint, against);
+        }
+    }
+
+    /// Notes the accelerations that the joints were commanded ([`Workspace::commands`](crate::Workspace::commands)),
+    /// and which of their torques were limited: those joints learn no disturbance from what follows.
+    pub fn sent(&mut self, commands: &[Motion], torques: &[Limited<Wrench>]) {
+        let first = !self.any_sent;
+        self.any_sent = true;
+        let in_flight = self.sent.get_mut(..=self.delay).unwrap_or_default();
+        if !first {
+            in_flight.rotate_left(1);
+        }
+        // Before the first command arrives, the drives hold it.
+        let last = in_flight.len().saturating_sub(1);
+        let from = if first { 0 } else { last };
+        for slot in in_flight.get_mut(from..).unwrap_or_default() {
+            let mut torques = torques.iter();
+            for (slot, command) in slot.iter_mut().zip(commands) {
+                let limited = torques.next().is_some_and(|torque| torque.reason.is_some());
+                let acceleration = if command.is_finite() { *command } else { Motion::ZERO };
+                *slot = Command { acceleration, limited };
+            }
+        }
+    }
+
+    /// One joint's estimate, one tick on, corrected by its measurement, and ahead of the delay.
+    fn correct(&mut self, joint: usize, body: &Body, measured: &Transform) {
+        let ObserverSettings { dt_s, pose_gain, velocity_gain_per_s, .. } = self.settings;
+        let (Some(before), Some(disturbance)) =
+            (self.estimates.as_slice().get(joint).copied(), self.disturbances.get_mut(joint))
+        else {
+            return;
+        };
+        let mut commands = self
+            .sent
+            .get(..=self.delay)
+            .unwrap_or_default()
+            .iter()
+            .filter_map(|tick| tick.get(joint).copied());
+        let none = Command { acceleration: Motion::ZERO, limited: false };
+        let made = commands.next().unwrap_or(none);
+
+        let slides = matches!(body.joint, JointKind::Prismatic { .. } | JointKind::Free);
+        let expected = moved(&before, made.acceleration + *disturbance, dt_s, slides);
+        // What came otherwise, in the axes of the expected pose, as far as the joint can do it.
+        let off = Motion {
+            angular: math::log(expected.pose.rotation.conjugate() * measured.rotation),
+            linear: expected.pose.rotation.conjugate()
+                * (measured.translation_m - expected.pose.translation_m),
+        };
+        let in_joint = body.placement.rotation.conjugate() * expected.pose.rotation;
+        let off = body.joint.project_motion(in_joint, off);
+        if !made.limited {
+            let learnt = scaled(off, self.settings.disturbance_gain_per_s2);
+            *disturbance = self.settings.bounded(*disturbance + learnt);
+        }
+        let mut state = expected;
+        state.velocity = state.velocity + scaled(off, velocity_gain_per_s);
+        state.pose.rotation *= math::exp(off.angular * pose_gain);
+        if slides {
+            state.pose.translation_m += expected.pose.rotation * (off.linear * pose_gain);
+        } else {
+            state.pose.translation_m = measured.translation_m;
+        }
+        let disturbance = *disturbance;
+        // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
+        if self.estimates.set(joint, state).is_err() {
+            state = JointState { pose: *measured, velocity: Motion::ZERO };
+            let _ = self.estimates.set(joint, state);
+        }
+        for command in commands {
+            state = moved(&state, command.acceleration + disturbance, dt_s, slides);
+        }
+        let _ = self.ahead.set(joint, state);
+    }
+}
+
+impl ObserverSettings {
+    fn bounded(&self, disturbance: Motion) -> Motion {
+        let within = |v: Vec3, most: f32| {
+            let squared = v.dot(v);
+            if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
+        };
+        let bounded = Motion {
+            angular: within(disturbance.angular, self.most_rad_s2),
+            linear: within(disturbance.linear, self.most_m_s2),
+        };
+        if bounded.is_finite() { bounded } else { Motion::ZERO }
+    }
+}
+
+/// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
+fn moved(joint: &JointState, acceleration: Motion, dt_s: f32, slides: bool) -> JointState {
+    let angular = joint.velocity.angular + acceleration.angular * dt_s;
+    let turn = math::exp(angular * dt_s);
+    let rotation = joint.pose.rotation * turn;
+    let mut moved = JointState {
+        pose: Transform { rotation, ..joint.pose },
+        velocity: Motion { angular, linear: joint.velocity.linear },
+    };
+    if slides {
+        let linear = joint.velocity.linear + acceleration.linear * dt_s;
+        moved.pose.translation_m += joint.pose.rotation * (linear * dt_s);
+        moved.velocity.linear = turn.conjugate() * linear;
+    }
+    moved
+}
+
+fn scaled(motion: Motion, factor: f32) -> Motion {
+    Motion { angular: motion.angular * factor, linear: motion.linear * factor }
+}
+
+/// Why there is no observer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ObserverError {
+    /// The time step is not a positive number.
+    TimeStep,
+    /// The bandwidth is not above 0 and at most one over the time step.
+    Bandwidth {
+        /// The bandwidth.
+        rad_s: f32,
+    },
+    /// A bound on disturbances is not a finite number from 0.
+    Most {
+        /// The bound.
+        value: f32,
+    },
+    /// The delay is longer than the observer has room for.
+    Delay {
+        /// The delay.
+        ticks: usize,
+        /// The longest.
+        most: usize,
+    },
+}
+
+impl fmt::Display for ObserverError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimeStep => f.write_str("the time step must be a positive number of seconds"),
+            Self::Bandwidth { rad_s } => write!(
+                f,
+                "the bandwidth is {rad_s} rad/s; it must be above 0 and at most one over the time step"
+            ),
+            Self::Most { value } => {
+                write!(f, "the bound on disturbances is {value}; it must be a finite number from 0")
+            }
+            Self::Delay { ticks, most } => {
+                write!(f, "a delay of {ticks} ticks; this observer has room for {most}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ObserverError {}
