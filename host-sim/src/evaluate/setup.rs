@@ -146,7 +146,7 @@ pub struct ProjectionSettings {
 
 impl Default for ProjectionSettings {
     fn default() -> Self {
-        Self { rotation_m: 0.4, root_held: false, sweeps: DEFAULT_SWEEPS }
+        Self { rotation_m: 0.5, root_held: false, sweeps: DEFAULT_SWEEPS }
     }
 }
 
