@@ -4,8 +4,8 @@
 pub mod detail;
 mod disturbance;
 mod error;
-pub mod front;
 mod estimate;
+pub mod front;
 mod metrics;
 pub mod optimum;
 pub mod paper;
