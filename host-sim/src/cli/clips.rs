@@ -8,7 +8,7 @@ use sinew_sim::mocap::{self, FigureMotion, Notice, Settings, builtin, mapping, p
 use super::output::note;
 
 /// Options that name clips.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
     /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
     #[arg(long, value_name = "PATH", num_args = 1..)]
@@ -18,12 +18,13 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
-    /// Rate of control and plant, in Hz; the clips are resampled to it. The paper's is 100.
-    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
-    rate: f64,
+    /// Rate of control and plant, in Hz; the clips are resampled to it. The paper's is 100, and so is ours
+    /// if nothing else is said.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<f64>,
 
     /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
-    /// between them. Without: a frame for every tick.
+    /// between them. Without: a frame for every tick, if nothing else is said.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     frames: Option<f64>,
 }
@@ -31,11 +32,31 @@ pub(super) struct ClipArgs {
 type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
 
 impl ClipArgs {
+    /// At this rate.
+    pub(super) fn with_rate(&self, rate_hz: f64) -> Self {
+        Self { rate: Some(rate_hz), ..self.clone() }
+    }
+
+    /// With these rates where none are given.
+    pub(super) fn at(&self, rate_hz: f64, frames_hz: f64) -> Self {
+        let rate = self.rate.unwrap_or(rate_hz);
+        Self { rate: Some(rate), frames: self.frames.or(Some(frames_hz.min(rate))), ..self.clone() }
+    }
+
     /// Reads and prepares the clips, in their order, and tells what was done to them.
     pub(super) fn motions(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
+        let (motions, lines) = self.read()?;
+        for line in &lines {
+            note(format_args!("{line}"));
+        }
+        Ok((motions, lines))
+    }
+
+    /// Reads and prepares the clips, in their order; what was done to them is only returned.
+    pub(super) fn read(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
-            rate_hz: self.rate,
+            rate_hz: self.rate.unwrap_or(100.0),
             frame_rate_hz: self.frames,
             ..Settings::default()
         };
@@ -51,9 +72,7 @@ impl ClipArgs {
         for prepared in prepared {
             let (motion, notices) = prepared?;
             for notice in notices {
-                let line = format!("{}: {notice}", motion.name);
-                note(format_args!("{line}"));
-                lines.push(line);
+                lines.push(format!("{}: {notice}", motion.name));
             }
             motions.push(motion);
         }
@@ -61,7 +80,7 @@ impl ClipArgs {
     }
 }
 
-fn rate(text: &str) -> Result<f64, String> {
+pub(super) fn rate(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(rate) if (10.0..=10_000.0).contains(&rate) => Ok(rate),
         _ => Err("expected a number of Hz from 10 to 10000".into()),

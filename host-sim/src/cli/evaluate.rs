@@ -7,11 +7,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_sim::evaluate::{
-    EvaluateError, Evaluation, MethodName, Protocol, evaluate, report, steps_of_all,
-};
+use sinew_sim::evaluate::{EvaluateError, Evaluation, Protocol, evaluate, report, steps_of_all};
 
 use super::clips::{ClipArgs, seconds};
+use super::methods::{MethodArg, methods};
 use super::output::{note, print, with_progress};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
@@ -35,14 +34,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale)]
     scale: Vec<f64>,
 
-    /// Methods of measuring the state error.
+    /// Methods of measuring the state error, and settings; `all` for each of them but `accumulated`, which
+    /// needs a reference.
     #[arg(
         long,
         value_name = "METHOD,..",
         value_delimiter = ',',
         default_value = "local,world,linear_compensation"
     )]
-    methods: Vec<MethodName>,
+    methods: Vec<MethodArg>,
 
     #[command(flatten)]
     setup: SetupArgs,
@@ -87,7 +87,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     ensure_different(&args.scale, "--scale")?;
-    ensure_different(&args.methods, "--methods")?;
+    ensure_different(&methods(&args.methods), "--methods")?;
     args.threads.install(|| run_in_pool(args))
 }
 
@@ -102,7 +102,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let protocol = Protocol {
         setup: args.setup.setup()?,
         scales: args.scale.clone(),
-        methods: args.methods.clone(),
+        methods: methods(&args.methods),
         seconds: args.seconds,
     };
     // Before the work, not after it.

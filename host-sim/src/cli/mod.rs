@@ -6,8 +6,11 @@ mod bake;
 mod clips;
 mod evaluate;
 mod figure;
+mod latency;
+mod methods;
 mod output;
 mod page;
+mod rig;
 mod setup;
 mod sweep;
 mod threads;
@@ -39,6 +42,8 @@ enum Command {
     Bake(bake::Args),
     Figure(figure::Args),
     Sweep(sweep::Args),
+    Rig(rig::Args),
+    Latency(latency::Args),
 }
 
 /// Parses the command line and runs it.
@@ -49,6 +54,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Sweep(args) => sweep::run(&args),
+        Command::Rig(args) => rig::run(&args),
+        Command::Latency(args) => latency::run(&args),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

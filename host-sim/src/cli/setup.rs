@@ -32,6 +32,18 @@ pub(super) struct SetupArgs {
 }
 
 impl SetupArgs {
+    /// The setup, on another plant than the paper's if none is named.
+    pub(super) fn setup_on(&self, plant: PlantKind) -> anyhow::Result<Setup> {
+        let mut setup = self.setup()?;
+        if self.plant.is_none()
+            && self.setup.is_none()
+            && !self.set.iter().any(|set| set.starts_with("plant.kind"))
+        {
+            setup.plant.kind = plant;
+        }
+        Ok(setup)
+    }
+
     /// The setup.
     pub(super) fn setup(&self) -> anyhow::Result<Setup> {
         let mut setup = toml::Table::new();

@@ -11,6 +11,7 @@ pub mod optimum;
 pub mod paper;
 mod reference;
 pub mod report;
+pub mod rig;
 mod setup;
 mod track;
 

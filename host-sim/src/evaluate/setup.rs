@@ -515,6 +515,17 @@ impl MethodName {
     /// The paper's three, in its order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
+    /// All that need no reference.
+    pub const ALL: [Self; 7] = [
+        Self::Local,
+        Self::World,
+        Self::Egocentric,
+        Self::LinearCompensation,
+        Self::ManifoldProjection,
+        Self::ResolvedAcceleration,
+        Self::Recommended,
+    ];
+
     /// The name in options and files.
     pub const fn as_str(self) -> &'static str {
         match self {

@@ -1,0 +1,140 @@
+//! `sinew latency`: how late a drive may come.
+
+use std::process::ExitCode;
+
+use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use rayon::prelude::*;
+use sinew_sim::evaluate::Setup;
+use sinew_sim::evaluate::rig::{STANDS_BELOW_DEG, largest_latency};
+use sinew_sim::figure::Dimensions;
+use sinew_sim::mocap::FigureMotion;
+use sinew_sim::plant::PlantKind;
+
+use super::clips::{ClipArgs, rate, seconds};
+use super::evaluate::scale;
+use super::methods::{MethodArg, methods};
+use super::output::{note, print, with_progress};
+use super::setup::SetupArgs;
+use super::threads::ThreadArgs;
+
+/// Find the largest latency that each method stands at, by rate of control.
+///
+/// A torque comes some steps after the measurement that it was made from. The table has the most steps at
+/// which, and at all fewer, no figure is lost and the mean angular error stays below 10 degrees; in ms too.
+/// Each method is tried without and with looking ahead: the controller then knows the latency, and makes the
+/// commands on their way to find the state that the next one will meet. `-` does not stand without latency.
+/// Without `--plant`, the exact one; the clips have 100 frames a second.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    clips: ClipArgs,
+
+    /// Rates of control and plant, in Hz.
+    #[arg(long, value_name = "HZ,..", value_delimiter = ',', default_value = "100,500,1000", value_parser = rate)]
+    rates: Vec<f64>,
+
+    /// Factor on the figure's dimensions. The clips keep theirs.
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale)]
+    scale: f64,
+
+    /// Methods of measuring the state error, and settings.
+    #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
+    methods: Vec<MethodArg>,
+
+    #[command(flatten)]
+    setup: SetupArgs,
+
+    /// Use only the first S seconds of every clip; the whole takes long.
+    #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
+    seconds: f64,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    args.threads.install(|| run_in_pool(args))
+}
+
+fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
+    let mut setup = args.setup.setup_on(PlantKind::Articulated)?;
+    setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
+    let methods = methods(&args.methods);
+    let setups: Vec<Setup> = methods
+        .iter()
+        .map(|method| {
+            let mut setup = setup.clone();
+            setup.controller.method = *method;
+            setup
+        })
+        .collect();
+    for setup in &setups {
+        setup.check()?;
+    }
+    let motions: Vec<(f64, (Vec<FigureMotion>, Vec<String>))> = args
+        .rates
+        .iter()
+        .map(|rate| anyhow::Ok((*rate, args.clips.with_rate(*rate).at(*rate, 100.0).read()?)))
+        .collect::<Result<_, _>>()?;
+    // Every rate has the same to tell.
+    for line in motions.first().map_or(&[][..], |(_, (_, lines))| lines) {
+        note(format_args!("{line}"));
+    }
+    let motions: Vec<_> = motions.into_iter().map(|(rate, (motions, _))| (rate, motions)).collect();
+
+    let mut cells = Vec::new();
+    for method in 0..methods.len() {
+        for look_ahead in [false, true] {
+            for rate in 0..motions.len() {
+                cells.push((method, look_ahead, rate));
+            }
+        }
+    }
+    let largest: Vec<Option<usize>> = with_progress(cells.len(), |progress| {
+        let cell = |(method, look_ahead, rate): &(usize, bool, usize)| {
+            let (_, motions) = &motions[*rate];
+            let steps = largest_latency(motions, &setups[*method], *look_ahead, Some(args.seconds));
+            progress(1);
+            steps
+        };
+        cells.par_iter().map(cell).collect()
+    });
+    let mut largest = largest.into_iter();
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN);
+    let heading = ["method", "looks ahead"].map(str::to_owned).into_iter();
+    table.set_header(heading.chain(args.rates.iter().map(|rate| format!("{rate:.0} Hz"))));
+    for method in &methods {
+        for look_ahead in ["no", "yes"] {
+            let cells: Vec<String> = args
+                .rates
+                .iter()
+                .zip(&mut largest)
+                .map(|(rate, steps)| shown(*rate, steps))
+                .collect();
+            table.add_row([method.to_string(), look_ahead.to_owned()].into_iter().chain(cells));
+        }
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let (_, first) = &motions[0];
+    print(&format!(
+        "{} clips, their first {} s, {} times the dimensions; plant: {}\n\
+         the largest latency at which no figure is lost and the mean angular error is below {STANDS_BELOW_DEG} deg\n\n{table}\n",
+        first.len(),
+        args.seconds,
+        args.scale,
+        setup.plant.description(),
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn shown(rate_hz: f64, steps: Option<usize>) -> String {
+    match steps {
+        None => "-".to_owned(),
+        Some(1) => format!("1 step, {:.0} ms", 1e3 / rate_hz),
+        Some(steps) => format!("{steps} steps, {:.0} ms", steps as f64 * 1e3 / rate_hz),
+    }
+}

@@ -1,0 +1,47 @@
+//! Options that name methods.
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+use sinew_sim::evaluate::MethodName;
+
+/// A method, or all of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum MethodArg {
+    /// All that need no reference.
+    All,
+    /// One.
+    One(MethodName),
+}
+
+impl ValueEnum for MethodArg {
+    fn value_variants<'a>() -> &'a [Self] {
+        const VARIANTS: &[MethodArg] = &[
+            MethodArg::One(MethodName::Local),
+            MethodArg::One(MethodName::World),
+            MethodArg::One(MethodName::Egocentric),
+            MethodArg::One(MethodName::Accumulated),
+            MethodArg::One(MethodName::LinearCompensation),
+            MethodArg::One(MethodName::ManifoldProjection),
+            MethodArg::One(MethodName::ResolvedAcceleration),
+            MethodArg::One(MethodName::Recommended),
+            MethodArg::All,
+        ];
+        VARIANTS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::All => Some(PossibleValue::new("all")),
+            Self::One(method) => method.to_possible_value(),
+        }
+    }
+}
+
+/// The methods that are named.
+pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
+    let named = |arg: &MethodArg| match arg {
+        MethodArg::One(method) => vec![*method],
+        MethodArg::All => MethodName::ALL.to_vec(),
+    };
+    args.iter().flat_map(named).collect()
+}

@@ -1,0 +1,158 @@
+//! `sinew rig`: the methods on rigs as they are built.
+
+use std::fmt::Write as _;
+use std::process::ExitCode;
+
+use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use sinew_sim::evaluate::rig::{Trial, as_built, median, trial};
+use sinew_sim::evaluate::{Errors, MethodName, step_count};
+use sinew_sim::figure::Dimensions;
+use sinew_sim::plant::PlantKind;
+
+use super::clips::{ClipArgs, seconds};
+use super::evaluate::scale;
+use super::methods::{MethodArg, methods};
+use super::output::{print, with_progress};
+use super::setup::SetupArgs;
+use super::threads::ThreadArgs;
+
+/// Track the clips on rigs as they are built: a row for each of many, and the median.
+///
+/// Every rig has masses off by up to 15 %, each body its own; joint sensors of 12 bits; and drives that come
+/// one step late. Control and plant run at 500 Hz, the clips have 100 frames a second and the controller goes
+/// smoothly between them. Without `--plant`, the exact one.
+///
+/// Means over all bodies and frames: degrees and centimetres. `lost` is a figure that fell apart. The last
+/// method is compared with each other one: on how many rigs both its errors are smaller.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    clips: ClipArgs,
+
+    /// Factor on the figure's dimensions. The clips keep theirs.
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale)]
+    scale: f64,
+
+    /// Methods of measuring the state error, and settings.
+    #[arg(
+        long,
+        value_name = "METHOD,..",
+        value_delimiter = ',',
+        default_value = "local,world,linear_compensation,manifold_projection,recommended"
+    )]
+    methods: Vec<MethodArg>,
+
+    /// How many rigs.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+
+    #[command(flatten)]
+    setup: SetupArgs,
+
+    /// Use only the first S seconds of every clip: for a quick look.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    seconds: Option<f64>,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// Runs the subcommand. Lost figures are results: they do not make it fail.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    args.threads.install(|| run_in_pool(args))
+}
+
+fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
+    let mut setup = args.setup.setup_on(PlantKind::Articulated)?;
+    setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
+    let methods = methods(&args.methods);
+    for method in &methods {
+        as_built(&setup, *method, 0).check()?;
+    }
+    let (motions, _) = args.clips.at(500.0, 100.0).motions()?;
+    let steps: usize = motions.iter().map(|motion| step_count(motion, args.seconds)).sum();
+    let seeds: Vec<u64> = (1..=args.seeds).collect();
+    let trials: Vec<Vec<Trial>> = with_progress(steps * methods.len() * seeds.len(), |progress| {
+        let of_seed = |seed: &u64| {
+            let of_method = |method: &MethodName| {
+                let result = trial(&motions, &as_built(&setup, *method, *seed), args.seconds);
+                progress(steps);
+                result
+            };
+            methods.iter().map(of_method).collect()
+        };
+        seeds.iter().map(of_seed).collect()
+    });
+    let mut text = format!(
+        "{} clips, {steps} steps of {:.0} Hz on each of {} rigs, {} times the dimensions; plant: {}\n\
+         angular / linear error, means over all bodies: deg / cm\n\n",
+        motions.len(),
+        motions.first().map_or(0.0, |motion| motion.dt_s.recip()),
+        seeds.len(),
+        args.scale,
+        setup.plant.description(),
+    );
+    writeln!(text, "{}", table(&seeds, &methods, &trials))?;
+    for line in wins(&methods, &trials) {
+        writeln!(text, "{line}")?;
+    }
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn pair(errors: &Errors) -> (f64, f64) {
+    (errors.all.angular_mean_deg(), errors.all.linear_mean_cm())
+}
+
+fn shown((angular_deg, linear_cm): (f64, f64)) -> String {
+    format!("{angular_deg:.3} / {linear_cm:.3}")
+}
+
+fn table(seeds: &[u64], methods: &[MethodName], trials: &[Vec<Trial>]) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN);
+    let heading = ["rig".to_owned()].into_iter();
+    table.set_header(heading.chain(methods.iter().map(ToString::to_string)));
+    for (seed, trials) in seeds.iter().zip(trials) {
+        let cells = trials.iter().map(|trial| match trial {
+            Ok(errors) => shown(pair(errors)),
+            Err(_) => "lost".to_owned(),
+        });
+        table.add_row([seed.to_string()].into_iter().chain(cells));
+    }
+    // A rig that is lost is worse than any that is not.
+    let of_method = |method: usize, of: fn((f64, f64)) -> f64| {
+        let values = trials
+            .iter()
+            .map(|trials| trials[method].as_ref().map_or(f64::INFINITY, |errors| of(pair(errors))));
+        median(values.collect()).unwrap_or(f64::NAN)
+    };
+    let medians = (0..methods.len())
+        .map(|method| shown((of_method(method, |pair| pair.0), of_method(method, |pair| pair.1))));
+    table.add_row(["median".to_owned()].into_iter().chain(medians));
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// On how many rigs the last method is better than each other one.
+fn wins(methods: &[MethodName], trials: &[Vec<Trial>]) -> Vec<String> {
+    let Some((last, others)) = methods.split_last() else { return Vec::new() };
+    let better = |trials: &[Trial], other: usize| match (&trials[others.len()], &trials[other]) {
+        (Ok(ours), Ok(theirs)) => {
+            let (ours, theirs) = (pair(ours), pair(theirs));
+            ours.0 < theirs.0 && ours.1 < theirs.1
+        }
+        (Ok(_), Err(_)) => true,
+        (Err(_), _) => false,
+    };
+    others
+        .iter()
+        .enumerate()
+        .map(|(index, other)| {
+            let count = trials.iter().filter(|trials| better(trials, index)).count();
+            format!("{last} is below {other} in both means on {count} of {} rigs", trials.len())
+        })
+        .collect()
+}
