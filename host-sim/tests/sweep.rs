@@ -208,6 +208,35 @@ fn the_summary_ranks_the_cells_by_what_they_do_not_share() {
 }
 
 #[test]
+fn the_front_is_told_of_the_whole_sweep_and_of_no_shard() {
+    let folder = folder();
+    let folder = folder.path();
+    let told = succeed(folder, "out", &[]);
+    let (_, fronts) = told.split_once("front of mean linear over mean angular error").unwrap();
+    // Rows are held against those of the same scale and the same limits alone: three tasks of three methods.
+    assert_eq!(fronts.matches(" of 3 cells; dimensions.scale = ").count(), 2, "{told}");
+    assert_eq!(fronts.matches(" of 3 cells; nothing else set").count(), 1, "{told}");
+    assert!(succeed(folder, "shard", &["--shard", "1/2"]).find("front").is_none());
+
+    let on_front = |out: &str, table: &str| -> Vec<[String; 2]> {
+        let mut csv = csv::Reader::from_path(folder.join(out).join(table)).unwrap();
+        let header = csv.headers().unwrap().clone();
+        let place = |name| header.iter().position(|column| column == name).unwrap();
+        let places = ["status", "on_front"].map(place);
+        csv.records().map(Result::unwrap).map(|row| places.map(|at| row[at].to_owned())).collect()
+    };
+    for table in ["sweep.csv", "sweep_clips.csv"] {
+        for [status, on_front] in on_front("out", table) {
+            assert_eq!(on_front.is_empty(), status == "lost", "{table}: {status} {on_front}");
+        }
+        assert!(on_front("shard", table).iter().all(|[_, on_front]| on_front.is_empty()));
+    }
+    // Nobody is there to better it.
+    let limited = &on_front("out", "sweep.csv")[9];
+    assert_eq!(*limited, ["ok", "yes"].map(str::to_owned));
+}
+
+#[test]
 fn what_cannot_be_is_refused_before_anything_runs() {
     let folder = folder();
     let folder = folder.path();

@@ -18,7 +18,7 @@ pub(super) struct PageArgs {
     #[arg(long, value_name = "CLIP", requires = "out")]
     playback: Option<String>,
 
-    /// CSV of `sinew sweep` that the report shows as heat maps.
+    /// CSV of `sinew sweep` that the report shows as heat maps, and as fronts of methods and weights.
     #[arg(long, value_name = "FILE", requires = "out")]
     sweep: Option<PathBuf>,
 }

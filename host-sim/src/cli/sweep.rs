@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::ensure;
 use sinew_sim::evaluate::{Errors, step_count};
-use sinew_sim::sweep::{self, Journal, Plan, Shard, Summary, SweepFile};
+use sinew_sim::sweep::{self, Front, Journal, Plan, Shard, Summary, SweepFile};
 
 use super::clips::{ClipArgs, seconds};
 use super::output::{note, print, with_progress};
@@ -30,6 +30,10 @@ use super::threads::ThreadArgs;
 /// `sweep_clips.*` a row per cell and clip. They are the same bytes, however often
 /// it was stopped, whatever the number of threads, and from one machine or many. A
 /// figure that is lost is a result: its row has no numbers and says why.
+///
+/// The column `on_front` says which rows no other one of the same task betters in both
+/// mean errors of all joints. A task is what is controlled: all settings but those of the
+/// controller, and how the root is held. A shard cannot tell: its column is empty.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -107,14 +111,22 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn told(summary: &Summary, plan: &Plan) -> String {
-    let Summary { cells, run, resumed, lost, ranking, files } = summary;
+    let Summary { cells, run, resumed, lost, ranking, fronts, files } = summary;
     let mut lines = vec![format!("{cells} cells; {run} runs made, {resumed} taken over")];
     if *lost > 0 {
         lines.push(format!("the figure was lost in {lost} cells"));
     }
+    let own = own_settings(plan);
+    if !fronts.is_empty() {
+        lines.push("front of mean linear over mean angular error of all joints:".to_owned());
+        lines.extend(fronts.iter().take(FRONTS).flat_map(|front| of_front(front, &own)));
+        if fronts.len() > FRONTS {
+            lines.push(format!("  and of {} more tasks, see on_front", fronts.len() - FRONTS));
+        }
+    }
     if ranking.len() > 1 {
         lines.push("mean linear error of all bodies, smallest and largest:".to_owned());
-        lines.extend(extremes(ranking, plan));
+        lines.extend(extremes(ranking, &own));
     }
     lines.extend(files.iter().map(|file| file.display().to_string()));
     lines.push(String::new());
@@ -124,8 +136,12 @@ fn told(summary: &Summary, plan: &Plan) -> String {
 /// How many cells of either end are shown.
 const SHOWN: usize = 3;
 
-/// The first and last cells of a ranking, with what not all cells have in common.
-fn extremes(ranking: &[(usize, Errors)], plan: &Plan) -> Vec<String> {
+/// How many fronts are shown, and how many cells of each.
+const FRONTS: usize = 8;
+const FRONT_CELLS: usize = 20;
+
+/// Of every cell, what not all cells have in common.
+fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
     let mut own: Vec<Vec<String>> =
         plan.cells.iter().map(|cell| cell.setup.differences()).collect();
     let common: Vec<String> = own[0]
@@ -136,6 +152,38 @@ fn extremes(ranking: &[(usize, Errors)], plan: &Plan) -> Vec<String> {
     for lines in &mut own {
         lines.retain(|line| !common.contains(line));
     }
+    own
+}
+
+/// The task of a front, and its cells.
+fn of_front(front: &Front, own: &[Vec<String>]) -> Vec<String> {
+    let is_task =
+        |line: &&String| !line.starts_with("controller.") || line.starts_with("controller.root");
+    let listed = |lines: Vec<&str>| match lines.as_slice() {
+        [] => "nothing else set".to_owned(),
+        lines => lines.join(", "),
+    };
+    let cells = front.cells.iter().take(FRONT_CELLS);
+    let mut lines: Vec<String> = cells
+        .map(|(cell, errors)| {
+            let set = own[*cell].iter().filter(|line| !is_task(line)).map(String::as_str).collect();
+            let (angular, linear) = (errors.all.angular_mean_deg(), errors.all.linear_mean_cm());
+            format!("  {angular:>9.4} deg {linear:>9.4} cm  cell {cell:<5} {}", listed(set))
+        })
+        .collect();
+    if let Some((first, _)) = front.cells.first() {
+        let task = own[*first].iter().filter(is_task).map(String::as_str).collect();
+        let heading = format!("  {} of {} cells; {}", front.cells.len(), front.of, listed(task));
+        lines.insert(0, heading);
+    }
+    if front.cells.len() > FRONT_CELLS {
+        lines.push(format!("  and {} more", front.cells.len() - FRONT_CELLS));
+    }
+    lines
+}
+
+/// The first and last cells of a ranking.
+fn extremes(ranking: &[(usize, Errors)], own: &[Vec<String>]) -> Vec<String> {
     let last = ranking.len().saturating_sub(SHOWN).max(SHOWN);
     let ends = ranking.iter().take(SHOWN).chain(ranking.iter().skip(last));
     ends.map(|(cell, errors)| {

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::chart::{Front, Reference, Spot};
+use super::tables::figure_name;
 use crate::evaluate::front::on_front;
 use crate::evaluate::optimum::{Curve, Held, Optimum, WEIGHTS_M};
 use crate::evaluate::{ErrorTotals, Errors, FigureResult};
@@ -37,8 +38,8 @@ pub(super) fn charts(
             on_front,
         });
         let front = Front {
-            title: format!("Mean linear error of {name} (cm), ×{}", figure.scale),
-            angular_name: "all joints".into(),
+            title: format!("Mean linear error of {name} (cm)"),
+            condition: figure_name(figure.scale),
             spots: spots.collect(),
             joined: Vec::new(),
             references: curves.iter().map(|curve| reference(curve, means)).collect(),

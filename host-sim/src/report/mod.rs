@@ -102,6 +102,11 @@ impl Report<'_> {
         {
             pictures.push((format!("sweep-{}", index + 1), chart::heat_map(&grid)));
         }
+        let fronts = self.sweep.iter().flat_map(|sweep| sweep.fronts());
+        for (index, front) in fronts.take(page::FRONTS).enumerate() {
+            let charts: Vec<Markup> = front.charts.iter().map(chart::Front::draw).collect();
+            pictures.push((format!("sweep-front-{}", index + 1), row(front.methods, &charts)));
+        }
         pictures
     }
 }

@@ -13,8 +13,9 @@ const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("asset
 /// Clips whose errors over time a page holds: beyond, it would grow too large to open.
 const CLIPS: usize = 60;
 
-/// Maps of a sweep that a page holds.
+/// Maps and fronts of a sweep that a page holds.
 pub(super) const GRIDS: usize = 24;
+pub(super) const FRONTS: usize = 12;
 
 pub(super) fn page(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
@@ -384,6 +385,18 @@ fn swept(sweep: &Sweep) -> Markup {
                 @if shown < grids.len() { " Of " (grids.len()) " maps, the first " (shown) " are shown." }
             }
             div class="pair" { @for grid in &grids[..shown] { (chart::heat_map(grid)) } }
+            @let fronts = sweep.fronts();
+            @if !fronts.is_empty() {
+                p {
+                    "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a cell on the \
+                     front: no other one there has less of both errors."
+                    @if fronts.len() > FRONTS { " Of " (fronts.len()) " such tasks, the first " (FRONTS) " are shown." }
+                }
+                @for front in fronts.iter().take(FRONTS) {
+                    (legend(front.methods.iter().copied()))
+                    div class="pair" { @for chart in &front.charts { (chart.draw()) } }
+                }
+            }
         }
     }
 }

@@ -1,9 +1,14 @@
-//! A sweep's CSV as fields of cells: one metric over two parameters.
+//! A sweep's CSV as fields of cells, one metric over two parameters, and as fronts of methods and weights.
+
+mod front;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use clap::ValueEnum as _;
 use thiserror::Error;
+
+use crate::evaluate::MethodName;
 
 /// The cells of a sweep, as its CSV has them.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +17,8 @@ pub struct Sweep {
     parameters: Vec<Column<String>>,
     /// The metrics, with the value of every cell that has one.
     metrics: Vec<Column<Option<f64>>>,
+    /// The method of every cell, if the file has it.
+    methods: Vec<Option<MethodName>>,
     cells: usize,
 }
 
@@ -75,8 +82,8 @@ const METRICS: [&str; 4] =
     ["angular_mean_deg", "linear_mean_cm", "angular_max_deg", "linear_max_cm"];
 
 /// Columns that are neither metrics nor parameters.
-const OTHERS: [&str; 7] =
-    ["cell", "status", "reason", "n_all", "n_leaf", "widest_gap_mm", "limited"];
+const OTHERS: [&str; 8] =
+    ["cell", "status", "reason", "n_all", "n_leaf", "widest_gap_mm", "limited", "on_front"];
 
 impl Sweep {
     /// Reads a sweep's CSV: a row per cell; columns of parameters, metrics and a status.
@@ -100,6 +107,7 @@ impl Sweep {
         let header = reader.headers().map_err(wrong)?.clone();
         let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(wrong)?;
         let (mut parameters, mut metrics) = (Vec::new(), Vec::new());
+        let mut methods = vec![None; rows.len()];
         for (index, name) in header.iter().enumerate() {
             let name = name.to_owned();
             if METRICS.iter().any(|metric| name.ends_with(metric)) {
@@ -119,6 +127,10 @@ impl Sweep {
             } else if !OTHERS.contains(&name.as_str()) {
                 let values: Vec<String> =
                     rows.iter().map(|record| record[index].to_owned()).collect();
+                if name == "controller.method" {
+                    let of_name = |name: &String| MethodName::from_str(name, false).ok();
+                    methods = values.iter().map(of_name).collect();
+                }
                 if values.iter().any(|value| *value != values[0]) {
                     parameters.push(Column { name, values });
                 }
@@ -127,7 +139,7 @@ impl Sweep {
         if metrics.is_empty() {
             return Err(SweepError::NoMetric { file: file.to_owned() });
         }
-        Ok(Self { parameters, metrics, cells: rows.len() })
+        Ok(Self { parameters, metrics, methods, cells: rows.len() })
     }
 
     /// Number of cells.

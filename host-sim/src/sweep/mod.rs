@@ -7,6 +7,7 @@
 
 mod error;
 mod file;
+mod front;
 mod journal;
 mod plan;
 mod table;
@@ -21,6 +22,7 @@ use crate::mocap::FigureMotion;
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
+pub use front::Front;
 pub use journal::{Journal, Notice, Outcome};
 pub use plan::{Plan, Shard, Unit};
 
@@ -37,6 +39,9 @@ pub struct Summary {
     pub lost: usize,
     /// All others with their errors over all clips, the smallest mean linear error first.
     pub ranking: Vec<(usize, Errors)>,
+    /// What is on the front of mean linear over mean angular error of all joints, for each task of several
+    /// cells; of a shard, nothing.
+    pub fronts: Vec<Front>,
     /// The tables.
     pub files: Vec<PathBuf>,
 }
@@ -108,7 +113,13 @@ fn finish(
     resumed: usize,
 ) -> Result<Summary, SweepError> {
     let (files, mut ranking) = table::write(plan, journal, folder)?;
+    // A cell may be bettered by one of another shard.
+    let whole = if plan.shard == Shard::WHOLE { &ranking[..] } else { &[] };
+    let fronts = front::fronts(
+        whole.iter().map(|(cell, errors)| (*cell, &plan.cells[*cell].setup, *errors)),
+    );
     ranking.sort_by(|(_, a), (_, b)| a.all.linear_mean_cm().total_cmp(&b.all.linear_mean_cm()));
     let cells = plan.shard_cells().count();
-    Ok(Summary { cells, run, resumed, lost: cells - ranking.len(), ranking, files })
+    let lost = cells - ranking.len();
+    Ok(Summary { cells, run, resumed, lost, ranking, fronts, files })
 }

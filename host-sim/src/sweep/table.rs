@@ -14,8 +14,9 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::error::{SweepError, io};
+use super::front;
 use super::journal::{Journal, Outcome};
-use super::plan::{Plan, Unit};
+use super::plan::{Plan, Shard, Unit};
 use crate::evaluate::{Errors, Setup};
 
 /// A column: its name, and its values by row.
@@ -76,7 +77,7 @@ pub(super) fn write(
         cells.iter().filter_map(|row| row.result.ok().map(|errors| (row.cell, errors))).collect();
     let mut files = Vec::new();
     for (name, rows) in [("sweep", cells), ("sweep_clips", runs)] {
-        let columns = columns(&rows);
+        let columns = columns(&rows, plan.shard == Shard::WHOLE);
         for (extension, bytes) in
             [("csv", csv(&columns)), ("parquet", parquet(&columns, plan, folder)?)]
         {
@@ -97,7 +98,8 @@ fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     fs::rename(&beside, file)
 }
 
-fn columns(rows: &[Row<'_>]) -> Vec<Column> {
+/// The columns of all rows there are, or of some of them: those have no front.
+fn columns(rows: &[Row<'_>], whole: bool) -> Vec<Column> {
     let mut columns = vec![Column {
         name: "cell".to_owned(),
         values: Values::Integer(rows.iter().map(|row| i64::try_from(row.cell).ok()).collect()),
@@ -132,7 +134,19 @@ fn columns(rows: &[Row<'_>]) -> Vec<Column> {
     }
     add("widest_gap_mm", floats(&|errors| errors.widest_gap_m * 1000.0));
     add("limited", integers(|errors| errors.limited));
+    add("on_front", Values::Text(on_front(rows, whole)));
     columns
+}
+
+/// Whether a row's mean errors of all joints are on the front of the rows of its task, and of its clip.
+fn on_front(rows: &[Row<'_>], whole: bool) -> Vec<Option<String>> {
+    if !whole {
+        return vec![None; rows.len()];
+    }
+    let rows: Vec<_> =
+        rows.iter().map(|row| ((row.clip, front::task(row.setup)), row.result.ok())).collect();
+    let said = |on_front: bool| if on_front { "yes" } else { "no" }.to_owned();
+    front::of_rows(&rows).into_iter().map(|on_front| on_front.map(said)).collect()
 }
 
 type Group = fn(&Errors) -> [f64; 4];

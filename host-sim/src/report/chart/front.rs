@@ -7,7 +7,7 @@ use super::{Axis, Frame, WIDTH, chart, horizontal_axis, line, px, vertical_axis}
 use crate::evaluate::MethodName;
 use crate::report::labels::{self, Circle, Ground, Label, Rectangle};
 
-const HEIGHT: f64 = 350.0;
+const HEIGHT: f64 = 366.0;
 
 /// A mean angular error in degrees and a mean linear error in centimetres.
 pub(in crate::report) type Means = [f64; 2];
@@ -16,8 +16,8 @@ pub(in crate::report) type Means = [f64; 2];
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::report) struct Front {
     pub(in crate::report) title: String,
-    /// What both axes are of, such as "all joints".
-    pub(in crate::report) angular_name: String,
+    /// What all of it has in common, in a line of its own.
+    pub(in crate::report) condition: String,
     pub(in crate::report) spots: Vec<Spot>,
     /// Spots of one method that differ in one value, joined.
     pub(in crate::report) joined: Vec<Joined>,
@@ -58,7 +58,7 @@ pub(in crate::report) struct Reference {
 impl Front {
     /// The chart: the nearer to the origin, the better.
     pub(in crate::report) fn draw(&self) -> Markup {
-        let frame = Frame { top: 54.0, ..Frame::of_height(HEIGHT, 44.0) };
+        let frame = Frame { top: 70.0, ..Frame::of_height(HEIGHT, 44.0) };
         let shown = || {
             let references = self.references.iter().flat_map(|reference| &reference.means);
             self.spots.iter().map(|spot| &spot.means).chain(references)
@@ -76,9 +76,10 @@ impl Front {
             &self.title,
             &self.description(),
             &html! {
+                text class="axis-name" x="2" y="34" { (self.condition) }
                 (self.key())
                 (vertical_axis(frame, &axes[1]))
-                (horizontal_axis(frame, &axes[0], &format!("mean angular error of {} (°)", self.angular_name)))
+                (horizontal_axis(frame, &axes[0], "mean angular error of all joints (°)"))
                 line class="axis" x1=(px(frame.left)) x2=(px(frame.right)) y1=(px(frame.bottom)) y2=(px(frame.bottom)) {}
                 @for reference in &self.references {
                     g class=(reference.class()) {
@@ -155,7 +156,7 @@ impl Front {
     }
 
     fn key(&self) -> Markup {
-        const Y: f64 = 36.0;
+        const Y: f64 = 52.0;
         let mut left = 2.0;
         let mut next = |sample: f64, name: &str| {
             let at = left;
@@ -187,7 +188,7 @@ impl Front {
                 format!("{}: {angular:.2}° and {linear:.2} cm{front}", spot.name)
             })
             .collect();
-        spots.join("; ")
+        format!("{}. {}", self.condition, spots.join("; "))
     }
 }
 

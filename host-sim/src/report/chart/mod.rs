@@ -17,7 +17,7 @@ use maud::{Markup, html};
 pub(super) use axis::Axis;
 pub(super) use course::{Statistic, course};
 pub(super) use distribution::distribution;
-pub(super) use front::{Front, Reference, Spot};
+pub(super) use front::{Front, Joined, Reference, Spot};
 pub(super) use heat_map::heat_map;
 pub(super) use joints::joints;
 pub(super) use legend::{legend, legend_lines};
