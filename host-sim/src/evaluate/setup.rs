@@ -73,6 +73,8 @@ pub struct ControllerSettings {
     pub aim: AimName,
     /// The manifold projection, for the methods that have it.
     pub projection: ProjectionSettings,
+    /// What resolved acceleration weighs where not every body can have its acceleration.
+    pub resolved: ResolvedSettings,
     /// How the state is estimated from what the sensors tell.
     pub observer: ObserverChoice,
     /// Which frames desired velocities and accelerations are differences of.
@@ -85,6 +87,8 @@ pub struct ControllerSettings {
     pub gains: GainsName,
     /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
     pub kp: f64,
+    /// Whether the gains are those of stable PD: applied to the state one period ahead.
+    pub implicit: bool,
     /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
     pub root: Root,
 }
@@ -98,12 +102,14 @@ impl Default for ControllerSettings {
             rate_term: RateTermName::Corrected,
             aim: AimName::HeaviestChild,
             projection: ProjectionSettings::default(),
+            resolved: ResolvedSettings::default(),
             observer: ObserverChoice::default(),
             differences: DifferencesName::Forward,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
             gains: GainsName::Uniform,
             kp: 200.0,
+            implicit: false,
             root: Root::Driven,
         }
     }
@@ -160,6 +166,32 @@ pub struct ObserverChoice {
     pub cancel: bool,
     /// Whether the latency is known: commands are made for the state that they will meet.
     pub predict: bool,
+}
+
+/// What resolved acceleration weighs where not every body can have its acceleration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ResolvedSettings {
+    /// What the acceleration of a body's joint counts, in m/s²; 0: only that of the pelvis.
+    pub position: f64,
+    /// What an angular acceleration counts against it: 1 rad/s² as much as so many m/s².
+    pub rotation_m: f64,
+}
+
+impl Default for ResolvedSettings {
+    fn default() -> Self {
+        Self { position: 0.0, rotation_m: 1.0 }
+    }
+}
+
+impl ResolvedSettings {
+    fn weights<const N: usize>(self, tree: &Tree<N>) -> BodyWeights<N> {
+        if self.position <= 0.0 {
+            return BodyWeights::rotations(tree);
+        }
+        let weight = BodyWeight::new(narrow(self.position), narrow(self.rotation_m));
+        BodyWeights::new(tree, &vec![weight; tree.len()]).expect("a checked setup")
+    }
 }
 
 /// Which frames desired velocities and accelerations are differences of.
@@ -272,6 +304,11 @@ pub enum SetupError {
     /// Gains of joints for a law that knows their inertia itself.
     #[error("controller.gains: expected \"uniform\", but with controller.law = \"pd\"")]
     GainsWithoutPd,
+    /// Gains of a period for a law that has no unit of inertia.
+    #[error(
+        "controller.implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia"
+    )]
+    ImplicitWithoutInertia,
     /// A value out of its range.
     #[error("{key}: expected {expected}, found {value}")]
     Value {
@@ -324,9 +361,13 @@ impl Setup {
         if self.subject.is_some() && self.body != BodySource::HanavanKwon {
             return Err(SetupError::SubjectWithoutBody);
         }
-        let ControllerSettings { beta, kp, law, gains, projection, .. } = self.controller;
+        let ControllerSettings { beta, kp, law, gains, projection, resolved, implicit, .. } =
+            self.controller;
         if gains != GainsName::Uniform && law != LawName::Pd {
             return Err(SetupError::GainsWithoutPd);
+        }
+        if implicit && law == LawName::Pd && gains == GainsName::Uniform {
+            return Err(SetupError::ImplicitWithoutInertia);
         }
         if !(0.0..=2.0).contains(&beta) {
             return value("controller.beta", ("a weight from 0 to 2", beta));
@@ -334,6 +375,14 @@ impl Setup {
         if !(0.001..=1000.0).contains(&projection.rotation_m) {
             let expected = "a length from 0.001 to 1000 m";
             return value("controller.projection.rotation_m", (expected, projection.rotation_m));
+        }
+        if resolved.position != 0.0 && !(0.001..=1e6).contains(&resolved.position) {
+            let expected = "0 or a weight from 0.001 to 1e6";
+            return value("controller.resolved.position", (expected, resolved.position));
+        }
+        if !(0.001..=1000.0).contains(&resolved.rotation_m) {
+            let expected = "a length from 0.001 to 1000 m";
+            return value("controller.resolved.rotation_m", (expected, resolved.rotation_m));
         }
         let ObserverChoice { bandwidth_rad_s, cancel, predict } = self.controller.observer;
         if !(0.0..=1000.0).contains(&bandwidth_rad_s) {
@@ -409,11 +458,15 @@ impl Setup {
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
     }
 
-    /// The controller of a figure.
+    /// The controller of a figure, which acts once in `dt_s` seconds.
     ///
     /// # Errors
-    /// [`RunError`] if the figure's numbers do not survive f32.
-    pub(super) fn controller(&self, model: &BodyModel) -> Result<Controller<BODY_COUNT>, RunError> {
+    /// [`RunError`] if the figure's numbers do not survive f32, or the method does not go with the law.
+    pub(super) fn controller(
+        &self,
+        model: &BodyModel,
+        dt_s: f64,
+    ) -> Result<Controller<BODY_COUNT>, RunError> {
         let settings = self.effective_controller();
         let tree = model.tree(settings.root)?;
         let method = settings.method(&tree);
@@ -429,6 +482,7 @@ impl Setup {
         let inertias =
             outer.map(|outer| reflected_inertia(&tree, &JointStates::rest(&tree), outer));
         let gains = Gains::critically_damped(narrow(settings.kp))?;
+        let gains = if settings.implicit { gains.implicit(narrow(dt_s))? } else { gains };
         let controller =
             Controller::new(tree, gains, method)?.with_limits(&self.disturbance.torque_limits())?;
         if let Some(inertias) = inertias {
@@ -471,7 +525,7 @@ impl ControllerSettings {
                 Method::World
             }
             MethodName::ResolvedAcceleration => {
-                Method::ResolvedAcceleration { weights: BodyWeights::rotations(tree) }
+                Method::ResolvedAcceleration { weights: self.resolved.weights(tree) }
             }
             MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
             MethodName::Accumulated => {

@@ -3,7 +3,7 @@ use serde_json::Value;
 use super::*;
 use crate::figure::Root;
 use crate::figure::fixture::moving;
-use crate::plant::Pose;
+use crate::plant::{PlantKind, Pose};
 
 fn motions() -> Vec<FigureMotion> {
     vec![moving("one", 80), moving("two", 50)]
@@ -262,4 +262,39 @@ fn gains_of_joints_are_for_pd_alone() {
         })
     };
     assert!(of(GainsName::CompositeInertia) != of(GainsName::ArticulatedInertia));
+}
+
+#[test]
+fn implicit_gains_hold_a_figure_that_gains_as_given_throw_off() {
+    let text = "controller.implicit = true\ncontroller.law = 'pd'";
+    assert_eq!(Setup::parse(text), Err(SetupError::ImplicitWithoutInertia));
+    let of = |implicit| {
+        let mut protocol = Protocol::default();
+        protocol.setup.plant.kind = PlantKind::Articulated;
+        protocol.setup.controller.kp = 1e4;
+        protocol.setup.controller.implicit = implicit;
+        evaluate(&[moving("clip", 60)], &protocol, |_| ())
+    };
+    let error = of(false).unwrap_err();
+    assert!(matches!(error, EvaluateError::Run { kind: RunError::Diverged { .. }, .. }), "{error}");
+    assert!(of(true).is_ok());
+}
+
+#[test]
+fn resolved_acceleration_weighs_positions_and_needs_inverse_dynamics() {
+    for bad in ["position = -1.0", "position = 1e-9", "rotation_m = 0.0", "position = nan"] {
+        assert!(Setup::parse(&format!("controller.resolved.{bad}")).is_err(), "{bad}");
+    }
+    let of = |position| {
+        altered(|setup| {
+            setup.controller.method = MethodName::ResolvedAcceleration;
+            setup.controller.resolved.position = position;
+        })
+    };
+    assert!(of(1.0) != of(0.0));
+    let mut setup = Setup::default();
+    setup.controller.method = MethodName::ResolvedAcceleration;
+    setup.controller.law = LawName::Pd;
+    let error = track(&moving("clip", 10), &setup, None, 0, |_| ()).unwrap_err();
+    assert!(error.to_string().contains("inverse dynamics"), "{error}");
 }

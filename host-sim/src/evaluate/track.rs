@@ -96,7 +96,7 @@ pub fn track(
         return Err(RunError::TooShort { frames: frame_count(motion, seconds) });
     }
     let model = setup.model(motion)?;
-    let controller = setup.controller(&model)?;
+    let controller = setup.controller(&model, motion.dt_s)?;
     let performance = Performance { motion, root: setup.controller.root };
     let ahead = match setup.effective_controller().observer.predict {
         true => setup.disturbance.latency_steps,
