@@ -72,6 +72,19 @@ pub enum Problem {
         /// The longest, in seconds.
         longest_s: f64,
     },
+    /// More frames than memory should hold, once they are evenly spaced.
+    #[error(
+        "`Frames`: expected a motion of at most {limit} frames of its shortest time, {frame_time_s} s, \
+         found {frames}"
+    )]
+    TooMany {
+        /// Frames that the motion would have.
+        frames: f64,
+        /// Time between them, in seconds.
+        frame_time_s: f64,
+        /// The most there may be.
+        limit: usize,
+    },
     /// A number that cannot be.
     #[error("`Frames`, frame {frame}, {item}: expected {expected}, found {found}")]
     Value {

@@ -21,7 +21,7 @@ pub use error::{Error, Problem};
 use skeleton::{JOINTS, Kind};
 
 use super::clip::JointSample;
-use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording};
+use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording, SAMPLE_COUNT_MAX};
 
 /// Numbers in a row.
 const ROW: usize = 44;
@@ -110,11 +110,16 @@ fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
         return Err(Problem::Uneven { shortest_s, longest_s });
     }
     let frame_time_s = recording::snapped_s(shortest_s);
-    Ok((frame_time_s, evenly(&times_s, &poses, frame_time_s)))
+    Ok((frame_time_s, evenly(&times_s, &poses, frame_time_s)?))
 }
 
 /// The motion at `0, frame_time_s, ..`, up to its end.
-fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Vec<Pose> {
+fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Result<Vec<Pose>, Problem> {
+    let frames = (times_s[times_s.len() - 1] / frame_time_s).ceil() + 1.0;
+    let limit = SAMPLE_COUNT_MAX / JOINTS.len();
+    if frames > limit as f64 {
+        return Err(Problem::TooMany { frames, frame_time_s, limit });
+    }
     let mut even = Vec::new();
     let mut before = 0;
     let last = poses.len() - 1;
@@ -128,7 +133,7 @@ fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Vec<Pose> {
             if time_s - times_s[last] < TIME_ROUNDING * frame_time_s {
                 even.push(poses[last].clone());
             }
-            return even;
+            return Ok(even);
         }
         let t = (time_s - times_s[before]) / (times_s[before + 1] - times_s[before]);
         let pair = poses[before].iter().zip(&poses[before + 1]);
