@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
 use sinew_core::{Transform, Wrench, math};
 
+use super::setup::narrow;
 use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
 use crate::random::{Random, Subject};
 
@@ -55,6 +56,10 @@ impl Disturbance {
         if !(0.0..1.0).contains(&self.masses) {
             return Some(("masses", "a fraction from 0 to below 1", self.masses));
         }
+        // TOML, in which setups are written, has no larger integers.
+        if i64::try_from(self.seed).is_err() {
+            return Some(("seed", "0 to 9223372036854775807", self.seed as f64));
+        }
         if !(0.0..=1.0).contains(&self.sensor_noise_rad) {
             return Some(("sensor_noise_rad", "an angle from 0 to 1 rad", self.sensor_noise_rad));
         }
@@ -64,10 +69,11 @@ impl Disturbance {
         if self.sensor_bits > 24 {
             return Some(("sensor_bits", "0 to 24 bits", f64::from(self.sensor_bits)));
         }
-        if self.torque_limit_nm.is_nan() || self.torque_limit_nm <= 0.0 {
+        // In f32, the core's, a tiny limit is none at all.
+        if self.torque_limit_nm.is_nan() || narrow(self.torque_limit_nm) <= 0.0 {
             return Some((
                 "torque_limit_nm",
-                "a torque above 0 N m (inf for none)",
+                "a torque above 0 N m in f32 (inf for none)",
                 self.torque_limit_nm,
             ));
         }
@@ -94,9 +100,8 @@ impl Disturbance {
     }
 
     /// The limits of the joints' drives.
-    #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
     pub(super) fn torque_limits(&self) -> [TorqueLimit; BODY_COUNT] {
-        let limit = TorqueLimit::new(self.torque_limit_nm as f32, f32::INFINITY);
+        let limit = TorqueLimit::new(narrow(self.torque_limit_nm), f32::INFINITY);
         let limit = limit.expect("checked to be above 0");
         BODIES.map(|body| if body.parent.is_none() { TorqueLimit::NONE } else { limit })
     }
@@ -175,6 +180,33 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::evaluate::Setup;
+
+    fn refused(disturbance: Disturbance) -> String {
+        Setup { disturbance, ..Setup::default() }.check().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_seed_that_toml_cannot_hold_is_refused() {
+        let most = i64::MAX.unsigned_abs();
+        let refused = refused(Disturbance { seed: most + 1, ..Disturbance::default() });
+        assert!(refused.contains("disturbance.seed"), "{refused}");
+        let disturbance = Disturbance { seed: most, ..Disturbance::default() };
+        let setup = Setup { disturbance, ..Setup::default() };
+        setup.check().unwrap();
+        assert_eq!(setup.differences(), [format!("disturbance.seed = {most}")]);
+    }
+
+    #[test]
+    fn a_torque_limit_that_is_none_in_f32_is_refused() {
+        let tiny = |torque_limit_nm| Disturbance { torque_limit_nm, ..Disturbance::default() };
+        for none in [1e-60, 0.0, -1.0, f64::NAN] {
+            let refused = refused(tiny(none));
+            assert!(refused.contains("disturbance.torque_limit_nm"), "{refused}");
+        }
+        assert_eq!(tiny(1e-30).fault(), None);
+        let _ = tiny(1e-30).torque_limits();
+    }
 
     #[test]
     fn torques_arrive_late_and_the_first_is_held() {
