@@ -338,8 +338,15 @@ impl Setup {
     /// # Errors
     /// [`SetupError`].
     pub fn from_table(table: toml::Table) -> Result<Self, SetupError> {
-        let setup: Self = serde_path_to_error::deserialize(toml::Value::Table(table))
-            .map_err(|error| SetupError::Toml(error.to_string().trim_end().to_owned()))?;
+        let setup: Self =
+            serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| {
+                let (path, message) = (error.path(), error.inner().message());
+                // The path of the whole table is a dot.
+                SetupError::Toml(match path.iter().next() {
+                    Some(_) => format!("{path}: {message}"),
+                    None => message.to_owned(),
+                })
+            })?;
         setup.check()?;
         Ok(setup)
     }

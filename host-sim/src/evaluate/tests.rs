@@ -113,6 +113,18 @@ fn desired_velocities_matter() {
 }
 
 #[test]
+fn an_error_in_a_table_names_its_key_on_one_line() {
+    let refused = |toml: &str| Setup::from_table(toml.parse().unwrap()).unwrap_err().to_string();
+    let beta = refused("controller.beta = \"much\"");
+    assert!(beta.starts_with("controller.beta: invalid type: string"), "{beta}");
+    let unknown = refused("plant.steps = 1");
+    assert!(unknown.starts_with("plant.steps: unknown field"), "{unknown}");
+    for message in [beta, unknown, refused("plnt = 1")] {
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
+
+#[test]
 fn a_setup_survives_toml() {
     let mut setup = with_method(MethodName::LinearCompensation);
     setup.disturbance.torque_limit_nm = 40.0;
