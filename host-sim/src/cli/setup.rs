@@ -58,7 +58,11 @@ impl SetupArgs {
             let Some((key, value)) = assignment.split_once('=') else {
                 bail!("--set: expected KEY=VALUE, found `{assignment}`");
             };
-            insert(&mut setup, key.trim(), parse(value.trim()))
+            let value = value.trim();
+            if value.contains(['\n', '\r']) {
+                bail!("--set: expected a value on one line, found `{assignment}`");
+            }
+            insert(&mut setup, key.trim(), parse(value))
                 .with_context(|| format!("--set {assignment}"))?;
             Setup::from_table(setup.clone()).with_context(|| format!("--set {assignment}"))?;
         }
@@ -132,6 +136,7 @@ mod tests {
             "plant.substeps",
             "plant.substeps=0",
             "plant.substeps=many",
+            "plant.substeps=4\nbody=3",
             "plant.steps=1",
             "body.kind=x",
             "controller.beta=nan",
