@@ -3,11 +3,13 @@
 use maud::{Markup, html};
 
 use super::legend::{class, marker};
-use super::{Axis, Frame, WIDTH, chart, horizontal_axis, line, px, vertical_axis};
+use super::{Axis, Frame, chart, horizontal_axis, line, px, vertical_axis};
 use crate::evaluate::MethodName;
 use crate::report::labels::{self, Circle, Ground, Label, Rectangle};
 
-const HEIGHT: f64 = 366.0;
+/// Of the field between the axes, and of a line above it.
+const FIELD: f64 = 256.0;
+const LINE: f64 = 18.0;
 
 /// A mean angular error in degrees and a mean linear error in centimetres.
 pub(in crate::report) type Means = [f64; 2];
@@ -58,7 +60,10 @@ pub(in crate::report) struct Reference {
 impl Front {
     /// The chart: the nearer to the origin, the better.
     pub(in crate::report) fn draw(&self) -> Markup {
-        let frame = Frame { top: 70.0, ..Frame::of_height(HEIGHT, 44.0) };
+        let lines = if self.condition.is_empty() { 2.0 } else { 3.0 };
+        let top = 16.0 + LINE * lines;
+        let height = top + FIELD + 40.0;
+        let frame = Frame { top, ..Frame::of_height(height, 44.0) };
         let shown = || {
             let references = self.references.iter().flat_map(|reference| &reference.means);
             self.spots.iter().map(|spot| &spot.means).chain(references)
@@ -72,12 +77,12 @@ impl Front {
         let at = |[angular, linear]: &Means| (axes[0].at(*angular), axes[1].at(*linear));
         let labels = self.labels(frame, at);
         chart(
-            HEIGHT,
+            height,
             &self.title,
             &self.description(),
             &html! {
                 text class="axis-name" x="2" y="34" { (self.condition) }
-                (self.key())
+                (self.key(top - LINE))
                 (vertical_axis(frame, &axes[1]))
                 (horizontal_axis(frame, &axes[0], "mean angular error of all joints (°)"))
                 line class="axis" x1=(px(frame.left)) x2=(px(frame.right)) y1=(px(frame.bottom)) y2=(px(frame.bottom)) {}
@@ -113,7 +118,7 @@ impl Front {
                     // Left of its marker, a text ends beside it.
                     @let (x, anchor) = if label.lead.0 < label.named.0 { (label.lead.0, "end") } else { (label.place.0, "start") };
                     @for (index, line) in label.text.lines().enumerate() {
-                        text class="tick" x=(px(x)) text-anchor=(anchor) y=(px(label.place.1 + LABEL.line * index as f64)) { (line) }
+                        text class="tick" x=(px(x)) text-anchor=(anchor) y=(px(label.place.1 + LABEL_LINE * index as f64)) { (line) }
                     }
                 }
             },
@@ -152,11 +157,11 @@ impl Front {
             right: frame.right,
             bottom: frame.bottom - 2.0,
         };
-        labels::place(texts, &drawn, &Ground { bounds, ..LABEL })
+        let ground = Ground { bounds, letter: 6.8, line: LABEL_LINE, below: 3.5, gap: 1.0 };
+        labels::place(texts, &drawn, &ground)
     }
 
-    fn key(&self) -> Markup {
-        const Y: f64 = 52.0;
+    fn key(&self, y: f64) -> Markup {
         let mut left = 2.0;
         let mut next = |sample: f64, name: &str| {
             let at = left;
@@ -167,13 +172,13 @@ impl Front {
         html! {
             @if self.spots.iter().any(|spot| spot.on_front) {
                 @let x = next(14.0, ring);
-                circle class="ring" cx=(px(x + 7.0)) cy=(px(Y)) r="6" {}
-                text class="tick" x=(px(x + 20.0)) y=(px(Y + 4.0)) { (ring) }
+                circle class="ring" cx=(px(x + 7.0)) cy=(px(y)) r="6" {}
+                text class="tick" x=(px(x + 20.0)) y=(px(y + 4.0)) { (ring) }
             }
             @for reference in &self.references {
                 @let x = next(26.0, reference.name);
-                g class=(reference.class()) { path class="stroke" d={ "M" (px(x)) " " (px(Y)) "l26 0" } {} }
-                text class="tick" x=(px(x + 32.0)) y=(px(Y + 4.0)) { (reference.name) }
+                g class=(reference.class()) { path class="stroke" d={ "M" (px(x)) " " (px(y)) "l26 0" } {} }
+                text class="tick" x=(px(x + 32.0)) y=(px(y + 4.0)) { (reference.name) }
             }
         }
     }
@@ -188,17 +193,13 @@ impl Front {
                 format!("{}: {angular:.2}° and {linear:.2} cm{front}", spot.name)
             })
             .collect();
-        format!("{}. {}", self.condition, spots.join("; "))
+        let spots = spots.join("; ");
+        if self.condition.is_empty() { spots } else { format!("{}. {spots}", self.condition) }
     }
 }
 
-const LABEL: Ground = Ground {
-    bounds: Rectangle { left: 0.0, top: 0.0, right: WIDTH, bottom: HEIGHT },
-    letter: 6.8,
-    line: 14.0,
-    below: 3.5,
-    gap: 1.0,
-};
+/// Height of a line of a label.
+const LABEL_LINE: f64 = 14.0;
 
 /// Radius of the ring around what is on the front, and how far a label may be without a line.
 const RING: f64 = 8.0;
