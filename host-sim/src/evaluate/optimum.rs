@@ -346,7 +346,11 @@ fn inverse(m: DMat3) -> Option<DMat3> {
 
 #[cfg(test)]
 mod tests {
+    use sinew_core::projection::ProjectionWorkspace;
+
     use super::*;
+    use crate::evaluate::MethodName;
+    use crate::evaluate::setup::ProjectionSettings;
     use crate::figure::Dimensions;
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};
@@ -437,6 +441,46 @@ mod tests {
             assert_eq!((errors.all.n, unsolved), (38 * BODY_COUNT as u64, 0));
             // In degrees and centimetres: the rounding of a product of rotations.
             assert!(errors.all.figures().iter().all(|error| *error < 1e-12), "{errors:?}");
+        }
+    }
+
+    /// The core seeks it in f32 by another method of its own; after many sweeps both are at the same place.
+    #[test]
+    fn the_projection_of_the_core_ends_at_the_optimum() {
+        let motion = moving("clip", 40);
+        for (held, root_held) in [(Held::Nothing, false), (Held::Pose, true)] {
+            for weight_m in [1.0, 0.3, 0.1] {
+                let mut setup = Setup { dimensions: Dimensions::uniform(1.1), ..Setup::default() };
+                setup.controller.method = MethodName::ManifoldProjection;
+                setup.controller.projection =
+                    ProjectionSettings { rotation_m: weight_m, root_held, sweeps: 255 };
+                let model = setup.model(&motion).unwrap();
+                let tree = model.tree(Root::Driven).unwrap();
+                let projection = setup.projection(&tree).unwrap().unwrap();
+                let performance = Performance { motion: &motion, root: Root::Driven };
+                let joints = performance.joint_poses(30);
+                let mut nearest = joints;
+                projection
+                    .project(&tree, &joints, &mut ProjectionWorkspace::new(), &mut nearest)
+                    .unwrap();
+
+                let mut search = Search::new(&model.offset_m, weight_m, held);
+                let desired = performance.world_poses(&motion.offset_m, 30);
+                assert!(search.solve(&desired));
+                let root_m = nearest[0].translation_m.as_dvec3();
+                let mut rotation = nearest.map(|joint| joint.rotation.as_dquat().normalize());
+                for (body, place) in BODIES.iter().enumerate() {
+                    if let Some(parent) = place.parent {
+                        rotation[body] = rotation[parent] * rotation[body];
+                    }
+                }
+                let poses = search.assembled(root_m, &rotation);
+                // Some ten roundings of f32 along a limb, in metres and radians.
+                for (pose, optimum) in poses.iter().zip(&search.poses) {
+                    assert!(pose.position_m.distance(optimum.position_m) < 2e-6);
+                    assert!(deviation_rad(pose, optimum).length() < 1e-5);
+                }
+            }
         }
     }
 

@@ -51,7 +51,7 @@ pub(super) fn charts(
 fn reference(curve: &Curve, means: impl Fn(&Errors) -> [f64; 2]) -> Reference {
     let (name, dashed) = match curve.held {
         Held::Nothing => ("nearest pose, root free", false),
-        Held::Position => ("root held", true),
+        Held::Position => ("root position held", true),
         Held::Pose => ("nearest pose, pelvis bolted", false),
     };
     let points: Vec<_> = curve.points.iter().map(|point| means(&point.errors)).collect();
@@ -82,7 +82,8 @@ pub(super) fn explanation(optimum: Option<&Optimum>) -> Markup {
         }
         @if let Some(optimum) = optimum {
             p class="small" {
-                "Nearest is meant in squares, over all bodies: a mean may be a little below the line."
+                "Nearest is meant in squares, over all bodies: the mean of a method may be a little below the line, and that with the \
+                 root’s position held below that with it free."
                 @if optimum.every > 1 { " Of the line, one in " (optimum.every) " frames was sought." }
                 @if optimum.unsolved > 0 { " " (optimum.unsolved) " searches were given up before their end." }
             }
