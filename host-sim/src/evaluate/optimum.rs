@@ -452,8 +452,12 @@ mod tests {
             for weight_m in [1.0, 0.3, 0.1] {
                 let mut setup = Setup { dimensions: Dimensions::uniform(1.1), ..Setup::default() };
                 setup.controller.method = MethodName::ManifoldProjection;
-                setup.controller.projection =
-                    ProjectionSettings { rotation_m: weight_m, root_held, sweeps: 255 };
+                setup.controller.projection = ProjectionSettings {
+                    rotation_m: weight_m,
+                    root_held,
+                    sweeps: 255,
+                    ..ProjectionSettings::default()
+                };
                 let model = setup.model(&motion).unwrap();
                 let tree = model.tree(Root::Driven).unwrap();
                 let projection = setup.projection(&tree).unwrap().unwrap();

@@ -148,11 +148,13 @@ pub struct ProjectionSettings {
     pub root_held: bool,
     /// Gauss-Newton steps for each frame.
     pub sweeps: u8,
+    /// Whether the bodies' errors are fed by resolved acceleration instead of to their own joints.
+    pub resolved: bool,
 }
 
 impl Default for ProjectionSettings {
     fn default() -> Self {
-        Self { rotation_m: 0.5, root_held: false, sweeps: DEFAULT_SWEEPS }
+        Self { rotation_m: 0.5, root_held: false, sweeps: DEFAULT_SWEEPS, resolved: false }
     }
 }
 
@@ -459,7 +461,7 @@ impl Setup {
         if controller.method != MethodName::ManifoldProjection {
             return Ok(None);
         }
-        let ProjectionSettings { rotation_m, root_held, sweeps } = controller.projection;
+        let ProjectionSettings { rotation_m, root_held, sweeps, .. } = controller.projection;
         let weights = [BodyWeight::new(1.0, narrow(rotation_m)); BODY_COUNT];
         let projection = ManifoldProjection::new(tree, &weights)?.with_sweeps(sweeps);
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
@@ -528,10 +530,15 @@ impl ControllerSettings {
     fn method(&self, tree: &Tree<BODY_COUNT>) -> Method<BODY_COUNT> {
         match self.method {
             MethodName::Local => Method::Local,
-            MethodName::World | MethodName::ManifoldProjection | MethodName::Recommended => {
+            MethodName::World => Method::World,
+            MethodName::ManifoldProjection | MethodName::Recommended
+                if !self.projection.resolved =>
+            {
                 Method::World
             }
-            MethodName::ResolvedAcceleration => {
+            MethodName::ManifoldProjection
+            | MethodName::Recommended
+            | MethodName::ResolvedAcceleration => {
                 Method::ResolvedAcceleration { weights: self.resolved.weights(tree) }
             }
             MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),

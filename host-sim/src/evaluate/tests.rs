@@ -304,6 +304,13 @@ fn resolved_acceleration_weighs_positions_and_needs_inverse_dynamics() {
         })
     };
     assert!(of(1.0) != of(0.0));
+    let projected = |resolved| {
+        altered(|setup| {
+            setup.controller.method = MethodName::ManifoldProjection;
+            setup.controller.projection.resolved = resolved;
+        })
+    };
+    assert!(projected(true) != projected(false));
     let mut setup = Setup::default();
     setup.controller.method = MethodName::ResolvedAcceleration;
     setup.controller.law = LawName::Pd;
