@@ -376,6 +376,11 @@ impl<const N: usize> Workspace<N> {
         &self.aim_status
     }
 
+    /// What the last tick returned.
+    pub fn torques(&self) -> &[Limited<Wrench>] {
+        &self.torques
+    }
+
     /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics, or
     /// PD with inertias), or moment and force in N m and N (PD alone).
     pub fn commands(&self) -> &[Motion] {

@@ -6,6 +6,7 @@ use sinew_core::{
     Controller, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
 };
 
+use crate::recommended::Recommended;
 use crate::show::Show;
 
 /// All that a tick needs, in one place of fixed size: put it in a static.
@@ -16,6 +17,7 @@ pub struct App<'a, const N: usize> {
     targets: JointTargets<N>,
     measured: JointStates<N>,
     workspace: Workspace<N>,
+    recommended: Option<Recommended<N>>,
     window: [[Transform; N]; 3],
     previous: [Transform; N],
     /// Ticks since `previous` was measured; zero before anything was.
@@ -31,10 +33,18 @@ impl<'a, const N: usize> App<'a, N> {
             measured: JointStates::rest(controller.tree()),
             controller,
             workspace: Workspace::new(),
+            recommended: None,
             window: [[Transform::IDENTITY; N]; 3],
             previous: [Transform::IDENTITY; N],
             age_ticks: 0,
         }
+    }
+
+    /// The same in the setting for real rigs, see [`crate::recommended`]; its controller should have the World
+    /// method. The setting must be made of the controller's own tree.
+    #[must_use]
+    pub fn with(self, setting: Recommended<N>) -> Self {
+        Self { recommended: Some(setting), ..self }
     }
 
     /// Takes the targets of frame `index` by forward differences of the bodies, and the measured joints by backward ones
@@ -49,18 +59,17 @@ impl<'a, const N: usize> App<'a, N> {
     pub fn observe(&mut self, index: usize, measured: &[Transform]) -> Result<(), StateInputError> {
         let bodies = self.show.body_count().min(N);
         let measured = measured.get(..bodies).ok_or(StateInputError::NoSuchJoint)?;
-        for (ahead, frame) in self.window.iter_mut().enumerate() {
-            self.show.frame(index.saturating_add(ahead), frame);
+        let (tree, dt_s) = (self.controller.tree(), self.show.dt_s());
+        if let Some(recommended) = &mut self.recommended {
+            recommended.targets(&self.show, tree, index, &mut self.targets)?;
+        } else {
+            for (ahead, frame) in self.window.iter_mut().enumerate() {
+                self.show.frame(index.saturating_add(ahead), frame);
+            }
+            let window =
+                self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
+            forward_targets_of_bodies(tree, window, dt_s, &mut self.targets)?;
         }
-        let [now, next, after] =
-            self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
-        let dt_s = self.show.dt_s();
-        forward_targets_of_bodies(
-            self.controller.tree(),
-            [now, next, after],
-            dt_s,
-            &mut self.targets,
-        )?;
         let age_ticks = self.age_ticks;
         let previous = match age_ticks {
             0 => measured,
@@ -69,7 +78,14 @@ impl<'a, const N: usize> App<'a, N> {
         // Ages before the poses are looked at: one that is refused has taken its tick all the same.
         self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
         let elapsed_s = dt_s * f32::from(age_ticks.max(1));
-        backward_states([previous, measured], elapsed_s, &mut self.measured)?;
+        let continues = self.recommended.is_some() && age_ticks == 1;
+        if !continues {
+            backward_states([previous, measured], elapsed_s, &mut self.measured)?;
+        }
+        if let Some(recommended) = &mut self.recommended {
+            let anew = (!continues).then_some(&self.measured);
+            recommended.observe(tree, measured, anew, &mut self.targets)?;
+        }
         self.age_ticks = 1;
         for (previous, measured) in self.previous.iter_mut().zip(measured) {
             *previous = *measured;
@@ -79,7 +95,15 @@ impl<'a, const N: usize> App<'a, N> {
 
     /// The torques for what was observed last, see [`Controller::tick`].
     pub fn control(&mut self) -> &[Limited<Wrench>] {
-        self.controller.tick(&self.targets, &self.measured, &[], &mut self.workspace)
+        let Some(recommended) = &mut self.recommended else {
+            return self.controller.tick(&self.targets, &self.measured, &[], &mut self.workspace);
+        };
+        let (states, w) = (recommended.states(), &mut self.workspace);
+        self.controller.tick(&self.targets, states, &[], w);
+        let count = self.controller.tree().len();
+        let torques = w.torques().get(..count).unwrap_or_default();
+        recommended.sent(w.commands(), torques);
+        torques
     }
 
     /// The rig's controller.

@@ -3,6 +3,7 @@
 //!
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
 //! - [`app`]: the control tick as the boards run it;
+//! - [`recommended`]: the setting for real rigs;
 //! - [`replay`]: a stand-in for servos, so that a board and a host can be compared bit by bit;
 //! - [`indicator`]: the status light.
 
@@ -12,5 +13,6 @@
 
 pub mod app;
 pub mod indicator;
+pub mod recommended;
 pub mod replay;
 pub mod show;

@@ -8,22 +8,26 @@ use sinew_core::state_error::{Aims, Compensation, Method};
 use sinew_core::{Controller, ControllerError, StateInputError, Transform, Tree, Wrench};
 
 use crate::app::App;
+use crate::recommended::{Recommended, RecommendedError};
 use crate::show::{Show, ShowError};
 
 /// How many frames the stand-in is late: enough for errors of a few degrees.
 pub const LAG_FRAMES: usize = 3;
 
+/// How late the stand-in's torques count as, in the setting for real rigs.
+pub const DELAY_TICKS: usize = 1;
+
 /// The paper's gain, kp in 1/s².
 pub const KP: f32 = 200.0;
 
-/// The three methods of the paper, by the names that all reports use.
-pub const METHODS: [&str; 3] = ["local", "world", "linear_compensation"];
+/// The three methods of the paper, and the setting for real rigs, by the names that all reports use.
+pub const METHODS: [&str; 4] = ["local", "world", "linear_compensation", "recommended"];
 
 /// The method of that name, for a rig.
 pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
     match name {
         "local" => Some(Method::Local),
-        "world" => Some(Method::World),
+        "world" | "recommended" => Some(Method::World),
         "linear_compensation" => Some(Method::LinearCompensation {
             aims: Aims::heaviest_child(tree),
             settings: Compensation::default(),
@@ -51,7 +55,13 @@ impl<'a, const N: usize> Replay<'a, N> {
         let controller = Controller::new(tree, gains, method)
             .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
             .map_err(ReplayError::Controller)?;
-        Ok(Self { app: App::new(show, controller), late: [Transform::IDENTITY; N] })
+        let mut app = App::new(show, controller);
+        if name == "recommended" {
+            let tree = app.controller().tree();
+            let setting = Recommended::new(tree, show.dt_s(), DELAY_TICKS);
+            app = app.with(setting.map_err(ReplayError::Recommended)?);
+        }
+        Ok(Self { app, late: [Transform::IDENTITY; N] })
     }
 
     /// Reads the sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own
@@ -119,6 +129,8 @@ pub enum ReplayError {
     Gains(GainsError),
     /// The controller cannot be made.
     Controller(ControllerError),
+    /// The setting for real rigs cannot be had.
+    Recommended(RecommendedError),
 }
 
 impl core::fmt::Display for ReplayError {
@@ -128,6 +140,7 @@ impl core::fmt::Display for ReplayError {
             Self::UnknownMethod => write!(f, "unknown method; known are {METHODS:?}"),
             Self::Gains(error) => error.fmt(f),
             Self::Controller(error) => error.fmt(f),
+            Self::Recommended(error) => error.fmt(f),
         }
     }
 }

@@ -1,0 +1,157 @@
+//! The setting for real rigs: manifold projection on targets aligned with the rig's motion, and an observer that
+//! filters the sensors, learns what the model has wrong, and looks ahead over a known delay.
+
+use sinew_core::control::Limited;
+use sinew_core::observer::{Observer, ObserverError, ObserverSettings};
+use sinew_core::projection::{
+    BodyWeight, ManifoldProjection, ProjectionError, ProjectionWorkspace,
+};
+use sinew_core::trajectory::aligned_targets;
+use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, Tree, Wrench};
+
+use crate::show::Show;
+
+/// What a turn counts against a distance in the projection: 1 rad as much as half a metre.
+pub const ROTATION_M: f32 = 0.5;
+
+/// Bandwidth of the observer.
+pub const BANDWIDTH_RAD_S: f32 = 100.0;
+
+/// The longest delay that there is room for, in ticks.
+pub const DELAY_MOST: usize = 3;
+
+/// What the setting adds to a World controller, and remembers from tick to tick.
+#[derive(Debug)]
+pub struct Recommended<const N: usize> {
+    projection: ManifoldProjection<N>,
+    workspace: ProjectionWorkspace<N>,
+    /// The rig's own poses in the frames before, at and after the next tick's.
+    window: [[Transform; N]; 3],
+    /// The frame of the show that is the last of the window.
+    newest: Option<usize>,
+    settings: ObserverSettings,
+    delay_ticks: usize,
+    observer: Observer<N, { DELAY_MOST + 1 }>,
+}
+
+impl<const N: usize> Recommended<N> {
+    /// The setting for a rig whose torques act `delay_ticks` after the measurement that they are made from, beyond
+    /// the tick itself.
+    ///
+    /// # Errors
+    /// [`RecommendedError`] if the tick is no positive number or longer than 10 ms, or the delay longer than
+    /// [`DELAY_MOST`].
+    pub fn new(tree: &Tree<N>, dt_s: f32, delay_ticks: usize) -> Result<Self, RecommendedError> {
+        let weights = [BodyWeight::new(1.0, ROTATION_M); N];
+        let weights = weights.get(..tree.len()).unwrap_or_default();
+        let settings = ObserverSettings::extended_state(BANDWIDTH_RAD_S, dt_s)?;
+        Ok(Self {
+            projection: ManifoldProjection::new(tree, weights)?,
+            workspace: ProjectionWorkspace::new(),
+            window: [[Transform::IDENTITY; N]; 3],
+            newest: None,
+            settings,
+            delay_ticks,
+            observer: Observer::new(settings, &JointStates::rest(tree), delay_ticks)?,
+        })
+    }
+
+    /// Targets for the state that a torque of tick `index` meets. From one tick to the next one frame is projected,
+    /// after a jump three.
+    pub(crate) fn targets(
+        &mut self,
+        show: &Show<'_>,
+        tree: &Tree<N>,
+        index: usize,
+        out: &mut JointTargets<N>,
+    ) -> Result<(), StateInputError> {
+        let bodies = tree.len();
+        let newest = index.saturating_add(self.delay_ticks).saturating_add(1);
+        let follows = self.newest.is_some_and(|before| before.saturating_add(1) == newest);
+        if !follows {
+            self.workspace.reset();
+        }
+        let mut frame = [Transform::IDENTITY; N];
+        for back in if follows { 0..=0 } else { 0..=2 }.rev() {
+            // Before the first frame the show stands on it.
+            show.frame(newest.saturating_sub(back), &mut frame);
+            self.window.rotate_left(1);
+            let [_, _, last] = &mut self.window;
+            let frame = frame.get(..bodies).unwrap_or_default();
+            let nearest = last.get_mut(..bodies).unwrap_or_default();
+            // The show's poses were checked when it was parsed.
+            self.projection
+                .project(tree, frame, &mut self.workspace, nearest)
+                .map_err(|_| StateInputError::NonFinite)?;
+        }
+        self.newest = Some(newest);
+        let window = self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
+        aligned_targets(window, show.dt_s(), out)
+    }
+
+    /// Takes in the measured joints, and takes what was learnt of disturbances off the targets.
+    ///
+    /// Begins anew from `states`, the measured ones by differences, when ticks were left out: the commands in
+    /// between are not known.
+    pub(crate) fn observe(
+        &mut self,
+        tree: &Tree<N>,
+        measured: &[Transform],
+        anew: Option<&JointStates<N>>,
+        targets: &mut JointTargets<N>,
+    ) -> Result<(), StateInputError> {
+        match anew {
+            Some(states) => {
+                if let Ok(observer) = Observer::new(self.settings, states, self.delay_ticks) {
+                    self.observer = observer;
+                }
+            }
+            None => self.observer.observe(tree, measured)?,
+        }
+        self.observer.compensate(targets);
+        Ok(())
+    }
+
+    /// The state that a torque of this tick meets.
+    pub(crate) fn states(&self) -> &JointStates<N> {
+        self.observer.states()
+    }
+
+    /// Notes what the joints were commanded.
+    pub(crate) fn sent(&mut self, commands: &[Motion], torques: &[Limited<Wrench>]) {
+        self.observer.sent(commands, torques);
+    }
+}
+
+/// Why the setting cannot be had.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum RecommendedError {
+    /// The projection.
+    Projection(ProjectionError),
+    /// The observer.
+    Observer(ObserverError),
+}
+
+impl From<ProjectionError> for RecommendedError {
+    fn from(error: ProjectionError) -> Self {
+        Self::Projection(error)
+    }
+}
+
+impl From<ObserverError> for RecommendedError {
+    fn from(error: ObserverError) -> Self {
+        Self::Observer(error)
+    }
+}
+
+impl core::fmt::Display for RecommendedError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Projection(error) => error.fmt(f),
+            Self::Observer(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for RecommendedError {}
