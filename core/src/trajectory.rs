@@ -204,7 +204,7 @@ pub fn forward_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    targets_in(window, 0, [Scheme::Forward; 2], dt_s, out)
+    targets_in(window, Scheme::Forward, dt_s, out)
 }
 
 /// Targets of all joints at the *middle* of three frames, aligned with how a controlled rig moves: the
@@ -243,7 +243,33 @@ pub fn aligned_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    targets_in(window, 1, [Scheme::Backward, Scheme::Central], dt_s, out)
+    if !(dt_s.is_finite() && dt_s > 0.0) {
+        return Err(StateInputError::TimeStep);
+    }
+    let unit = |pose: &Transform| {
+        let squared = pose.rotation.dot(pose.rotation);
+        (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
+    };
+    let [before, now, next] = window;
+    for (joint, ((before, now), next)) in before.iter().zip(now).zip(next).enumerate() {
+        if !(unit(before) && unit(next)) {
+            return Err(StateInputError::RotationNotUnit);
+        }
+        // The one difference that runs on every tick of a board: each step is taken once, and serves both orders.
+        let to_body = now.rotation.conjugate();
+        let step = |from: &Transform, to: &Transform| Motion {
+            angular: math::log(from.rotation.conjugate() * to.rotation) / dt_s,
+            linear: (to.translation_m - from.translation_m) / dt_s,
+        };
+        let (led_here, leads_on) = (step(before, now), step(now, next));
+        let velocity = Motion { linear: to_body * led_here.linear, ..led_here };
+        let acceleration = Motion {
+            angular: (leads_on.angular - led_here.angular) / dt_s,
+            linear: to_body * ((leads_on.linear - led_here.linear) / dt_s),
+        };
+        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+    }
+    Ok(())
 }
 
 /// Targets of all joints at the *last* of three frames, by backward differences: for a live stream whose next
@@ -258,28 +284,26 @@ pub fn live_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    targets_in(window, 2, [Scheme::Backward; 2], dt_s, out)
+    targets_in(window, Scheme::Backward, dt_s, out)
 }
 
-/// Targets at one of three frames, the velocity by the first and the acceleration by the second scheme.
+/// Targets at the first frame of three by forward differences, or at the last by backward ones.
 fn targets_in<const N: usize>(
-    window: [&[Transform]; 3],
-    at: usize,
-    [of_velocity, of_acceleration]: [Scheme; 2],
+    [first, second, third]: [&[Transform]; 3],
+    scheme: Scheme,
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    let [first, second, third] = window;
     for (joint, ((first, second), third)) in first.iter().zip(second).zip(third).enumerate() {
-        let window = [first, second, third];
-        let start = if of_velocity == Scheme::Backward { at.saturating_sub(1) } else { at };
-        let step = window.get(start..start.saturating_add(2)).unwrap_or_default();
-        let pose = *window.get(at).copied().unwrap_or(first);
-        let difference = |scheme, order, window: &[&Transform]| {
+        let (pose, step) = match scheme {
+            Scheme::Backward => (*third, [second, third]),
+            Scheme::Forward | Scheme::Central => (*first, [first, second]),
+        };
+        let difference = |order, window: &[&Transform]| {
             joint_difference(scheme, order, window, &pose, dt_s).map_err(refusal)
         };
-        let velocity = difference(of_velocity, 1, step)?;
-        let acceleration = difference(of_acceleration, 2, &window)?;
+        let velocity = difference(1, &step)?;
+        let acceleration = difference(2, &[first, second, third])?;
         out.set(joint, JointState { pose, velocity }, acceleration)?;
     }
     Ok(())
