@@ -200,11 +200,19 @@ pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform
 /// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step
 /// is not positive, or the targets are for fewer joints.
 pub fn forward_targets<const N: usize>(
-    window: [&[Transform]; 3],
+    [now, next, after]: [&[Transform]; 3],
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    targets_in(window, Scheme::Forward, dt_s, out)
+    for (joint, ((now, next), after)) in now.iter().zip(next).zip(after).enumerate() {
+        let difference = |order: usize, window: &[&Transform]| {
+            joint_difference(Scheme::Forward, order, window, now, dt_s).map_err(refusal)
+        };
+        let velocity = difference(1, &[now, next])?;
+        let acceleration = difference(2, &[now, next, after])?;
+        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+    }
+    Ok(())
 }
 
 /// Targets of all joints at the *middle* of three frames, aligned with how a controlled rig moves: the
@@ -280,31 +288,17 @@ pub fn aligned_targets<const N: usize>(
 /// # Errors
 /// As [`forward_targets`].
 pub fn live_targets<const N: usize>(
-    window: [&[Transform]; 3],
+    [earlier, before, now]: [&[Transform]; 3],
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    targets_in(window, Scheme::Backward, dt_s, out)
-}
-
-/// Targets at the first frame of three by forward differences, or at the last by backward ones.
-fn targets_in<const N: usize>(
-    [first, second, third]: [&[Transform]; 3],
-    scheme: Scheme,
-    dt_s: f32,
-    out: &mut JointTargets<N>,
-) -> Result<(), StateInputError> {
-    for (joint, ((first, second), third)) in first.iter().zip(second).zip(third).enumerate() {
-        let (pose, step) = match scheme {
-            Scheme::Backward => (*third, [second, third]),
-            Scheme::Forward | Scheme::Central => (*first, [first, second]),
+    for (joint, ((earlier, before), now)) in earlier.iter().zip(before).zip(now).enumerate() {
+        let difference = |order: usize, window: &[&Transform]| {
+            joint_difference(Scheme::Backward, order, window, now, dt_s).map_err(refusal)
         };
-        let difference = |order, window: &[&Transform]| {
-            joint_difference(scheme, order, window, &pose, dt_s).map_err(refusal)
-        };
-        let velocity = difference(1, &step)?;
-        let acceleration = difference(2, &[first, second, third])?;
-        out.set(joint, JointState { pose, velocity }, acceleration)?;
+        let velocity = difference(1, &[before, now])?;
+        let acceleration = difference(2, &[earlier, before, now])?;
+        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
     }
     Ok(())
 }
