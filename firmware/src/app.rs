@@ -41,7 +41,7 @@ impl<'a, const N: usize> App<'a, N> {
     }
 
     /// The same in the setting for real rigs, see [`crate::recommended`]; its controller should have the World
-    /// method. The setting must be made of the controller's own tree.
+    /// method, inverse dynamics and implicit gains. The setting must be made of the controller's own tree.
     #[must_use]
     pub fn with(self, setting: Recommended<N>) -> Self {
         Self { recommended: Some(setting), ..self }

@@ -14,7 +14,7 @@ use crate::show::Show;
 /// What a turn counts against a distance in the projection: 1 rad as much as half a metre.
 pub const ROTATION_M: f32 = 0.5;
 
-/// Bandwidth of the observer.
+/// Bandwidth of the observer, where a tick is not longer than one over it.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
 /// The longest delay that there is room for, in ticks.
@@ -39,12 +39,11 @@ impl<const N: usize> Recommended<N> {
     /// the tick itself.
     ///
     /// # Errors
-    /// [`RecommendedError`] if the tick is no positive number or longer than 10 ms, or the delay longer than
-    /// [`DELAY_MOST`].
+    /// [`RecommendedError`] if the tick is no positive number, or the delay longer than [`DELAY_MOST`].
     pub fn new(tree: &Tree<N>, dt_s: f32, delay_ticks: usize) -> Result<Self, RecommendedError> {
         let weights = [BodyWeight::new(1.0, ROTATION_M); N];
         let weights = weights.get(..tree.len()).unwrap_or_default();
-        let settings = ObserverSettings::extended_state(BANDWIDTH_RAD_S, dt_s)?;
+        let settings = ObserverSettings::extended_state(BANDWIDTH_RAD_S.min(1.0 / dt_s), dt_s)?;
         Ok(Self {
             projection: ManifoldProjection::new(tree, weights)?,
             workspace: ProjectionWorkspace::new(),

@@ -51,7 +51,10 @@ impl<'a, const N: usize> Replay<'a, N> {
     pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
         let tree = show.tree::<N>().map_err(ReplayError::Show)?;
         let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
-        let gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
+        let mut gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
+        if name == "recommended" {
+            gains = gains.implicit(show.dt_s()).map_err(ReplayError::Gains)?;
+        }
         let controller = Controller::new(tree, gains, method)
             .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
             .map_err(ReplayError::Controller)?;

@@ -72,16 +72,15 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     for setup in &setups {
         setup.check()?;
     }
-    let motions: Vec<(f64, (Vec<FigureMotion>, Vec<String>))> = args
-        .rates
-        .iter()
-        .map(|rate| anyhow::Ok((*rate, args.clips.with_rate(*rate).at(*rate, 100.0).read()?)))
-        .collect::<Result<_, _>>()?;
-    // Every rate has the same to tell.
-    for line in motions.first().map_or(&[][..], |(_, (_, lines))| lines) {
-        note(format_args!("{line}"));
+    let mut motions: Vec<(f64, Vec<FigureMotion>)> = Vec::new();
+    for rate in &args.rates {
+        let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).read()?;
+        // Every rate has the same to tell.
+        for line in lines.iter().filter(|_| motions.is_empty()) {
+            note(format_args!("{line}"));
+        }
+        motions.push((*rate, of_rate));
     }
-    let motions: Vec<_> = motions.into_iter().map(|(rate, (motions, _))| (rate, motions)).collect();
 
     let mut cells = Vec::new();
     for method in 0..methods.len() {

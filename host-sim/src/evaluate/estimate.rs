@@ -7,7 +7,7 @@ use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, 
 
 use super::disturbance::LATENCY_MOST;
 use super::error::RunError;
-use super::setup::{Setup, narrow};
+use super::setup::{MethodName, Setup, narrow};
 use crate::figure::BODY_COUNT;
 
 /// As many commands are on their way as the latency has steps, and one has just arrived.
@@ -30,10 +30,14 @@ impl Estimate {
     pub(super) fn new(
         setup: &Setup,
         tree: &Tree<BODY_COUNT>,
-        before: [Transform; BODY_COUNT],
+        before: &[Transform; BODY_COUNT],
         dt_s: f32,
     ) -> Result<Self, RunError> {
-        let choice = setup.effective_controller().observer;
+        let mut choice = setup.effective_controller().observer;
+        if setup.controller.method == MethodName::Recommended {
+            // As firmware does on slow rigs: an observer cannot be faster than its ticks.
+            choice.bandwidth_rad_s = choice.bandwidth_rad_s.min(f64::from(1.0 / dt_s));
+        }
         let settings = if choice.bandwidth_rad_s > 0.0 {
             Some(ObserverSettings::extended_state(narrow(choice.bandwidth_rad_s), dt_s)?)
         } else if choice.predict {
@@ -42,7 +46,7 @@ impl Estimate {
             None
         };
         Ok(Self {
-            before,
+            before: *before,
             dt_s,
             states: JointStates::rest(tree),
             settings,
@@ -56,13 +60,13 @@ impl Estimate {
     pub(super) fn observe(
         &mut self,
         tree: &Tree<BODY_COUNT>,
-        now: [Transform; BODY_COUNT],
+        now: &[Transform; BODY_COUNT],
     ) -> Result<(), StateInputError> {
         if let Some(observer) = &mut self.observer {
-            return observer.observe(tree, &now);
+            return observer.observe(tree, now);
         }
-        backward_states([&self.before, &now], self.dt_s, &mut self.states)?;
-        self.before = now;
+        backward_states([&self.before, now], self.dt_s, &mut self.states)?;
+        self.before = *now;
         if let Some(settings) = self.settings {
             let observer = Observer::new(settings, &self.states, self.delay);
             self.observer = observer.ok().map(Box::new);

@@ -144,7 +144,9 @@ pub fn evaluate(
         return Err(EvaluateError::NoClips);
     }
     for scale in &protocol.scales {
-        protocol.setup_of(*scale, MethodName::Local).check()?;
+        for method in &protocol.methods {
+            protocol.setup_of(*scale, *method).check()?;
+        }
     }
     let mut runs = Vec::new();
     for scale in &protocol.scales {

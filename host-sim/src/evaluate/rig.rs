@@ -20,6 +20,9 @@ pub struct Lost {
 }
 
 /// Tracks all clips with one setup, in parallel; the result does not depend on the number of threads.
+///
+/// # Errors
+/// [`Lost`]: the first clip, in their order, that the figure was lost on.
 pub fn trial(motions: &[FigureMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
     let runs: Vec<Trial> = motions
         .par_iter()
@@ -56,7 +59,7 @@ pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let upper = *values.get(values.len() / 2)?;
     let lower = values[(values.len() - 1) / 2];
-    Some((lower + upper) / 2.0)
+    Some(f64::midpoint(lower, upper))
 }
 
 /// A figure stands while none is lost and the mean angular error of all bodies is below this: beyond, it

@@ -301,7 +301,9 @@ pub enum SetupError {
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
     /// An observer of accelerations for a law that commands none.
-    #[error("controller.observer: expected none with controller.law = \"pd\"")]
+    #[error(
+        "controller.law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\""
+    )]
     ObserverWithoutDynamics,
     /// Gains of joints for a law that knows their inertia itself.
     #[error("controller.gains: expected \"uniform\", but with controller.law = \"pd\"")]
@@ -361,6 +363,7 @@ impl Setup {
         let value = |key: &str, (expected, value)| {
             Err(SetupError::Value { key: key.to_owned(), expected, value })
         };
+        let controller = self.effective_controller();
         if let Some((key, expected, found)) = self.dimensions.fault() {
             return value(&format!("dimensions.{key}"), (expected, found));
         }
@@ -371,9 +374,13 @@ impl Setup {
             return Err(SetupError::SubjectWithoutBody);
         }
         let ControllerSettings { beta, kp, law, gains, projection, resolved, implicit, .. } =
-            self.controller;
+            controller;
         if gains != GainsName::Uniform && law != LawName::Pd {
             return Err(SetupError::GainsWithoutPd);
+        }
+        let ObserverChoice { bandwidth_rad_s, cancel, predict } = controller.observer;
+        if law == LawName::Pd && (predict || bandwidth_rad_s > 0.0) {
+            return Err(SetupError::ObserverWithoutDynamics);
         }
         if implicit && law == LawName::Pd && gains == GainsName::Uniform {
             return Err(SetupError::ImplicitWithoutInertia);
@@ -393,7 +400,6 @@ impl Setup {
             let expected = "a length from 0.001 to 1000 m";
             return value("controller.resolved.rotation_m", (expected, resolved.rotation_m));
         }
-        let ObserverChoice { bandwidth_rad_s, cancel, predict } = self.controller.observer;
         if !(0.0..=1000.0).contains(&bandwidth_rad_s) {
             let expected = "a bandwidth from 0 to 1000 rad/s";
             return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
@@ -402,9 +408,6 @@ impl Setup {
             let expected =
                 "a bandwidth above 0 rad/s: without an observer there is nothing to cancel";
             return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
-        }
-        if law == LawName::Pd && (predict || bandwidth_rad_s > 0.0) {
-            return Err(SetupError::ObserverWithoutDynamics);
         }
         if projection.sweeps == 0 {
             return value("controller.projection.sweeps", ("a number from 1 to 255", 0.0));
@@ -522,6 +525,7 @@ impl ControllerSettings {
             method: MethodName::ManifoldProjection,
             differences: DifferencesName::Aligned,
             observer: ObserverChoice { bandwidth_rad_s: 100.0, cancel: true, predict: true },
+            implicit: true,
             ..self
         }
     }

@@ -98,10 +98,8 @@ pub fn track(
     let model = setup.model(motion)?;
     let controller = setup.controller(&model, motion.dt_s)?;
     let performance = Performance { motion, root: setup.controller.root };
-    let ahead = match setup.effective_controller().observer.predict {
-        true => setup.disturbance.latency_steps,
-        false => 0,
-    };
+    let looks_ahead = setup.effective_controller().observer.predict;
+    let ahead = if looks_ahead { setup.disturbance.latency_steps } else { 0 };
     let mut desired = Desired::new(performance, &controller, setup, ahead)?;
     let mut workspace = Workspace::new();
 
@@ -118,11 +116,11 @@ pub fn track(
 
     let before = one_step_before(&start, motion.dt_s);
     let before = sensors.read(measured_joints(&before, &model.offset_m));
-    let mut estimate = Estimate::new(setup, controller.tree(), before, desired.dt_s)?;
+    let mut estimate = Estimate::new(setup, controller.tree(), &before, desired.dt_s)?;
     for frame in 0..steps {
         let state_error = |source| RunError::State { frame, source };
         let now = sensors.read(measured_joints(plant.poses(), &model.offset_m));
-        estimate.observe(controller.tree(), now).map_err(state_error)?;
+        estimate.observe(controller.tree(), &now).map_err(state_error)?;
         let targets = desired.targets(frame + ahead)?;
         estimate.compensate(targets);
         let torques = controller.tick(targets, estimate.states(), &[], &mut workspace);
@@ -187,7 +185,7 @@ impl<'a> Desired<'a> {
                 Some(frame) => performance.joint_poses(frame),
                 None => performance.joint_poses_before(back - newest),
             };
-            desired.take_in(poses)?;
+            desired.take_in(&poses)?;
         }
         Ok(desired)
     }
@@ -202,10 +200,10 @@ impl<'a> Desired<'a> {
     }
 
     /// Takes the next frame of the clip into the window, as the figure should perform it.
-    fn take_in(&mut self, poses: [Transform; BODY_COUNT]) -> Result<(), RunError> {
-        let mut nearest = poses;
+    fn take_in(&mut self, poses: &[Transform; BODY_COUNT]) -> Result<(), RunError> {
+        let mut nearest = *poses;
         if let Some((projection, workspace)) = &mut self.projection {
-            projection.project(self.controller.tree(), &poses, workspace, &mut nearest)?;
+            projection.project(self.controller.tree(), poses, workspace, &mut nearest)?;
         }
         let [_, second, third] = self.window;
         self.window = [second, third, nearest];
@@ -214,7 +212,7 @@ impl<'a> Desired<'a> {
 
     /// Targets at `frame`; frames come one after the other.
     fn targets(&mut self, frame: usize) -> Result<&mut JointTargets<BODY_COUNT>, RunError> {
-        self.take_in(self.performance.joint_poses(frame + self.frames_ahead()))?;
+        self.take_in(&self.performance.joint_poses(frame + self.frames_ahead()))?;
 
         let window = self.window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
         let (tree, dt_s, targets) = (self.controller.tree(), self.dt_s, &mut self.targets);
