@@ -301,15 +301,15 @@ impl<const N: usize> Controller<N> {
         w: &mut Workspace<N>,
     ) {
         let bodies = self.tree.bodies();
-        let (desired, joints) = (targets.states(), targets.accelerations());
-        kinematics::body_accelerations(bodies, desired, &w.desired, joints, &mut w.commands);
+        let of_joints = targets.accelerations();
+        kinematics::body_accelerations(bodies, &w.desired, of_joints, &mut w.commands);
         for (command, (gains, error)) in w.commands.iter_mut().zip(self.gains.iter().zip(&w.errors))
         {
             *command = *command + gains.apply(error);
         }
         let (world, scratch) = (&w.measured, &mut w.resolved);
         resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
-        kinematics::joint_accelerations(bodies, measured, world, &mut w.commands);
+        kinematics::joint_accelerations(bodies, world, &mut w.commands);
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
             // Without what rounding has left across the joint's freedoms.
             let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;

@@ -40,38 +40,32 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 
 /// World accelerations of all bodies: of the angle, and of the origin (classical). O(n).
 ///
-/// `world` are the states that [`body_states`] makes of `joints`. `accelerations` are those of the joints,
+/// `world` are the states that [`body_states`] makes. `accelerations` are those of the joints,
 /// relative to the parent, in body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
 pub fn body_accelerations(
     bodies: &[Body],
-    joints: &[JointState],
     world: &[BodyState],
     accelerations: &[Motion],
     out: &mut [Motion],
 ) {
-    for (index, (((body, joint), state), acceleration)) in
-        bodies.iter().zip(joints).zip(world).zip(accelerations).enumerate()
+    for (index, ((body, state), acceleration)) in
+        bodies.iter().zip(world).zip(accelerations).enumerate()
     {
         let parent = of_parent(body, world, BodyState::WORLD);
         let carried = carried(of_parent(body, out, Motion::ZERO), &parent, state);
-        let moving = velocity_products(&parent, state, joint);
+        let moving = velocity_products(&parent, state);
         let Some(slot) = out.get_mut(index) else { return };
         *slot = carried + moving + acceleration.rotated(state.pose.rotation);
     }
 }
 
 /// Joint accelerations from world accelerations, in place: the way back from [`body_accelerations`]. O(n).
-pub fn joint_accelerations(
-    bodies: &[Body],
-    joints: &[JointState],
-    world: &[BodyState],
-    accelerations: &mut [Motion],
-) {
+pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: &mut [Motion]) {
     // From the leaves inwards: a parent's is still that in the world.
-    for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
+    for (index, (body, state)) in bodies.iter().zip(world).enumerate().rev() {
         let parent = of_parent(body, world, BodyState::WORLD);
         let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
-        let moving = velocity_products(&parent, state, joint);
+        let moving = velocity_products(&parent, state);
         let Some(slot) = accelerations.get_mut(index) else { continue };
         *slot = (*slot - (carried + moving)).rotated(state.pose.rotation.conjugate());
     }
@@ -84,17 +78,15 @@ pub(crate) fn carried(of_parent: Motion, parent: &BodyState, body: &BodyState) -
 }
 
 /// What a body's acceleration is by velocities alone: centripetal and Coriolis. World axes.
-pub(crate) fn velocity_products(
-    parent: &BodyState,
-    body: &BodyState,
-    joint: &JointState,
-) -> Motion {
+///
+/// `ω × (ω × l) + 2 ω × v_rel` with `v_rel` the difference of the velocities less `ω × l`.
+pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Motion {
     let arm = body.pose.translation_m - parent.pose.translation_m;
-    let relative = joint.velocity.rotated(body.pose.rotation);
-    let turning = parent.velocity.angular;
+    let (of_parent, of_body) = (parent.velocity, body.velocity);
+    let apart = (of_body.linear - of_parent.linear) * 2.0;
     Motion {
-        angular: turning.cross(relative.angular),
-        linear: turning.cross(turning.cross(arm) + relative.linear * 2.0),
+        angular: of_parent.angular.cross(of_body.angular),
+        linear: of_parent.angular.cross(apart - of_parent.angular.cross(arm)),
     }
 }
 

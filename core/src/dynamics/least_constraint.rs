@@ -101,10 +101,24 @@ impl Demand {
         }
     }
 
+    /// What [`Self::eliminate`] answers, where nothing has to be passed on any more.
+    pub(crate) fn response(&self, freedoms: &Freedoms) -> Response {
+        if matches!(freedoms, Freedoms::Ball) {
+            let (turn, per_way) = self.turn();
+            return Response::Ball { turn, per_way };
+        }
+        let mut demand = *self;
+        demand.eliminate(freedoms)
+    }
+
+    fn turn(&self) -> (Vec3, Mat3) {
+        let inverse = symmetric_inverse(&self.inertia.angular);
+        (inverse * self.wrench.moment_nm, inverse * self.inertia.coupling)
+    }
+
     fn eliminate_turn(&mut self) -> (Vec3, Mat3) {
-        let SpatialInertia { angular, coupling, linear } = self.inertia;
-        let inverse = symmetric_inverse(&angular);
-        let (turn, per_way) = (inverse * self.wrench.moment_nm, inverse * coupling);
+        let (turn, per_way) = self.turn();
+        let SpatialInertia { coupling, linear, .. } = self.inertia;
         let back = coupling.transpose();
         self.inertia = SpatialInertia { linear: linear - back * per_way, ..SpatialInertia::ZERO };
         self.wrench = Wrench::new(Vec3::ZERO, self.wrench.force_n - back * turn);

@@ -3,6 +3,7 @@
 use super::SpatialInertia;
 use super::least_constraint::{Demand, Freedoms};
 use crate::body_weight::BodyWeights;
+use crate::joint::JointKind;
 use crate::kinematics::{carried, of_parent, velocity_products};
 use crate::state::{BodyState, JointState};
 use crate::transform::Motion;
@@ -78,6 +79,10 @@ pub fn resolved_acceleration<const N: usize>(
         demand.wrench = demand.wrench - demand.inertia.wrench(moving);
         let mut passed_on = *demand;
         passed_on.eliminate(&freedoms(body, joint, state));
+        if passed_on == Demand::ZERO {
+            // A joint that can do all that is wanted beyond it, as most can where only turns count.
+            continue;
+        }
         let arm = state.pose.translation_m - parent.pose.translation_m;
         let of_parent = body.parent.and_then(|parent| scratch.get_mut(parent));
         if let Some(Resolved(parent)) = of_parent {
@@ -87,11 +92,11 @@ pub fn resolved_acceleration<const N: usize>(
 
     // Outward: what it does, now that its parent's acceleration is known.
     for (index, (((body, joint), state), Resolved(demand))) in
-        bodies.iter().zip(joints).zip(world).zip(scratch).enumerate()
+        bodies.iter().zip(joints).zip(world).zip(scratch.iter()).enumerate()
     {
         let parent = of_parent(body, world, BodyState::WORLD);
         let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
-        let response = demand.eliminate(&freedoms(body, joint, state));
+        let response = demand.response(&freedoms(body, joint, state));
         let moving = by_velocities(body, &parent, state, joint);
         let Some(slot) = accelerations.get_mut(index) else { return };
         *slot = response.motion(carried, |_, step| step) + moving;
@@ -104,7 +109,11 @@ fn freedoms(body: &Body, joint: &JointState, state: &BodyState) -> Freedoms {
 
 /// What a body's acceleration is with nothing of its parent's and none of its joint's axes. World axes.
 fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Motion {
+    let moving = velocity_products(parent, state);
+    if !matches!(body.joint, JointKind::Universal { .. }) {
+        return moving;
+    }
     let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
     let of_joint = body.joint.bias_acceleration(in_joint, joint.velocity);
-    velocity_products(parent, state, joint) + of_joint.rotated(state.pose.rotation)
+    moving + of_joint.rotated(state.pose.rotation)
 }
