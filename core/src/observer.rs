@@ -264,25 +264,24 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let made = commands.next().unwrap_or(none);
 
         let slides = matches!(body.joint, JointKind::Prismatic { .. } | JointKind::Free);
-        let expected = moved(&before, made.acceleration + *disturbance, dt_s, slides);
-        // What came otherwise, in the axes of the expected pose, as far as the joint can do it.
-        let off = Motion {
-            angular: math::log(expected.pose.rotation.conjugate() * measured.rotation),
-            linear: expected.pose.rotation.conjugate()
-                * (measured.translation_m - expected.pose.translation_m),
+        // The way of this tick as expected and as it came, both in the axes of the body before it.
+        let to_body = before.pose.rotation.conjugate();
+        let velocity = before.velocity + scaled(made.acceleration + *disturbance, dt_s);
+        let expected = scaled(velocity, dt_s);
+        let came = Motion {
+            angular: math::log(to_body * measured.rotation),
+            linear: to_body * (measured.translation_m - before.pose.translation_m),
         };
-        let in_joint = body.placement.rotation.conjugate() * expected.pose.rotation;
-        let off = body.joint.project_motion(in_joint, off);
+        let in_joint = body.placement.rotation.conjugate() * before.pose.rotation;
+        let off = body.joint.project_motion(in_joint, came + scaled(expected, -1.0));
         if !made.limited {
             let learnt = scaled(off, self.settings.disturbance_gain_per_s2);
             *disturbance = self.settings.bounded(*disturbance + learnt);
         }
-        let mut state = expected;
-        state.velocity = state.velocity + scaled(off, velocity_gain_per_s);
-        state.pose.rotation *= math::exp(off.angular * pose_gain);
-        if slides {
-            state.pose.translation_m += expected.pose.rotation * (off.linear * pose_gain);
-        } else {
+        let way = expected + scaled(off, pose_gain);
+        let velocity = velocity + scaled(off, velocity_gain_per_s);
+        let mut state = on(&before, way, velocity, slides);
+        if !slides {
             state.pose.translation_m = measured.translation_m;
         }
         let disturbance = *disturbance;
@@ -314,19 +313,23 @@ impl ObserverSettings {
 
 /// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
 fn moved(joint: &JointState, acceleration: Motion, dt_s: f32, slides: bool) -> JointState {
-    let angular = joint.velocity.angular + acceleration.angular * dt_s;
-    let turn = math::exp(angular * dt_s);
-    let rotation = joint.pose.rotation * turn;
-    let mut moved = JointState {
-        pose: Transform { rotation, ..joint.pose },
-        velocity: Motion { angular, linear: joint.velocity.linear },
-    };
+    let velocity = joint.velocity + scaled(acceleration, dt_s);
+    on(joint, scaled(velocity, dt_s), velocity, slides)
+}
+
+/// A joint that has gone a way, and has a velocity, both given in the axes of the body before.
+fn on(joint: &JointState, way: Motion, velocity: Motion, slides: bool) -> JointState {
+    let turn = math::exp(way.angular);
+    let mut pose = Transform { rotation: joint.pose.rotation * turn, ..joint.pose };
+    let mut velocity = velocity;
     if slides {
-        let linear = joint.velocity.linear + acceleration.linear * dt_s;
-        moved.pose.translation_m += joint.pose.rotation * (linear * dt_s);
-        moved.velocity.linear = turn.conjugate() * linear;
+        pose.translation_m += joint.pose.rotation * way.linear;
+        // A turn leaves the components of the angular velocity about its own axis alone, not these.
+        velocity.linear = turn.conjugate() * velocity.linear;
+    } else {
+        velocity.linear = joint.velocity.linear;
     }
-    moved
+    JointState { pose, velocity }
 }
 
 fn scaled(motion: Motion, factor: f32) -> Motion {

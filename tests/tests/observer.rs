@@ -1,0 +1,337 @@
+//! The observer: what it filters, learns and foresees, and what it must never do.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use sinew_core::control::{LimitReason, Limited};
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::observer::{Observer, ObserverError, ObserverSettings};
+use sinew_core::trajectory::backward_states;
+use sinew_core::{
+    Body, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, StateInputError,
+    Transform, Tree, Wrench, math,
+};
+use sinew_tests::property;
+
+const DT_S: f32 = 0.002;
+
+fn rig(joints: &[JointKind]) -> Tree<3> {
+    let mut tree = Tree::new();
+    for (index, joint) in joints.iter().enumerate() {
+        let body = Body {
+            parent: index.checked_sub(1),
+            joint: *joint,
+            placement: Transform::new(
+                math::exp(Vec3::new(0.3, -0.2, 0.5)),
+                Vec3::new(0.1, 0.2, 0.0),
+            ),
+            inertia: Inertia::default(),
+        };
+        tree.push(body).expect("a good body");
+    }
+    tree
+}
+
+/// A free root, a ball joint and a hinge.
+fn mixed() -> Tree<3> {
+    rig(&[JointKind::Free, JointKind::Spherical, JointKind::Revolute { axis: Vec3::Z }])
+}
+
+fn slide() -> Tree<3> {
+    rig(&[JointKind::Prismatic { axis: Vec3::X }])
+}
+
+/// A rig that does what its commands and a disturbance say: velocity first, then pose.
+struct Plant {
+    states: Vec<JointState>,
+}
+
+impl Plant {
+    fn new(tree: &Tree<3>) -> Self {
+        Self { states: JointStates::rest(tree).as_slice().to_vec() }
+    }
+
+    fn step(&mut self, tree: &Tree<3>, accelerations: &[Motion]) {
+        for ((state, body), a) in self.states.iter_mut().zip(tree.bodies()).zip(accelerations) {
+            let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+            let a = body.joint.project_motion(in_joint, *a);
+            state.velocity.angular += a.angular * DT_S;
+            let linear = state.velocity.linear + a.linear * DT_S;
+            state.pose.translation_m += state.pose.rotation * linear * DT_S;
+            let turn = math::exp(state.velocity.angular * DT_S);
+            state.pose.rotation = math::unit(state.pose.rotation * turn);
+            state.velocity.linear = turn.conjugate() * linear;
+        }
+    }
+
+    fn poses(&self) -> Vec<Transform> {
+        self.states.iter().map(|state| state.pose).collect()
+    }
+}
+
+/// Accelerations of the joints of [`mixed`] that differ from tick to tick.
+fn wave(tick: usize) -> [Motion; 3] {
+    #[expect(clippy::cast_precision_loss, reason = "small")]
+    let t = tick as f32 * DT_S;
+    let (s, c) = math::sin_cos(12.0 * t);
+    [
+        Motion::new(Vec3::new(s, c, -s) * 8.0, Vec3::new(c, s, c) * 5.0),
+        Motion::new(Vec3::new(c, -s, s) * 30.0, Vec3::ZERO),
+        Motion::new(Vec3::new(0.0, 0.0, c) * 50.0, Vec3::ZERO),
+    ]
+}
+
+fn farthest(a: &[JointState], b: &[JointState]) -> (f32, f32) {
+    let mut worst = (0.0f32, 0.0f32);
+    for (a, b) in a.iter().zip(b) {
+        let turn = math::length(math::log(a.pose.rotation.conjugate() * b.pose.rotation));
+        let way = math::length(a.pose.translation_m - b.pose.translation_m);
+        worst.0 = worst.0.max(turn).max(way);
+        let spin = math::length(a.velocity.angular - b.velocity.angular);
+        let speed = math::length(a.velocity.linear - b.velocity.linear);
+        worst.1 = worst.1.max(spin).max(speed);
+    }
+    worst
+}
+
+#[test]
+fn the_state_that_a_late_command_meets_is_foreseen() {
+    let tree = mixed();
+    for delay in 0..4 {
+        let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+        let mut observer =
+            Observer::<3, 4>::new(settings, &JointStates::rest(&tree), delay).unwrap();
+        let mut plant = Plant::new(&tree);
+        // What the plant does at tick k was commanded at tick k - delay; before, the first command is held.
+        let acting = |tick: usize| wave(tick.saturating_sub(delay));
+        for tick in 0..400 {
+            if tick > 0 {
+                observer.observe(&tree, &plant.poses()).unwrap();
+                let mut meets = Plant { states: plant.states.clone() };
+                for ahead in 0..delay {
+                    meets.step(&tree, &acting(tick + ahead));
+                }
+                let foreseen = observer.states().as_slice();
+                let (pose, velocity) = farthest(foreseen, &meets.states);
+                // Rounding of a pose is 1e-7; in 2 ms that is 1e-4 of a velocity, which the observer filters.
+                assert!(pose < 2e-6, "delay {delay}, tick {tick}: {pose} rad or m");
+                assert!(velocity < 2e-4, "delay {delay}, tick {tick}: {velocity} rad/s or m/s");
+            }
+            observer.sent(&wave(tick), &[]);
+            plant.step(&tree, &acting(tick));
+        }
+    }
+}
+
+#[test]
+fn what_no_command_explains_is_learnt_and_taken_off() {
+    let tree = mixed();
+    let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
+    let mut plant = Plant::new(&tree);
+    let disturbance = [
+        Motion::new(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO),
+        Motion::new(Vec3::new(20.0, -10.0, 5.0), Vec3::ZERO),
+        Motion::new(Vec3::new(0.0, 0.0, 15.0), Vec3::ZERO),
+    ];
+    let none = [Motion::ZERO; 3];
+    for _ in 0..150 {
+        let acting: Vec<Motion> = disturbance.to_vec();
+        observer.sent(&none, &[]);
+        plant.step(&tree, &acting);
+        observer.observe(&tree, &plant.poses()).unwrap();
+    }
+    for (learnt, true_one) in observer.disturbances().iter().zip(&disturbance) {
+        // 30 of its time constants on: rounding of the poses, times (1 - β)³ / dt², summed.
+        assert!(math::length(learnt.angular - true_one.angular) < 0.05, "{learnt:?}");
+    }
+    let mut targets = JointTargets::rest(&tree);
+    observer.compensate(&mut targets);
+    for (target, learnt) in targets.accelerations().iter().zip(observer.disturbances()) {
+        assert_eq!(target.angular, -learnt.angular);
+    }
+}
+
+/// Taken off the targets, a linear disturbance goes through the desired pose's axes to the same world vector.
+#[test]
+fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {
+    let tree = rig(&[JointKind::Free]);
+    let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+    let mut state = JointStates::rest(&tree);
+    let turned = math::exp(Vec3::new(0.4, 1.1, -0.3));
+    let pose = Transform::new(turned, Vec3::ZERO);
+    state.set(0, JointState { pose, velocity: Motion::ZERO }).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &state, 0).unwrap();
+    let mut plant = Plant { states: state.as_slice().to_vec() };
+    let in_world = Vec3::new(1.0, -2.0, 0.5);
+    for _ in 0..200 {
+        observer.sent(&[Motion::ZERO], &[]);
+        plant.step(&tree, &[Motion::new(Vec3::ZERO, turned.conjugate() * in_world)]);
+        observer.observe(&tree, &plant.poses()).unwrap();
+    }
+    let desired = Transform::new(math::exp(Vec3::new(-0.8, 0.2, 0.6)), Vec3::ZERO);
+    let mut targets = JointTargets::rest(&tree);
+    targets.set(0, JointState { pose: desired, velocity: Motion::ZERO }, Motion::ZERO).unwrap();
+    observer.compensate(&mut targets);
+    let taken_off = desired.rotation * targets.accelerations()[0].linear;
+    assert!(math::length(taken_off + in_world) < 0.05, "{taken_off}");
+}
+
+/// The error of the estimate obeys `(z - β)³ = 0`: three poles, all at β.
+#[test]
+fn all_poles_are_at_the_bandwidth() {
+    let tree = slide();
+    for bandwidth in [20.0f32, 100.0, 400.0] {
+        let beta = f64::from(-bandwidth * DT_S).exp();
+        // So far off that the bound on disturbances would count.
+        let settings = ObserverSettings::extended_state(bandwidth, DT_S).unwrap();
+        let settings = settings.with_most(1e6, 1e6).unwrap();
+        let rest = JointStates::rest(&tree);
+        let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
+        // The true slide stands 0.1 m off from where the observer begins.
+        let off = rest.as_slice()[0].pose.rotation * Vec3::X * 0.1;
+        let there = Transform {
+            translation_m: rest.as_slice()[0].pose.translation_m + off,
+            ..rest.as_slice()[0].pose
+        };
+        let errors: Vec<f64> = (0..40)
+            .map(|_| {
+                observer.sent(&[Motion::ZERO], &[]);
+                observer.observe(&tree, &[there]).unwrap();
+                let way = there.translation_m - observer.states().as_slice()[0].pose.translation_m;
+                f64::from(way.dot(off)) / 0.01
+            })
+            .collect();
+        for window in errors.windows(4) {
+            let expected =
+                3.0 * beta * window[2] - 3.0 * beta * beta * window[1] + beta.powi(3) * window[0];
+            // Rounding of positions of 0.3 m against 0.1 m.
+            assert!((window[3] - expected).abs() < 3e-6, "{bandwidth}: {} {expected}", window[3]);
+        }
+    }
+}
+
+#[test]
+fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
+    let tree = slide();
+    let settings =
+        ObserverSettings::extended_state(100.0, DT_S).unwrap().with_most(50.0, 4.0).unwrap();
+    let rest = JointStates::rest(&tree);
+    let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
+    let stuck = [rest.as_slice()[0].pose];
+    let push = Motion::new(Vec3::ZERO, Vec3::X * 30.0);
+    for _ in 0..5000 {
+        observer.sent(&[push], &[]);
+        observer.observe(&tree, &stuck).unwrap();
+        assert!(math::length(observer.disturbances()[0].linear) <= 4.0 * (1.0 + 1e-6));
+    }
+    // Freed and at rest, it forgets.
+    for _ in 0..500 {
+        observer.sent(&[Motion::ZERO], &[]);
+        observer.observe(&tree, &stuck).unwrap();
+    }
+    assert!(math::length(observer.disturbances()[0].linear) < 1e-3);
+}
+
+#[test]
+fn a_drive_at_its_limit_teaches_no_disturbance() {
+    let tree = slide();
+    let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+    let rest = JointStates::rest(&tree);
+    let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
+    let limited = Limited { value: Wrench::ZERO, reason: Some(LimitReason::Torque) };
+    for _ in 0..200 {
+        observer.sent(&[Motion::new(Vec3::ZERO, Vec3::X * 30.0)], &[limited]);
+        observer.observe(&tree, &[rest.as_slice()[0].pose]).unwrap();
+    }
+    assert_eq!(observer.disturbances()[0], Motion::ZERO);
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_changes_nothing() {
+    let tree = mixed();
+    let good = JointStates::rest(&tree);
+    for bandwidth in [0.0, -1.0, f32::NAN, f32::INFINITY, 501.0] {
+        assert!(matches!(
+            ObserverSettings::extended_state(bandwidth, DT_S),
+            Err(ObserverError::Bandwidth { .. })
+        ));
+    }
+    for dt_s in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+        assert_eq!(ObserverSettings::differences(dt_s), Err(ObserverError::TimeStep));
+    }
+    let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+    for most in [-1.0, f32::NAN, f32::INFINITY] {
+        assert!(matches!(settings.with_most(1.0, most), Err(ObserverError::Most { .. })));
+    }
+    let error = Observer::<3, 2>::new(settings, &good, 2).unwrap_err();
+    assert_eq!(error, ObserverError::Delay { ticks: 2, most: 1 });
+
+    let mut observer = Observer::<3, 2>::new(settings, &good, 1).unwrap();
+    let before = observer.clone();
+    let poses: Vec<Transform> = good.as_slice().iter().map(|state| state.pose).collect();
+    assert_eq!(observer.observe(&tree, &poses[..2]), Err(StateInputError::NoSuchJoint));
+    for joint in 0..3 {
+        let mut bad = poses.clone();
+        bad[joint].translation_m.y = f32::NAN;
+        assert_eq!(observer.observe(&tree, &bad), Err(StateInputError::NonFinite));
+        let mut bad = poses.clone();
+        bad[joint].rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 1.1);
+        assert_eq!(observer.observe(&tree, &bad), Err(StateInputError::RotationNotUnit));
+    }
+    assert!(observer == before);
+}
+
+fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from_array)
+}
+
+proptest! {
+    #![proptest_config(property(200))]
+
+    /// Without a filter it is the difference of two frames, as it always was.
+    #[test]
+    fn without_a_filter_states_are_backward_differences(
+        steps in vec((vector(0.05), vector(0.05), vector(0.02)), 2..20),
+    ) {
+        let tree = mixed();
+        let settings = ObserverSettings::differences(DT_S).unwrap();
+        let mut observer = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
+        let mut poses: Vec<Transform> =
+            JointStates::rest(&tree).as_slice().iter().map(|state| state.pose).collect();
+        let mut expected = JointStates::rest(&tree);
+        for (tick, (root, ball, way)) in steps.into_iter().enumerate() {
+            let before = poses.clone();
+            poses[0].rotation = math::unit(poses[0].rotation * math::exp(root));
+            poses[0].translation_m += way;
+            poses[1].rotation = math::unit(poses[1].rotation * math::exp(ball));
+            poses[2].rotation = math::unit(poses[2].rotation * math::exp(Vec3::Z * ball.x));
+            observer.sent(&wave(tick), &[]);
+            observer.observe(&tree, &poses).unwrap();
+            backward_states([&before, &poses], DT_S, &mut expected).unwrap();
+            let (pose, velocity) = farthest(observer.states().as_slice(), expected.as_slice());
+            // Poses round at 1e-7 a few times; over 2 ms that is some 3e-4 of velocities of up to 45 rad/s.
+            prop_assert!(pose < 1e-6 && velocity < 1e-3, "{pose} {velocity}");
+        }
+    }
+
+    /// Nothing that can come through the entrances leaves it with what is no number, or deaf to what comes next.
+    #[test]
+    fn wild_numbers_are_survived(exponent in 0i32..38, sign in any::<bool>()) {
+        let tree = mixed();
+        let wild = 10f32.powi(exponent) * if sign { 1.0 } else { -1.0 };
+        let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+        let rest = JointStates::rest(&tree);
+        let mut observer = Observer::<3, 2>::new(settings, &rest, 1).unwrap();
+        let poses: Vec<Transform> = rest.as_slice().iter().map(|state| state.pose).collect();
+        let mut far = poses.clone();
+        far[0].translation_m = Vec3::splat(wild);
+        let commands = [Motion::new(Vec3::splat(wild), Vec3::splat(wild)); 3];
+        for _ in 0..5 {
+            observer.sent(&commands, &[]);
+            observer.observe(&tree, &far).unwrap();
+            let finite = |state: &JointState| state.pose.is_finite() && state.velocity.is_finite();
+            prop_assert!(observer.states().as_slice().iter().all(finite));
+            prop_assert!(observer.disturbances().iter().all(|d| d.is_finite()));
+        }
+    }
+}
