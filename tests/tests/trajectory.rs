@@ -4,13 +4,18 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::finite_difference::{Scheme, of_rotations, of_rotations_in_world, of_vectors};
 use sinew_core::glam::{Quat, Vec3};
-use sinew_core::trajectory::{backward_states, interpolate};
+use sinew_core::trajectory::{
+    aligned_targets, backward_states, interpolate, interpolate_smoothly, live_targets,
+};
 use sinew_core::{
     Body, Inertia, JointKind, JointStates, JointTargets, Trajectory, Transform, Tree, math,
 };
 use sinew_tests::property;
 
 const DT_S: f32 = 0.01;
+
+/// Part of a frame over which a velocity is taken from the smooth path.
+const STEP: f32 = 1e-2;
 
 fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from_array)
@@ -160,6 +165,65 @@ proptest! {
                 .collect();
             let got = of_vectors(scheme, order, &samples, 1.0).expect("good samples");
             prop_assert_eq!(got, Vec3::splat(factorial * f32::from(coefficients[0])));
+        }
+    }
+
+    /// A rig that is on the frame before and on this one, and takes the acceleration of aligned targets for one
+    /// period, velocity first, is on the next frame.
+    #[test]
+    fn aligned_targets_lead_to_the_next_frame(frames in frames()) {
+        let tree = one_joint();
+        let mut targets = JointTargets::rest(&tree);
+        for window in frames.windows(3) {
+            let frames = [0, 1, 2].map(|k| &window[k..=k]);
+            aligned_targets(frames, DT_S, &mut targets).unwrap();
+            let (state, a) = (targets.states()[0], targets.accelerations()[0]);
+            let angular = state.velocity.angular + a.angular * DT_S;
+            let linear = state.velocity.linear + a.linear * DT_S;
+            let rotation = state.pose.rotation * math::exp(angular * DT_S);
+            let position = state.pose.translation_m + state.pose.rotation * linear * DT_S;
+            // Rounding of unit quaternions and of positions of up to 2.5 m, a few times.
+            prop_assert!(angle_between(rotation, window[2].rotation) < 2e-6);
+            prop_assert!(math::length(position - window[2].translation_m) < 2e-6);
+        }
+    }
+
+    /// Those of a live stream are of the step that led here, and of the change from the one before it.
+    #[test]
+    fn live_targets_know_nothing_of_the_next_frame(frames in frames()) {
+        let tree = one_joint();
+        let mut targets = JointTargets::rest(&tree);
+        for window in frames.windows(3) {
+            live_targets([0, 1, 2].map(|k| &window[k..=k]), DT_S, &mut targets).unwrap();
+            let rotations = [0, 1, 2].map(|k| window[k].rotation);
+            let (state, a) = (targets.states()[0], targets.accelerations()[0]);
+            let velocity = of_rotations(Scheme::Backward, 1, &rotations[1..], DT_S).unwrap();
+            let acceleration = of_rotations(Scheme::Backward, 2, &rotations, DT_S).unwrap();
+            prop_assert_eq!(state.velocity.angular, velocity);
+            prop_assert_eq!(a.angular, acceleration);
+        }
+    }
+
+    /// The smooth path goes through all frames, and its velocity does not jump at them.
+    #[test]
+    fn the_smooth_path_has_one_velocity_at_every_frame(frames in frames()) {
+        for window in frames.windows(5) {
+            let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|k| &window[k]);
+            let (coming, going) = ([a, b, c, d], [b, c, d, e]);
+            prop_assert!(angle_between(interpolate_smoothly(coming, 0.0).rotation, b.rotation) < 1e-6);
+            prop_assert!(angle_between(interpolate_smoothly(coming, 1.0).rotation, c.rotation) < 1e-6);
+            let end = interpolate_smoothly(coming, 1.0).translation_m;
+            prop_assert!(math::length(end - c.translation_m) < 1e-6);
+            let before = interpolate_smoothly(coming, 1.0 - STEP);
+            let after = interpolate_smoothly(going, STEP);
+            let arrives = math::log(before.rotation.conjugate() * c.rotation) / STEP;
+            let leaves = math::log(c.rotation.conjugate() * after.rotation) / STEP;
+            // Second derivatives are at most some 6 times the way of a frame (0.2 rad, 0.1 m), to either side, and
+            // the inverse Jacobian is good to 1e-4; roundings are 1e-7 / STEP.
+            prop_assert!(math::length(arrives - leaves) < 12.0 * 0.2 * STEP, "{arrives} {leaves}");
+            let arrives = (c.translation_m - before.translation_m) / STEP;
+            let leaves = (after.translation_m - c.translation_m) / STEP;
+            prop_assert!(math::length(arrives - leaves) < 12.0 * 0.1 * STEP, "{arrives} {leaves}");
         }
     }
 }
