@@ -29,7 +29,6 @@ pub struct Recommended<const N: usize> {
     window: [[Transform; N]; 3],
     /// The frame of the show that is the last of the window.
     newest: Option<usize>,
-    settings: ObserverSettings,
     delay_ticks: usize,
     observer: Observer<N, { DELAY_MOST + 1 }>,
 }
@@ -49,7 +48,6 @@ impl<const N: usize> Recommended<N> {
             workspace: ProjectionWorkspace::new(),
             window: [[Transform::IDENTITY; N]; 3],
             newest: None,
-            settings,
             delay_ticks,
             observer: Observer::new(settings, &JointStates::rest(tree), delay_ticks)?,
         })
@@ -100,11 +98,7 @@ impl<const N: usize> Recommended<N> {
         targets: &mut JointTargets<N>,
     ) -> Result<(), StateInputError> {
         match anew {
-            Some(states) => {
-                if let Ok(observer) = Observer::new(self.settings, states, self.delay_ticks) {
-                    self.observer = observer;
-                }
-            }
+            Some(states) => self.observer.restart(states),
             None => self.observer.observe(tree, measured)?,
         }
         self.observer.compensate(targets);

@@ -144,6 +144,16 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
         // 30 of its time constants on: rounding of the poses, times (1 - β)³ / dt², summed.
         assert!(math::length(learnt.angular - true_one.angular) < 0.05, "{learnt:?}");
     }
+    // Lost ticks do not make it forget.
+    let mut now = JointStates::rest(&tree);
+    for (joint, state) in plant.states.iter().enumerate() {
+        now.set(joint, *state).unwrap();
+    }
+    let before = observer.disturbances().to_vec();
+    observer.restart(&now);
+    assert_eq!(observer.disturbances(), before);
+    assert!(observer.states() == &now);
+
     let mut targets = JointTargets::rest(&tree);
     observer.compensate(&mut targets);
     for (target, learnt) in targets.accelerations().iter().zip(observer.disturbances()) {
