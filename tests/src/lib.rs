@@ -1,10 +1,14 @@
 //! What holds across Sinew's crates: the tests are in `tests/`, here is what they share.
 //!
+//! - [`nearest_pose`]: what the projection looks for, by dense least squares in f64;
+//! - [`subtree_form`]: the other way to look for it, which the core's is compared with;
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
 //! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
 
+pub mod nearest_pose;
 pub mod reference;
 pub mod rig;
+pub mod subtree_form;
 
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
 

@@ -51,15 +51,19 @@ pub fn poses(rig: &Rig, time_s: f64) -> Vec<Pose> {
     let mut poses: Vec<Pose> = Vec::new();
     for (body, motion) in rig.tree.bodies().iter().zip(&rig.motions) {
         let joint = joint_pose(body, motion, time_s);
-        let world = Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
-        let parent = body.parent.map_or(world, |parent| poses[parent]);
+        let parent = body.parent.map_or(Pose::WORLD, |parent| poses[parent]);
         poses.push(parent.times(&joint));
     }
     poses
 }
 
 impl Pose {
-    fn times(&self, inner: &Self) -> Self {
+    /// The world's own frame.
+    pub const WORLD: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+
+    /// The pose of a frame that is at `inner` in this one.
+    #[must_use]
+    pub fn times(&self, inner: &Self) -> Self {
         Self {
             rotation: (self.rotation * inner.rotation).normalize(),
             position_m: self.position_m + self.rotation * inner.position_m,

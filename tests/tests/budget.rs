@@ -4,6 +4,8 @@
 
 use std::mem::size_of;
 
+use sinew_core::observer::Observer;
+use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::Method;
 use sinew_core::{Controller, JointStates, JointTargets, Tree, Workspace};
 
@@ -24,6 +26,12 @@ fn types_stay_within_their_budget() {
         // dynamics. Their inertias take 28: a symmetric matrix and a mass.
         ("Controller<18>", size_of::<Controller<18>>(), 4_450),
         ("Controller<128>", size_of::<Controller<128>>(), 30_400),
+        ("ManifoldProjection<18>", size_of::<ManifoldProjection<18>>(), 550),
+        // A body's demand is a symmetric 6 x 6 matrix, and its joint answers with up to three axes.
+        ("ProjectionWorkspace<18>", size_of::<ProjectionWorkspace<18>>(), 8_700),
+        ("ProjectionWorkspace<128>", size_of::<ProjectionWorkspace<128>>(), 61_750),
+        // 28 bytes a joint for each command on its way.
+        ("Observer<18, 4>", size_of::<Observer<18, 4>>(), 4_550),
     ] {
         assert!(bytes <= budget, "{name} takes {bytes} bytes, its budget is {budget}");
         assert!(

@@ -82,42 +82,43 @@ impl Demand {
 
     /// Takes a joint's freedoms out: what is left is what the joint passes on to its parent.
     ///
-    /// An axis that nothing resists stays where it is.
-    pub(crate) fn eliminate(&mut self, freedoms: &Freedoms) -> Response {
+    /// An axis that nothing resists stays where it is. `damping` is by how much of its own a turn or an axis
+    /// resists more (Marquardt's): zero for the least itself.
+    pub(crate) fn eliminate(&mut self, freedoms: &Freedoms, damping: f32) -> Response {
         match freedoms {
             Freedoms::Ball => {
-                let (turn, per_way) = self.eliminate_turn();
+                let (turn, per_way) = self.eliminate_turn(damping);
                 Response::Ball { turn, per_way }
             }
             Freedoms::Free => {
-                let (turn, per_way) = self.eliminate_turn();
+                let (turn, per_way) = self.eliminate_turn(damping);
                 let linear = symmetric_inverse(&self.inertia.linear) * self.wrench.force_n;
                 *self = Self::ZERO;
                 Response::Free(Motion { angular: turn - per_way * linear, linear })
             }
             Freedoms::Axes(axes) => {
-                Response::Axes(axes.iter().map(|axis| self.eliminate_axis(axis)).collect())
+                Response::Axes(axes.iter().map(|axis| self.eliminate_axis(axis, damping)).collect())
             }
         }
     }
 
-    /// What [`Self::eliminate`] answers, where nothing has to be passed on any more.
+    /// What [`Self::eliminate`] answers without damping, where nothing has to be passed on any more.
     pub(crate) fn response(&self, freedoms: &Freedoms) -> Response {
         if matches!(freedoms, Freedoms::Ball) {
-            let (turn, per_way) = self.turn();
+            let (turn, per_way) = self.turn(0.0);
             return Response::Ball { turn, per_way };
         }
         let mut demand = *self;
-        demand.eliminate(freedoms)
+        demand.eliminate(freedoms, 0.0)
     }
 
-    fn turn(&self) -> (Vec3, Mat3) {
-        let inverse = symmetric_inverse(&self.inertia.angular);
+    fn turn(&self, damping: f32) -> (Vec3, Mat3) {
+        let inverse = symmetric_inverse(&self.inertia.angular) * (1.0 / (1.0 + damping));
         (inverse * self.wrench.moment_nm, inverse * self.inertia.coupling)
     }
 
-    fn eliminate_turn(&mut self) -> (Vec3, Mat3) {
-        let (turn, per_way) = self.turn();
+    fn eliminate_turn(&mut self, damping: f32) -> (Vec3, Mat3) {
+        let (turn, per_way) = self.turn(damping);
         let SpatialInertia { coupling, linear, .. } = self.inertia;
         let back = coupling.transpose();
         self.inertia = SpatialInertia { linear: linear - back * per_way, ..SpatialInertia::ZERO };
@@ -125,9 +126,9 @@ impl Demand {
         (turn, per_way)
     }
 
-    fn eliminate_axis(&mut self, axis: &Axis) -> AxisResponse {
+    fn eliminate_axis(&mut self, axis: &Axis, damping: f32) -> AxisResponse {
         let wrench = self.inertia.wrench(axis.motion);
-        let resistance = wrench.power_w(axis.motion);
+        let resistance = wrench.power_w(axis.motion) * (1.0 + damping);
         let per_force = if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 };
         let force = self.wrench.power_w(axis.motion);
         if !axis.held {

@@ -78,7 +78,7 @@ pub fn resolved_acceleration<const N: usize>(
         let moving = by_velocities(body, &parent, state, joint);
         demand.wrench = demand.wrench - demand.inertia.wrench(moving);
         let mut passed_on = *demand;
-        passed_on.eliminate(&freedoms(body, joint, state));
+        passed_on.eliminate(&freedoms(body, joint, state), 0.0);
         if passed_on == Demand::ZERO {
             // A joint that can do all that is wanted beyond it, as most can where only turns count.
             continue;

@@ -17,7 +17,8 @@ const LONGEST_STEP: f32 = 0.5;
 pub(super) struct Joint {
     /// The solution, in the parent's frame.
     pub(super) pose: Transform,
-    /// `pose` as the desired pose sees it: the next frame starts with it. Without a step it keeps its bits.
+    /// `pose` as the desired pose sees it: the next frame starts with it. Without a step it keeps its bits. Of a
+    /// prismatic joint the way is in the parent's axes.
     deviation: Transform,
     /// Angles or ways of a joint with one or two axes.
     along: [f32; 2],
@@ -38,14 +39,18 @@ impl Joint {
     pub(super) fn start(&mut self, body: &Body, range: JointRange, desired: &Transform) {
         let start = *desired * self.deviation;
         match body.joint {
-            JointKind::Free => self.pose = start,
+            JointKind::Free => self.pose = if start.is_finite() { start } else { *desired },
             JointKind::Spherical => {
                 self.pose = Transform { rotation: start.rotation, ..body.placement };
                 self.keep_turn_within(body, range, desired);
             }
             kind => {
-                let in_joint = body.placement.inverse() * start;
-                self.along = range.clamp(kind.along(&in_joint));
+                let translation_m = desired.translation_m + self.deviation.translation_m;
+                let in_joint = body.placement.inverse() * Transform { translation_m, ..start };
+                let along = kind.along(&in_joint);
+                if along.iter().all(|x| x.is_finite()) {
+                    self.along = range.clamp(along);
+                }
                 self.pose = body.placement * kind.at(self.along);
             }
         }
@@ -87,6 +92,11 @@ impl Joint {
         }
     }
 
+    /// Whether the last sweep pressed it against the end of its range.
+    pub(super) fn is_pressed(&self) -> bool {
+        self.pressed != 0
+    }
+
     /// Moves the joint by a sweep's response, its body at `pose` in the world and `carried` along by the
     /// parent; returns how the body moves. World axes.
     ///
@@ -116,7 +126,10 @@ impl Joint {
                 self.pose.rotation = desired.rotation * self.deviation.rotation;
                 if matches!(body.joint, JointKind::Free) {
                     self.deviation.translation_m += to_desired * way;
-                    self.pose.translation_m = desired.transform_point(self.deviation.translation_m);
+                    let translation_m = desired.transform_point(self.deviation.translation_m);
+                    if translation_m.is_finite() {
+                        self.pose.translation_m = translation_m;
+                    }
                     return carried + Motion::new(turn, way);
                 }
                 let kept = self.keep_turn_within(body, range, desired);
@@ -148,8 +161,16 @@ impl Joint {
                     made
                 });
                 self.pose = body.placement * kind.at(self.along);
-                self.deviation = desired.inverse() * self.pose;
-                self.deviation.rotation = math::unit(self.deviation.rotation);
+                self.deviation.rotation =
+                    math::unit(desired.rotation.conjugate() * self.pose.rotation);
+                if let JointKind::Prismatic { .. } = kind {
+                    // Along the axis alone: what is across it, another figure's, only adds roundings.
+                    let wanted = kind.along(&(body.placement.inverse() * *desired));
+                    let off = kind.at(self.along).translation_m - kind.at(wanted).translation_m;
+                    if off.is_finite() {
+                        self.deviation.translation_m = body.placement.rotation * off;
+                    }
+                }
                 motion
             }
         }

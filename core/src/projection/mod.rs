@@ -5,6 +5,7 @@ mod range;
 
 use core::fmt;
 
+use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
 
 use joint::Joint;
@@ -24,7 +25,7 @@ use crate::tree::{Body, Tree};
 /// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
 /// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
 ///
-/// A fixed number of Gauss-Newton steps a call, each solved exactly in O(n) by sweeps of the
+/// A fixed number of Gauss-Newton steps a call (stiffened where a body is pulled away), each solved exactly in O(n) by sweeps of the
 /// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia
 /// `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose. That changes slowly
 /// in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
@@ -65,6 +66,12 @@ pub const DEFAULT_SWEEPS: u8 = 1;
 
 /// Sweeps of the first call, which has no solution to start from.
 const FIRST_SWEEPS: u8 = 20;
+
+/// By how much more joints resist while one of them is pressed against the end of its range.
+///
+/// The bodies are then far from where they should be: the cost bends more than its Gauss-Newton model says, and
+/// undamped sweeps can overshoot, to and fro for ever.
+const PRESSED_DAMPING: f32 = 0.3;
 
 impl<const N: usize> ManifoldProjection<N> {
     /// A projection with one weight for each body of the tree, without ranges, and with
@@ -184,6 +191,8 @@ struct Solved {
     demand: Demand,
     response: Response,
     motion: Motion,
+    /// Sum of the weighted ways to go of all bodies from here outwards.
+    pull: Vec3,
 }
 
 impl<const N: usize> ProjectionWorkspace<N> {
@@ -195,6 +204,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
             demand: Demand::ZERO,
             response: Response::Free(Motion::ZERO),
             motion: Motion::ZERO,
+            pull: Vec3::ZERO,
         };
         Self {
             joints: [Joint::NEW; N],
@@ -241,14 +251,17 @@ impl<const N: usize> ProjectionWorkspace<N> {
                 return;
             };
             solved.pose = parent * joint.pose;
-            let turn = math::log(solved.desired.rotation * solved.pose.rotation.conjugate());
+            let turn = math::log(turn_between(solved.pose.rotation, solved.desired.rotation));
             let way = solved.desired.translation_m - solved.pose.translation_m;
+            solved.pull = way * weight.position;
             let angular = weight.rotation_m * weight.rotation_m;
             solved.demand = Demand {
                 inertia: SpatialInertia::round(angular, weight.position),
                 wrench: Wrench::new(turn * angular, way * weight.position),
             };
         }
+        let pressed = self.joints.iter().take(bodies.len()).any(Joint::is_pressed);
+        let damping = if pressed { PRESSED_DAMPING } else { 0.0 };
         for (index, body) in bodies.iter().enumerate().rev() {
             let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
             let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
@@ -260,11 +273,17 @@ impl<const N: usize> ProjectionWorkspace<N> {
             } else {
                 joint.freedoms(body, &solved.pose)
             };
-            solved.response = solved.demand.eliminate(&freedoms);
+            solved.response = solved.demand.eliminate(&freedoms, damping);
+            let pull = solved.pull;
             let (passed_on, arm) =
                 (solved.demand, solved.pose.translation_m - parent.translation_m);
             if let Some(parent) = body.parent.and_then(|parent| self.bodies.get_mut(parent)) {
                 parent.demand.add_child(&passed_on, arm);
+                // A turn takes the arm's end off its tangent, against a pull outwards: the cost's own curvature there,
+                // which Gauss and Newton leave out, and without which a rig too short for its goals overshoots.
+                let stiffening = pull.dot(arm).max(0.0);
+                parent.demand.inertia.angular += Mat3::from_diagonal(Vec3::splat(stiffening));
+                parent.pull += pull;
             }
         }
     }
@@ -308,6 +327,13 @@ impl<const N: usize> Default for ProjectionWorkspace<N> {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// The turn that leads from one orientation to another, by their difference: no turn at all between equal ones, where
+/// the product of one with the other's inverse is off by a rounding.
+fn turn_between(from: Quat, to: Quat) -> Quat {
+    let difference = (to - from) * from.conjugate();
+    Quat { w: from.dot(from) + difference.w, ..difference }
 }
 
 /// Why a projection could not be made.
