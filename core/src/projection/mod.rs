@@ -25,10 +25,10 @@ use crate::tree::{Body, Tree};
 /// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
 /// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
 ///
-/// A fixed number of Gauss-Newton steps a call (stiffened where a body is pulled away), each solved exactly in O(n) by sweeps of the
-/// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia
-/// `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose. That changes slowly
-/// in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
+/// A fixed number of Gauss-Newton steps a call (stiffened where a body is pulled away), each solved exactly in
+/// O(n) by sweeps of the articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and
+/// rotational inertia `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose.
+/// That changes slowly in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -69,8 +69,8 @@ const FIRST_SWEEPS: u8 = 20;
 
 /// By how much more joints resist while one of them is pressed against the end of its range.
 ///
-/// The bodies are then far from where they should be: the cost bends more than its Gauss-Newton model says, and
-/// undamped sweeps can overshoot, to and fro for ever.
+/// What a joint does that stops at its end, or comes off it, the others had not counted on: undamped sweeps can go
+/// to and fro for ever.
 const PRESSED_DAMPING: f32 = 0.3;
 
 impl<const N: usize> ManifoldProjection<N> {
