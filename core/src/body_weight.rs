@@ -26,8 +26,11 @@ impl BodyWeight {
     }
 }
 
-/// Above, the sums over 128 bodies and their levers could overflow.
-const HEAVIEST: f32 = 1e6;
+/// Above so many per square metre of the rotation weight, a turn is held by less than what f32 rounds of the positions.
+const HEAVIEST_PER_M2: f32 = 1e4;
+
+/// Below, f32 has not the digits for what the weights are divided by.
+const LIGHTEST: f32 = 1e-6;
 
 /// One weight for each body of a tree. Validated once.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,19 +42,22 @@ impl<const N: usize> BodyWeights<N> {
     /// Weights by body.
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if there is not a weight for each body, a position weight is not a finite number
-    /// from 0, or a rotation weight not from 1 mm to 1 km: without it, what is best is not unique.
+    /// [`BodyWeightsError`] if there is not a weight for each body, a rotation weight is not from 1 cm to 100 m (without
+    /// it, what is best is not unique), or a position weight is neither 0 nor from 1e-6 to 1e4 times the rotation weight's
+    /// square.
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
         if weights.len() != tree.len() {
             let (expected, found) = (tree.len(), weights.len());
             return Err(BodyWeightsError::Count { expected, found });
         }
         for (body, weight) in weights.iter().enumerate() {
-            if !(weight.position >= 0.0 && weight.position <= HEAVIEST) {
-                return Err(BodyWeightsError::Position { body, value: weight.position });
-            }
-            if !(1e-3..=1e3).contains(&weight.rotation_m) {
+            if !(1e-2..=1e2).contains(&weight.rotation_m) {
                 return Err(BodyWeightsError::Rotation { body, value: weight.rotation_m });
+            }
+            let heaviest = HEAVIEST_PER_M2 * weight.rotation_m * weight.rotation_m;
+            if weight.position != 0.0 && !(LIGHTEST..=heaviest * 1.0001).contains(&weight.position)
+            {
+                return Err(BodyWeightsError::Position { body, value: weight.position });
             }
         }
         Ok(Self { weights: weights.iter().copied().collect() })
@@ -86,14 +92,14 @@ pub enum BodyWeightsError {
         /// Number of weights.
         found: usize,
     },
-    /// The weight of a body's position is not a number from 0 to 1e6.
+    /// The weight of a body's position is neither 0 nor in its range, see [`BodyWeights::new`].
     Position {
         /// The body.
         body: usize,
         /// The weight.
         value: f32,
     },
-    /// The weight of a body's rotation is not a length from 1 mm to 1 km.
+    /// The weight of a body's rotation is not a length from 1 cm to 100 m.
     Rotation {
         /// The body.
         body: usize,
@@ -110,11 +116,11 @@ impl fmt::Display for BodyWeightsError {
             }
             Self::Position { body, value } => write!(
                 f,
-                "body {body}: the weight of the position is {value}; it must be a number from 0 to 1e6"
+                "body {body}: the weight of the position is {value}; it must be 0, or from 1e-6 to 1e4 times the square of the rotation's"
             ),
             Self::Rotation { body, value } => write!(
                 f,
-                "body {body}: the weight of the rotation is {value} m; it must be from 0.001 to 1000 m"
+                "body {body}: the weight of the rotation is {value} m; it must be from 0.01 to 100 m"
             ),
         }
     }

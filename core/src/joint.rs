@@ -151,6 +151,33 @@ impl JointKind {
         }
     }
 
+    /// Brings the state of a joint that has one or two axes back onto them, after a step that was right to first order:
+    /// what is off them, nothing would ever correct. Returns the acceleration that goes along with its axes from the
+    /// pose before the step. Of other kinds, all stays as it is.
+    pub(crate) fn keep_on_axes(
+        self,
+        placement: &Transform,
+        before: &Transform,
+        state: &mut JointState,
+        acceleration: Motion,
+    ) -> Motion {
+        if matches!(self, Self::Spherical | Self::Free) {
+            return acceleration;
+        }
+        let in_joint = self.at(self.along(&(placement.inverse() * state.pose)));
+        state.pose = *placement * in_joint;
+        state.velocity = self.project_motion(in_joint.rotation, state.velocity);
+        let axes_before = self.motion_subspace(placement.rotation.conjugate() * before.rotation);
+        let axes = self.motion_subspace(in_joint.rotation);
+        let mut carried = Motion::ZERO;
+        for (before, now) in axes_before.iter().zip(&axes) {
+            let along =
+                before.angular.dot(acceleration.angular) + before.linear.dot(acceleration.linear);
+            carried = carried + Motion::new(now.angular * along, now.linear * along);
+        }
+        carried
+    }
+
     /// Pose in the joint frame of a joint that has one or two axes; the identity for the other kinds.
     pub(crate) fn at(self, along: [f32; 2]) -> Transform {
         let [a, b] = along;

@@ -294,6 +294,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         if !slides {
             state.pose.translation_m = measured.translation_m;
         }
+        *disturbance =
+            body.joint.keep_on_axes(&body.placement, &before.pose, &mut state, *disturbance);
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
         if self.estimates.set(joint, state).is_err() {

@@ -4,7 +4,7 @@
 use sinew_core::control::Limited;
 use sinew_core::observer::{Observer, ObserverError, ObserverSettings};
 use sinew_core::projection::{
-    BodyWeight, ManifoldProjection, ProjectionError, ProjectionWorkspace,
+    BodyWeight, JointRange, ManifoldProjection, ProjectionError, ProjectionWorkspace,
 };
 use sinew_core::trajectory::aligned_targets;
 use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, Tree, Wrench};
@@ -18,39 +18,87 @@ pub const ROTATION_M: f32 = 0.5;
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
 /// The longest delay that there is room for, in ticks.
-pub const DELAY_MOST: usize = 3;
+pub const DELAY_MOST: usize = 7;
+
+/// The longest time from a measurement to the end of the tick that its torque acts in, in s: beyond, no rig stood in
+/// simulation whose masses were off by 15 % and whose sensors had 12 bits.
+pub const LATE_MOST_S: f32 = 0.010;
 
 /// What the setting adds to a World controller, and remembers from tick to tick.
 #[derive(Debug)]
 pub struct Recommended<const N: usize> {
     projection: ManifoldProjection<N>,
     workspace: ProjectionWorkspace<N>,
-    /// The rig's own poses in the frames before, at and after the next tick's.
+    /// The rig's own poses in the frames before, at and after the last tick's.
     window: [[Transform; N]; 3],
     /// The frame of the show that is the last of the window.
-    newest: Option<usize>,
+    newest: usize,
     delay_ticks: usize,
     observer: Observer<N, { DELAY_MOST + 1 }>,
 }
 
 impl<const N: usize> Recommended<N> {
-    /// The setting for a rig whose torques act `delay_ticks` after the measurement that they are made from, beyond
-    /// the tick itself.
+    /// The setting for the rig of a show, whose torques act `delay_ticks` after the measurement that they are made from,
+    /// beyond the tick itself. It finds the first pose here, before the loop: that takes as long as some twenty ticks.
     ///
     /// # Errors
-    /// [`RecommendedError`] if the tick is no positive number, or the delay longer than [`DELAY_MOST`].
-    pub fn new(tree: &Tree<N>, dt_s: f32, delay_ticks: usize) -> Result<Self, RecommendedError> {
+    /// [`RecommendedError`] if the delay is longer than [`DELAY_MOST`], or with the tick longer than [`LATE_MOST_S`]: 100
+    /// ticks a second without a delay, 500 with up to 4 ticks.
+    pub fn new(
+        show: &Show<'_>,
+        tree: &Tree<N>,
+        delay_ticks: usize,
+    ) -> Result<Self, RecommendedError> {
+        let dt_s = show.dt_s();
+        let ticks = u16::try_from(delay_ticks).unwrap_or(u16::MAX);
+        // A thousandth takes up the rounding of the show's period.
+        if (f32::from(ticks) + 1.0) * dt_s > LATE_MOST_S * 1.001 {
+            return Err(RecommendedError::TooLate);
+        }
         let weights = [BodyWeight::new(1.0, ROTATION_M); N];
         let weights = weights.get(..tree.len()).unwrap_or_default();
         let settings = ObserverSettings::extended_state(BANDWIDTH_RAD_S.min(1.0 / dt_s), dt_s)?;
-        Ok(Self {
+        let mut setting = Self {
             projection: ManifoldProjection::new(tree, weights)?,
             workspace: ProjectionWorkspace::new(),
             window: [[Transform::IDENTITY; N]; 3],
-            newest: None,
+            newest: delay_ticks,
             delay_ticks,
             observer: Observer::new(settings, &JointStates::rest(tree), delay_ticks)?,
-        })
+        };
+        for back in (0..3).rev() {
+            setting.take_in(show, tree, delay_ticks.saturating_sub(back))?;
+        }
+        Ok(setting)
+    }
+
+    /// The same, with a range for each joint: no target is outside of one.
+    ///
+    /// # Errors
+    /// [`RecommendedError`] if there is not a range for each joint, or one does not fit its joint.
+    pub fn with_ranges(
+        self,
+        tree: &Tree<N>,
+        ranges: &[JointRange],
+    ) -> Result<Self, RecommendedError> {
+        Ok(Self { projection: self.projection.with_ranges(tree, ranges)?, ..self })
+    }
+
+    /// Takes a frame of the show into the window, as the rig can perform it; before the first frame the show stands on
+    /// it, after the last too.
+    fn take_in(
+        &mut self,
+        show: &Show<'_>,
+        tree: &Tree<N>,
+        index: usize,
+    ) -> Result<(), ProjectionError> {
+        let mut frame = [Transform::IDENTITY; N];
+        show.frame(index, &mut frame);
+        self.window.rotate_left(1);
+        let [_, _, last] = &mut self.window;
+        let frame = frame.get(..tree.len()).unwrap_or_default();
+        let nearest = last.get_mut(..tree.len()).unwrap_or_default();
+        self.projection.project(tree, frame, &mut self.workspace, nearest)
     }
 
     /// Targets for the state that a torque of tick `index` meets. From one tick to the next one frame is projected,
@@ -62,26 +110,15 @@ impl<const N: usize> Recommended<N> {
         index: usize,
         out: &mut JointTargets<N>,
     ) -> Result<(), StateInputError> {
-        let bodies = tree.len();
         let newest = index.saturating_add(self.delay_ticks).saturating_add(1);
-        let follows = self.newest.is_some_and(|before| before.saturating_add(1) == newest);
-        if !follows {
-            self.workspace.reset();
-        }
-        let mut frame = [Transform::IDENTITY; N];
-        for back in if follows { 0..=0 } else { 0..=2 }.rev() {
-            // Before the first frame the show stands on it.
-            show.frame(newest.saturating_sub(back), &mut frame);
-            self.window.rotate_left(1);
-            let [_, _, last] = &mut self.window;
-            let frame = frame.get(..bodies).unwrap_or_default();
-            let nearest = last.get_mut(..bodies).unwrap_or_default();
+        let follows = self.newest.saturating_add(1) == newest;
+        for back in if follows { 0..1 } else { 0..3 }.rev() {
             // The show's poses were checked when it was parsed.
-            self.projection
-                .project(tree, frame, &mut self.workspace, nearest)
+            self.take_in(show, tree, newest.saturating_sub(back))
                 .map_err(|_| StateInputError::NonFinite)?;
         }
-        self.newest = Some(newest);
+        self.newest = newest;
+        let bodies = tree.len();
         let window = self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
         aligned_targets(window, show.dt_s(), out)
     }
@@ -124,6 +161,8 @@ pub enum RecommendedError {
     Projection(ProjectionError),
     /// The observer.
     Observer(ObserverError),
+    /// The delay and the tick together take longer than [`LATE_MOST_S`].
+    TooLate,
 }
 
 impl From<ProjectionError> for RecommendedError {
@@ -143,6 +182,9 @@ impl core::fmt::Display for RecommendedError {
         match self {
             Self::Projection(error) => error.fmt(f),
             Self::Observer(error) => error.fmt(f),
+            Self::TooLate => f.write_str(
+                "the delay and the tick together must not take longer than 10 ms: more ticks a second, or another setting",
+            ),
         }
     }
 }

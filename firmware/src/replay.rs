@@ -15,7 +15,7 @@ use crate::show::{Show, ShowError};
 pub const LAG_FRAMES: usize = 3;
 
 /// How late the stand-in's torques count as, in the setting for real rigs.
-pub const DELAY_TICKS: usize = 1;
+pub const DELAY_TICKS: usize = 0;
 
 /// The paper's gain, kp in 1/s².
 pub const KP: f32 = 200.0;
@@ -61,7 +61,7 @@ impl<'a, const N: usize> Replay<'a, N> {
         let mut app = App::new(show, controller);
         if name == "recommended" {
             let tree = app.controller().tree();
-            let setting = Recommended::new(tree, show.dt_s(), DELAY_TICKS);
+            let setting = Recommended::new(&show, tree, DELAY_TICKS);
             app = app.with(setting.map_err(ReplayError::Recommended)?);
         }
         Ok(Self { app, late: [Transform::IDENTITY; N] })

@@ -9,6 +9,7 @@ use sinew_core::{
     math,
 };
 use sinew_firmware::app::App;
+use sinew_firmware::recommended::{Recommended, RecommendedError};
 use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::{Show, ShowError, write};
 
@@ -245,4 +246,21 @@ proptest! {
         }
         perform(&resealed(bytes));
     }
+}
+
+#[test]
+fn the_recommended_setting_survives_lost_ticks_and_jumps_and_refuses_what_is_too_late() {
+    let bytes = show();
+    let show = Show::parse(&bytes).unwrap();
+    let mut replay = Replay::<3>::new(show, "recommended").unwrap();
+    for tick in [0, 1, 2, 5, 6, 0, 1, 1_000_000, 1_000_001] {
+        replay.observe(tick).unwrap();
+        let torques = replay.control();
+        assert!(torques.iter().all(|torque| torque.value.is_finite()), "{tick}");
+    }
+    let tree = show.tree::<3>().unwrap();
+    let late = Recommended::new(&show, &tree, 1).unwrap_err();
+    // The show has 100 frames a second: a tick more is 20 ms.
+    assert_eq!(late, RecommendedError::TooLate);
+    assert!(late.to_string().contains("10 ms"));
 }

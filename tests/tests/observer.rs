@@ -161,6 +161,41 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
     }
 }
 
+/// A load on the first axis of a universal joint, whose second axis swings: both stay known.
+#[test]
+fn a_universal_joint_under_load_is_followed() {
+    let tree = rig(&[JointKind::Universal { first: Vec3::X, second: Vec3::Y }]);
+    let (kind, placement) = (tree.bodies()[0].joint, tree.bodies()[0].placement);
+    let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
+    let load = 0.3;
+    for tick in 0u16..4000 {
+        let t = f32::from(tick) * DT_S;
+        let (s, c) = math::sin_cos(3.0 * t);
+        // The first axis is accelerated by the load alone, the second swings to and fro by 1 rad as commanded.
+        let (angles, speeds) = ([0.5 * load * t * t, s], [load * t, 3.0 * c]);
+        let state = kind.state(placement, &angles, &speeds).unwrap();
+        if tick > 0 {
+            observer.observe(&tree, &[state.pose]).unwrap();
+        }
+        let in_joint = placement.rotation.conjugate() * state.pose.rotation;
+        let second = kind.motion_subspace(in_joint)[1].angular;
+        let bias = kind.bias_acceleration(in_joint, state.velocity);
+        let command = Motion::new(second * (-9.0 * s) + bias.angular, Vec3::ZERO);
+        observer.sent(&[command], &[]);
+        if tick > 500 {
+            let seen = observer.states().as_slice()[0];
+            let turn = seen.pose.rotation.conjugate() * state.pose.rotation;
+            let (off, spin) = (
+                math::length(math::log(turn)),
+                math::length(seen.velocity.angular - state.velocity.angular),
+            );
+            // Over a period the axes turn by 6 mrad, and what goes along them is right to first order in that.
+            assert!(off < 2e-3 && spin < 0.1, "{t} s: {off} rad, {spin} rad/s");
+        }
+    }
+}
+
 /// Taken off the targets, a linear disturbance goes through the desired pose's axes to the same world vector.
 #[test]
 fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {

@@ -18,13 +18,13 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
-    /// Rate of control and plant, in Hz; the clips are resampled to it. The paper's is 100, and so is ours
-    /// if nothing else is said.
+    /// Rate of control and plant, in Hz; the clips are resampled to it. Without: 100 as in the paper, 500 for
+    /// `rig`.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     rate: Option<f64>,
 
     /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
-    /// between them. Without: a frame for every tick, if nothing else is said.
+    /// between them. Without: a frame for every tick; 100 for `rig` and `latency`.
     #[arg(long, value_name = "HZ", value_parser = rate)]
     frames: Option<f64>,
 }
@@ -32,15 +32,23 @@ pub(super) struct ClipArgs {
 type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
 
 impl ClipArgs {
+    /// Whether a rate is given.
+    pub(super) const fn has_rate(&self) -> bool {
+        self.rate.is_some()
+    }
+
     /// At this rate.
     pub(super) fn with_rate(&self, rate_hz: f64) -> Self {
         Self { rate: Some(rate_hz), ..self.clone() }
     }
 
-    /// With these rates where none are given.
+    /// With these rates where none are given; a frame for every tick where the frames' rate does not go into the
+    /// other.
     pub(super) fn at(&self, rate_hz: f64, frames_hz: f64) -> Self {
         let rate = self.rate.unwrap_or(rate_hz);
-        Self { rate: Some(rate), frames: self.frames.or(Some(frames_hz.min(rate))), ..self.clone() }
+        let goes_in = (rate / frames_hz).fract().abs() < f64::EPSILON && rate >= frames_hz;
+        let frames = self.frames.or(goes_in.then_some(frames_hz));
+        Self { rate: Some(rate), frames, ..self.clone() }
     }
 
     /// Reads and prepares the clips, in their order, and tells what was done to them.

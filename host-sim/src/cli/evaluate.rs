@@ -91,7 +91,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.threads.install(|| run_in_pool(args))
 }
 
-fn ensure_different<T: PartialEq + Display>(values: &[T], option: &str) -> anyhow::Result<()> {
+pub(super) fn ensure_different<T: PartialEq + Display>(
+    values: &[T],
+    option: &str,
+) -> anyhow::Result<()> {
     for (index, value) in values.iter().enumerate() {
         ensure!(!values[..index].contains(value), "{option}: {value} is given twice");
     }

@@ -2,16 +2,17 @@
 
 use std::process::ExitCode;
 
+use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
 use sinew_sim::evaluate::Setup;
-use sinew_sim::evaluate::rig::{STANDS_BELOW_DEG, largest_latency};
+use sinew_sim::evaluate::rig::{LATENCY_MOST, STANDS_BELOW_DEG, largest_latency};
 use sinew_sim::figure::Dimensions;
 use sinew_sim::mocap::FigureMotion;
 use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, rate, seconds};
-use super::evaluate::scale;
+use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, methods};
 use super::output::{note, print, with_progress};
 use super::setup::SetupArgs;
@@ -59,8 +60,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let mut setup = args.setup.setup_on(PlantKind::Articulated)?;
+    ensure!(
+        setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,
+        "disturbance.latency_steps, controller.observer.predict: expected to be left out, the table varies them"
+    );
+    ensure!(!args.clips.has_rate(), "--rate: expected --rates instead, the table varies it");
     setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
     let methods = methods(&args.methods);
+    ensure_different(&methods, "--methods")?;
+    ensure_different(&args.rates, "--rates")?;
     let setups: Vec<Setup> = methods
         .iter()
         .map(|method| {
@@ -90,7 +98,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
             }
         }
     }
-    let largest: Vec<Option<usize>> = with_progress(cells.len(), |progress| {
+    let largest: Vec<_> = with_progress(cells.len(), |progress| {
         let cell = |(method, look_ahead, rate): &(usize, bool, usize)| {
             let (_, motions) = &motions[*rate];
             let steps = largest_latency(motions, &setups[*method], *look_ahead, Some(args.seconds));
@@ -99,6 +107,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         };
         cells.par_iter().map(cell).collect()
     });
+    let largest = largest.into_iter().collect::<Result<Vec<Option<usize>>, _>>()?;
     let mut largest = largest.into_iter();
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN);
@@ -134,6 +143,7 @@ fn shown(rate_hz: f64, steps: Option<usize>) -> String {
     match steps {
         None => "-".to_owned(),
         Some(1) => format!("1 step, {:.0} ms", 1e3 / rate_hz),
+        Some(LATENCY_MOST) => format!("{LATENCY_MOST} steps or more"),
         Some(steps) => format!("{steps} steps, {:.0} ms", steps as f64 * 1e3 / rate_hz),
     }
 }

@@ -31,7 +31,7 @@ impl ValueEnum for MethodArg {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         match self {
-            Self::All => Some(PossibleValue::new("all")),
+            Self::All => Some(PossibleValue::new("all").help("All of these but `accumulated`")),
             Self::One(method) => method.to_possible_value(),
         }
     }

@@ -12,7 +12,7 @@ use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
 use crate::random::{Random, Subject};
 
 /// The most steps that a torque can come late.
-pub(super) const LATENCY_MOST: usize = 100;
+pub const LATENCY_MOST: usize = 100;
 
 /// What the controller does not know of its figure. The default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

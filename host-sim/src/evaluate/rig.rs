@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::disturbance::LATENCY_MOST;
+pub use super::disturbance::LATENCY_MOST;
+use super::setup::narrow;
 use super::{Errors, MethodName, RunError, Setup, run};
 use crate::mocap::FigureMotion;
 
@@ -68,21 +69,41 @@ pub const STANDS_BELOW_DEG: f64 = 10.0;
 
 /// The largest latency in steps that a figure stands at with every smaller one too; `None` if it does not
 /// stand without any. The controller knows the latency and looks ahead, or does not.
+///
+/// # Errors
+/// [`Lost`] for what is no loss of the figure: a clip that is too short, a setting that cannot be.
 pub fn largest_latency(
     motions: &[FigureMotion],
     setup: &Setup,
     look_ahead: bool,
     seconds: Option<f64>,
-) -> Option<usize> {
-    let stands = |latency_steps: usize| {
-        let mut setup = setup.clone();
+) -> Result<Option<usize>, Lost> {
+    let mut setup = setup.clone();
+    let recommended = setup.controller.method == MethodName::Recommended;
+    setup.controller = setup.effective_controller();
+    let observer = &mut setup.controller.observer;
+    observer.predict = look_ahead;
+    if let Some(motion) = motions.first().filter(|_| recommended) {
+        // As the setting itself does at low rates.
+        observer.bandwidth_rad_s =
+            observer.bandwidth_rad_s.min(f64::from(1.0 / narrow(motion.dt_s)));
+    }
+    let mut largest = None;
+    for latency_steps in 0..=LATENCY_MOST {
         setup.disturbance.latency_steps = latency_steps;
-        setup.controller = setup.effective_controller();
-        setup.controller.observer.predict = look_ahead;
-        let errors = trial(motions, &setup, seconds);
-        errors.is_ok_and(|errors| errors.all.angular_mean_deg() < STANDS_BELOW_DEG)
-    };
-    (0..=LATENCY_MOST).take_while(|&steps| stands(steps)).last()
+        match trial(motions, &setup, seconds) {
+            Ok(errors) if errors.all.angular_mean_deg() < STANDS_BELOW_DEG => {
+                largest = Some(latency_steps);
+            }
+            Ok(_)
+            | Err(Lost {
+                kind: RunError::Diverged { .. } | RunError::TorqueNotFinite { .. },
+                ..
+            }) => break,
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(largest)
 }
 
 #[cfg(test)]

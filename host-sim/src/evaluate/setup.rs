@@ -134,7 +134,7 @@ pub enum MethodName {
     ManifoldProjection,
     /// Joint accelerations that make every body's error in the world obey one law.
     ResolvedAcceleration,
-    /// All that this project knows for real rigs, see [`ControllerSettings::recommended`].
+    /// For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead.
     Recommended,
 }
 
@@ -388,16 +388,17 @@ impl Setup {
         if !(0.0..=2.0).contains(&beta) {
             return value("controller.beta", ("a weight from 0 to 2", beta));
         }
-        if !(0.001..=1000.0).contains(&projection.rotation_m) {
-            let expected = "a length from 0.001 to 1000 m";
+        if !(0.01..=100.0).contains(&projection.rotation_m) {
+            let expected = "a length from 0.01 to 100 m";
             return value("controller.projection.rotation_m", (expected, projection.rotation_m));
         }
-        if resolved.position != 0.0 && !(0.001..=1e6).contains(&resolved.position) {
-            let expected = "0 or a weight from 0.001 to 1e6";
+        let heaviest = 1e4 * resolved.rotation_m * resolved.rotation_m;
+        if resolved.position != 0.0 && !(1e-6..=heaviest).contains(&resolved.position) {
+            let expected = "0, or a weight from 1e-6 to 1e4 times the square of rotation_m";
             return value("controller.resolved.position", (expected, resolved.position));
         }
-        if !(0.001..=1000.0).contains(&resolved.rotation_m) {
-            let expected = "a length from 0.001 to 1000 m";
+        if !(0.01..=100.0).contains(&resolved.rotation_m) {
+            let expected = "a length from 0.01 to 100 m";
             return value("controller.resolved.rotation_m", (expected, resolved.rotation_m));
         }
         if !(0.0..=1000.0).contains(&bandwidth_rad_s) {

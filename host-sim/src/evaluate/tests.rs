@@ -317,3 +317,22 @@ fn resolved_acceleration_weighs_positions_and_needs_inverse_dynamics() {
     let error = track(&moving("clip", 10), &setup, None, 0, |_| ()).unwrap_err();
     assert!(error.to_string().contains("inverse dynamics"), "{error}");
 }
+
+#[test]
+fn every_method_that_was_asked_for_is_in_the_json() {
+    let protocol = Protocol {
+        methods: MethodName::ALL.to_vec(),
+        scales: vec![1.0],
+        seconds: Some(0.1),
+        ..Protocol::default()
+    };
+    let clip = crate::mocap::builtin::clips().remove(0);
+    let (motion, _) = crate::mocap::prepare(clip, &crate::mocap::Settings::default()).unwrap();
+    let evaluation = evaluate(&[motion], &protocol, |_| {}).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&report::json(&evaluation)).unwrap();
+    let methods = json["figures"][0]["methods"].as_object().unwrap();
+    assert_eq!(methods.len(), MethodName::ALL.len());
+    for method in MethodName::ALL {
+        assert!(methods[method.as_str()]["all"]["n"].is_u64(), "{method}");
+    }
+}

@@ -1,6 +1,6 @@
 //! The result as one JSON object, schema `sinew-evaluate/1`.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName, Setup};
 use crate::plant::Description;
@@ -21,18 +21,13 @@ struct Figure {
     methods: Methods,
 }
 
-#[derive(Serialize)]
-struct Methods {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    local: Option<Groups>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    world: Option<Groups>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    egocentric: Option<Groups>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    accumulated: Option<Groups>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    linear_compensation: Option<Groups>,
+/// An object with a key for each method, in the protocol's order.
+struct Methods(Vec<(MethodName, Groups)>);
+
+impl Serialize for Methods {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(method, groups)| (method.as_str(), groups)))
+    }
 }
 
 #[derive(Serialize)]
@@ -80,18 +75,9 @@ impl From<&Errors> for Groups {
 
 impl From<&FigureResult> for Figure {
     fn from(figure: &FigureResult) -> Self {
-        let groups =
-            |name: MethodName| figure.method(name).map(|result| Groups::from(&result.total));
-        Self {
-            scale: figure.scale,
-            methods: Methods {
-                local: groups(MethodName::Local),
-                world: groups(MethodName::World),
-                egocentric: groups(MethodName::Egocentric),
-                accumulated: groups(MethodName::Accumulated),
-                linear_compensation: groups(MethodName::LinearCompensation),
-            },
-        }
+        let results = figure.methods.iter();
+        let groups = results.map(|result| (result.method, Groups::from(&result.total)));
+        Self { scale: figure.scale, methods: Methods(groups.collect()) }
     }
 }
 

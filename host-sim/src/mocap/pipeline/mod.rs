@@ -224,7 +224,7 @@ impl Settings {
         if !((1.0..=1e4).contains(&factor) && (factor - factor.round()).abs() < 1e-9 * factor) {
             return Err(Error::Setting {
                 name: "frame_rate_hz",
-                expected: "a rate that goes into rate_hz a whole number of times",
+                expected: "a rate of frames that goes into the rate of control a whole number of times",
                 value: frame_rate_hz,
             });
         }
