@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
 use sinew_core::{Transform, Wrench, math};
 
-use super::setup::narrow;
+use super::controller::narrow;
 use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
 use crate::random::{Random, Subject};
 

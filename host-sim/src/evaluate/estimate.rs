@@ -5,9 +5,10 @@ use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::trajectory::backward_states;
 use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, Tree, Wrench};
 
+use super::controller::{MethodName, narrow};
 use super::disturbance::LATENCY_MOST;
 use super::error::RunError;
-use super::setup::{MethodName, Setup, narrow};
+use super::setup::Setup;
 use crate::figure::BODY_COUNT;
 
 /// As many commands are on their way as the latency has steps, and one has just arrived.

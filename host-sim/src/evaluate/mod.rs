@@ -1,6 +1,7 @@
 //! The paper's evaluation: every clip, tracked by a figure of every scale with every method of measuring
 //! its state error, and how far off it was.
 
+mod controller;
 pub mod detail;
 mod disturbance;
 mod error;
@@ -21,14 +22,15 @@ use serde::Serialize;
 use crate::figure::Dimensions;
 use crate::mocap::FigureMotion;
 
+pub use controller::{
+    AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,
+    MethodName, ObserverChoice, ProjectionSettings, RateTermName,
+};
 pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use metrics::{ErrorTotals, Errors};
-pub use setup::{
-    AimName, BodyName, BodySource, ControllerSettings, DesiredVelocity, DifferencesName, GainsName,
-    LawName, MethodName, ObserverChoice, ProjectionSettings, RateTermName, Setup, SetupError,
-};
+pub use setup::{BodySource, Setup, SetupError};
 pub use track::{Step, step_count, track};
 
 /// What to evaluate.

@@ -350,7 +350,7 @@ mod tests {
 
     use super::*;
     use crate::evaluate::MethodName;
-    use crate::evaluate::setup::ProjectionSettings;
+    use crate::evaluate::ProjectionSettings;
     use crate::figure::Dimensions;
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::controller::narrow;
 pub use super::disturbance::LATENCY_MOST;
-use super::setup::narrow;
 use super::{Errors, MethodName, RunError, Setup, run};
 use crate::mocap::FigureMotion;
 

@@ -10,11 +10,12 @@ use sinew_core::trajectory::{
 };
 use sinew_core::{BodyState, Controller, JointTargets, Motion, Transform, Workspace};
 
+use super::controller::{ControllerSettings, DesiredVelocity, DifferencesName, narrow};
 use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
 use super::estimate::Estimate;
 use super::reference::{Performance, one_step_before};
-use super::setup::{ControllerSettings, DesiredVelocity, DifferencesName, Setup, narrow};
+use super::setup::Setup;
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
