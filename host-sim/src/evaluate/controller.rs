@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use sinew_core::Tree;
 use sinew_core::projection::{BodyWeight, BodyWeights, DEFAULT_SWEEPS};
 use sinew_core::state_error::{Aims, Compensation, Method, RateTerm, References};
+use sinew_firmware::recommended::{BANDWIDTH_RAD_S, ROTATION_M};
 
 use crate::figure::{BODIES, BODY_COUNT, Root};
 
@@ -106,7 +107,12 @@ pub struct ProjectionSettings {
 
 impl Default for ProjectionSettings {
     fn default() -> Self {
-        Self { rotation_m: 0.5, root_held: false, sweeps: DEFAULT_SWEEPS, resolved: false }
+        Self {
+            rotation_m: f64::from(ROTATION_M),
+            root_held: false,
+            sweeps: DEFAULT_SWEEPS,
+            resolved: false,
+        }
     }
 }
 
@@ -247,11 +253,15 @@ impl ControllerSettings {
     /// The setting for real rigs: manifold projection on aligned targets, with an observer that cancels what
     /// the model has wrong and looks ahead over the latency. Gains and the projection's weight stay.
     #[must_use]
-    pub const fn recommended(self) -> Self {
+    pub fn recommended(self) -> Self {
         Self {
             method: MethodName::ManifoldProjection,
             differences: DifferencesName::Aligned,
-            observer: ObserverChoice { bandwidth_rad_s: 100.0, cancel: true, predict: true },
+            observer: ObserverChoice {
+                bandwidth_rad_s: f64::from(BANDWIDTH_RAD_S),
+                cancel: true,
+                predict: true,
+            },
             implicit: true,
             ..self
         }
