@@ -1,0 +1,106 @@
+//! What the benches work on: rigs of any number of bodies, and motions of them.
+//!
+//! Everything follows from the number of bodies alone, so that a host and a board measure the same work.
+
+#![no_std]
+
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::{
+    Body, Inertia, JointKind, JointState, Motion, RotationalInertia, Transform, Tree, TreeError,
+    math,
+};
+
+/// How the rig stands in the world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Root {
+    /// Turns about a fixed point.
+    Turning,
+    /// Floats freely.
+    Floating,
+}
+
+/// A figure of `count` bodies (at most `N`): trunk, two legs and two arms that branch off it, all joints spherical.
+///
+/// # Errors
+/// [`TreeError`] if there are more bodies than the tree has room for.
+pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeError> {
+    let mut numbers = Numbers::new();
+    let mut tree = Tree::new();
+    for index in 0..count {
+        // Limbs of four bodies, the first of each on a body of the trunk.
+        let parent = match index {
+            0 => None,
+            _ if index % 4 == 1 => Some((index / 8) * 4),
+            _ => Some(index - 1),
+        };
+        let joint = match (index, root) {
+            (0, Root::Floating) => JointKind::Free,
+            _ => JointKind::Spherical,
+        };
+        let [x, y, z] = [0; 3].map(|_| 0.03 + 0.02 * (numbers.next() + 1.0));
+        let inertia = Inertia {
+            mass_kg: 2.0 + numbers.next(),
+            center_of_mass_m: numbers.vector() * 0.1,
+            rotational_kg_m2: RotationalInertia {
+                xx: y + z,
+                yy: x + z,
+                zz: x + y,
+                xy: 0.005 * numbers.next(),
+                xz: 0.005 * numbers.next(),
+                yz: 0.005 * numbers.next(),
+            },
+        };
+        let placement = Transform::from_translation(numbers.vector() * 0.3);
+        tree.push(Body { parent, joint, placement, inertia })?;
+    }
+    Ok(tree)
+}
+
+/// Poses of all joints at a time: a smooth motion, its turns up to 0.6 rad about placements turned at will.
+pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
+    let mut numbers = Numbers::new();
+    for (body, pose) in bodies.iter().zip(out) {
+        let (axis, about) = (numbers.vector(), numbers.vector());
+        let phase = math::sin_cos(3.0 * time_s + numbers.next()).0;
+        *pose = body.placement * turned(math::exp(axis * phase) * math::exp(about));
+        if body.joint == JointKind::Free {
+            pose.translation_m += numbers.vector() * phase;
+        }
+        pose.rotation = math::unit(pose.rotation);
+    }
+}
+
+/// States of all joints, each with a velocity of about 1 rad/s, and accelerations of some rad/s².
+pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [Motion]) {
+    let mut numbers = Numbers::new();
+    for ((body, joint), acceleration) in bodies.iter().zip(joints).zip(accelerations) {
+        let velocity = Motion::new(numbers.vector(), numbers.vector());
+        let pose = body.placement * turned(math::exp(numbers.vector()));
+        let wanted = Motion::new(numbers.vector() * 5.0, numbers.vector() * 5.0);
+        *joint = JointState { pose, velocity: body.joint.project_motion(Quat::IDENTITY, velocity) };
+        *acceleration = body.joint.project_motion(Quat::IDENTITY, wanted);
+    }
+}
+
+/// Numbers in [-1, 1), always the same ones: a linear congruential generator (Numerical Recipes).
+struct Numbers(u32);
+
+impl Numbers {
+    fn new() -> Self {
+        Self(2_463_534_242)
+    }
+
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // The upper bits: the lower ones of such a generator repeat soon.
+        f32::from((self.0 >> 16) as u16) / 32_768.0 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+fn turned(rotation: Quat) -> Transform {
+    Transform::new(rotation, Vec3::ZERO)
+}
