@@ -11,6 +11,7 @@ use crate::tree::Tree;
 ///
 /// Of accelerations, how much it counts where it goes and how it is turning.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyWeight {
     /// Weight of the squared distance of the body's origin from where it should be.
     pub position: f32,
@@ -34,6 +35,7 @@ const LIGHTEST: f32 = 1e-6;
 
 /// One weight for each body of a tree. Validated once.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyWeights<const N: usize> {
     weights: Vec<BodyWeight, N>,
 }

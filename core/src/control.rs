@@ -14,6 +14,7 @@ use crate::transform::{Motion, Wrench};
 /// With inverse dynamics they are a stiffness and a damping per unit of inertia, 1/s² and 1/s; without,
 /// N m/rad and N m s/rad (N/m and N s/m for what slides).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gains {
     kp: f32,
     kv: f32,
@@ -165,6 +166,7 @@ impl core::error::Error for GainsError {}
 
 /// How an error becomes a torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ControlLaw {
     /// `τ = kp e + kv ė`: what a servo does by itself.
     ProportionalDerivative,
@@ -201,6 +203,7 @@ pub fn commanded_acceleration(
 ///
 /// It bounds the length of the moment and of the force vector, so that what is cut keeps its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueLimit {
     moment_nm: f32,
     force_n: f32,
@@ -280,6 +283,7 @@ impl core::error::Error for LimitError {}
 
 /// A value, and why it is not the one that was wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limited<T> {
     /// What may be used.
     pub value: T,

@@ -168,6 +168,36 @@ impl<const N: usize> Controller<N> {
         &self.tree
     }
 
+    /// The gains by joint.
+    pub fn gains(&self) -> &[Gains] {
+        &self.gains
+    }
+
+    /// The state error that is tracked.
+    pub fn method(&self) -> &Method<N> {
+        &self.method
+    }
+
+    /// How errors become torques.
+    pub fn law(&self) -> ControlLaw {
+        self.law
+    }
+
+    /// The field of gravity, world axes.
+    pub fn gravity_m_s2(&self) -> Vec3 {
+        self.gravity_m_s2
+    }
+
+    /// The torque limits by joint.
+    pub fn limits(&self) -> &[TorqueLimit] {
+        &self.limits
+    }
+
+    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty without.
+    pub fn inertias(&self) -> &[ReflectedInertia] {
+        &self.inertias
+    }
+
     /// Torques for this instant: the wrench that joint i's drive puts on body i about its origin, in
     /// measured body axes, along the joint's degrees of freedom, within its limit. O(n).
     ///

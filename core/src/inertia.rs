@@ -8,6 +8,7 @@ use glam::Vec3;
 ///
 /// `xy`, `xz`, `yz` are the elements of the matrix (the negated products of inertia).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(missing_docs, reason = "the fields are the elements that the type's line names")]
 pub struct RotationalInertia {
     pub xx: f32,

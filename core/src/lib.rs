@@ -54,6 +54,8 @@ pub mod control;
 mod controller;
 pub mod dynamics;
 pub mod finite_difference;
+#[cfg(feature = "defmt")]
+mod format;
 mod inertia;
 mod joint;
 pub mod kinematics;

@@ -14,6 +14,7 @@ use crate::tree::{Body, Tree};
 
 /// How an observer weighs what it expects against what it is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObserverSettings {
     dt_s: f32,
     pose_gain: f32,

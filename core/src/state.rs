@@ -14,6 +14,7 @@ use crate::tree::Tree;
 /// The same type serves the desired and the measured side: the paper's "complete transforms as joint
 /// parameters". A joint model says which part of it is free.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointState {
     /// Pose of the body in its parent's frame.
     pub pose: Transform,
@@ -43,6 +44,7 @@ impl JointState {
 /// State of a body: its pose in a reference frame (mostly the world), and its velocity in the axes of
 /// that frame; the linear part is the velocity of the body frame's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyState {
     /// Pose in the reference frame.
     pub pose: Transform,
@@ -127,6 +129,7 @@ impl BodyState {
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointStates<const N: usize> {
     states: Vec<JointState, N>,
 }
@@ -164,6 +167,7 @@ impl<const N: usize> JointStates<N> {
 ///
 /// An entrance like [`JointStates`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Motion, N>,

@@ -12,6 +12,7 @@ use crate::tree::Tree;
 
 /// What the joints beyond a joint do while it is accelerated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OuterJoints {
     /// They are held: the joint moves its subtree as one body. The composite-rigid-body inertia, the
     /// diagonal blocks of the mass matrix.
@@ -24,6 +25,7 @@ pub enum OuterJoints {
 /// Inertia against which a joint's drive works while the parent is held, along the joint's freedoms; zero
 /// across them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ReflectedInertia {
     /// Moment per angular acceleration, about the joint, body axes.
     pub angular_kg_m2: RotationalInertia,

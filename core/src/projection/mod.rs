@@ -54,6 +54,7 @@ use crate::tree::{Body, Tree};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ManifoldProjection<const N: usize> {
     weights: BodyWeights<N>,
     ranges: Vec<JointRange, N>,

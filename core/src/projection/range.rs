@@ -5,6 +5,7 @@ use crate::math;
 
 /// How far a joint can go, from the zero pose of its joint frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum JointRange {
     /// As far as its kind lets it.
     #[default]

@@ -13,6 +13,7 @@ use crate::tree::Tree;
 /// The paper asks only for `l < i`; a body that is not an ancestor would bring in joints that joint `i`
 /// cannot answer for, so it is refused.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct References<const N: usize> {
     bodies: Vec<Option<usize>, N>,
 }

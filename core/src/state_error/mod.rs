@@ -78,6 +78,7 @@ impl StateError {
 
 /// Which state error is tracked, with what it needs. `N` as of the tree.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method<const N: usize> {
     /// Local Space Error, eq. (3).
     Local,

@@ -25,6 +25,7 @@ pub enum Aim {
 
 /// Aims of all bodies, validated once.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Aims<const N: usize> {
     aims: Vec<Aim, N>,
 }

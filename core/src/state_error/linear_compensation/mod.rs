@@ -16,6 +16,7 @@ use crate::transform::Transform;
 
 /// How strongly, and with which rate term, Linear Compensation acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Compensation {
     /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
     pub beta: f32,
@@ -32,6 +33,7 @@ impl Default for Compensation {
 
 /// The extra term of the angular rate in eq. (10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RateTerm {
     /// `β (z - p_d) × ė_lin / d²`: the rate of the rotation that is really applied, to first order in
     /// the linear error. For several children `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)` with

@@ -1,0 +1,175 @@
+//! What defmt logs of the types that cannot derive it: those that hold glam's vectors, which have no `Format`,
+//! and those of which only a part says anything.
+//!
+//! No `core::fmt` is behind any of it: the board sends numbers, and the host spells them out.
+
+use defmt::{Format, Formatter, write};
+
+use crate::controller::{Controller, Workspace};
+use crate::dynamics::{BodyMotion, Resolved};
+use crate::observer::Observer;
+use crate::projection::ProjectionWorkspace;
+use crate::state_error::{Aim, StateError};
+use crate::{BodySet, Inertia, JointKind, Motion, Trajectory, Transform, Tree, Wrench};
+
+impl Format for Transform {
+    fn format(&self, f: Formatter<'_>) {
+        let (rotation, translation_m) = (self.rotation.to_array(), self.translation_m.to_array());
+        write!(f, "Transform {{ rotation: {}, translation_m: {} }}", rotation, translation_m);
+    }
+}
+
+impl Format for Motion {
+    fn format(&self, f: Formatter<'_>) {
+        let (angular, linear) = (self.angular.to_array(), self.linear.to_array());
+        write!(f, "Motion {{ angular: {}, linear: {} }}", angular, linear);
+    }
+}
+
+impl Format for Wrench {
+    fn format(&self, f: Formatter<'_>) {
+        let (moment_nm, force_n) = (self.moment_nm.to_array(), self.force_n.to_array());
+        write!(f, "Wrench {{ moment_nm: {}, force_n: {} }}", moment_nm, force_n);
+    }
+}
+
+impl Format for StateError {
+    fn format(&self, f: Formatter<'_>) {
+        write!(
+            f,
+            "StateError {{ angular_rad: {}, linear_m: {}, angular_rate_rad_s: {}, linear_rate_m_s: {} }}",
+            self.angular_rad.to_array(),
+            self.linear_m.to_array(),
+            self.angular_rate_rad_s.to_array(),
+            self.linear_rate_m_s.to_array(),
+        );
+    }
+}
+
+impl Format for JointKind {
+    #[expect(
+        clippy::match_same_arms,
+        reason = "their texts differ: clippy does not see them in the macro"
+    )]
+    fn format(&self, f: Formatter<'_>) {
+        match self {
+            Self::Fixed => write!(f, "Fixed"),
+            Self::Revolute { axis } => write!(f, "Revolute {{ axis: {} }}", axis.to_array()),
+            Self::Prismatic { axis } => write!(f, "Prismatic {{ axis: {} }}", axis.to_array()),
+            Self::Universal { first, second } => {
+                let (first, second) = (first.to_array(), second.to_array());
+                write!(f, "Universal {{ first: {}, second: {} }}", first, second);
+            }
+            Self::Spherical => write!(f, "Spherical"),
+            Self::Free => write!(f, "Free"),
+        }
+    }
+}
+
+impl Format for Inertia {
+    fn format(&self, f: Formatter<'_>) {
+        write!(
+            f,
+            "Inertia {{ mass_kg: {}, center_of_mass_m: {}, rotational_kg_m2: {} }}",
+            self.mass_kg,
+            self.center_of_mass_m.to_array(),
+            self.rotational_kg_m2,
+        );
+    }
+}
+
+impl Format for Aim {
+    fn format(&self, f: Formatter<'_>) {
+        match self {
+            Self::None => write!(f, "None"),
+            Self::Child(child) => write!(f, "Child({})", child),
+            Self::Children(children) => write!(f, "Children({})", children),
+            Self::Point(point_m) => write!(f, "Point({})", point_m.to_array()),
+        }
+    }
+}
+
+/// Its members.
+impl Format for BodySet {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "{{");
+        for (place, body) in self.iter().enumerate() {
+            write!(f, "{}{}", if place == 0 { "" } else { ", " }, body);
+        }
+        write!(f, "}}");
+    }
+}
+
+/// Its bodies: the sets follow from them.
+impl<const N: usize> Format for Tree<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "Tree {}", self.bodies());
+    }
+}
+
+/// How many frames, not the frames: a performance is too long for a log.
+impl Format for Trajectory<'_> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "Trajectory {{ frames: {}, dt_s: {} }}", self.len(), self.dt_s());
+    }
+}
+
+/// Its settings, and the tree.
+impl<const N: usize> Format for Controller<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(
+            f,
+            "Controller {{ tree: {}, gains: {}, method: {}, law: {}, gravity_m_s2: {}, limits: {}, inertias: {} }}",
+            self.tree(),
+            self.gains(),
+            self.method(),
+            self.law(),
+            self.gravity_m_s2().to_array(),
+            self.limits(),
+            self.inertias(),
+        );
+    }
+}
+
+/// What can be read from it.
+impl<const N: usize> Format for Workspace<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(
+            f,
+            "Workspace {{ errors: {}, aim_status: {}, commands: {}, torques: {} }}",
+            self.errors(),
+            self.aim_status(),
+            self.commands(),
+            self.torques(),
+        );
+    }
+}
+
+/// What can be read from it.
+impl<const N: usize, const D: usize> Format for Observer<N, D> {
+    fn format(&self, f: Formatter<'_>) {
+        let (states, disturbances) = (self.states(), self.disturbances());
+        write!(f, "Observer {{ states: {}, disturbances: {} }}", states, disturbances);
+    }
+}
+
+/// Scratch: its name only.
+impl<const N: usize> Format for ProjectionWorkspace<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "ProjectionWorkspace");
+    }
+}
+
+/// Scratch: its name only.
+impl Format for BodyMotion {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "BodyMotion");
+    }
+}
+
+/// Scratch: its name only.
+impl Format for Resolved {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "Resolved");
+    }
+}
