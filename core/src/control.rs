@@ -87,6 +87,8 @@ impl Gains {
         }
         let softened = |kp: f32, kv: f32| {
             let share = 1.0 + dt_s * (kv + dt_s * kp);
+            // A share that overflows would leave gains of zero: NaN is refused below.
+            let share = if share.is_finite() { share } else { f32::NAN };
             (kp / share, (kv + dt_s * kp) / share)
         };
         let (kp, kv) = softened(self.kp, self.kv);
@@ -365,7 +367,7 @@ mod tests {
             assert_eq!(given.implicit(period), Err(GainsError::Period));
         }
         let huge = Gains::new(f32::MAX, f32::MAX).unwrap();
-        assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kv")));
+        assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
     }
 
     #[test]

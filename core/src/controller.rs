@@ -149,8 +149,8 @@ impl<const N: usize> Controller<N> {
     /// `kv dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
     ///
     /// # Errors
-    /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::Law`] if the
-    /// method needs inverse dynamics.
+    /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::NonFinite`] if one
+    /// is not finite, [`ControllerError::Law`] if the method needs inverse dynamics.
     pub fn with_pd_of_inertia(
         self,
         inertias: &[ReflectedInertia],
@@ -158,6 +158,9 @@ impl<const N: usize> Controller<N> {
         if inertias.len() != self.tree.len() {
             let (expected, found) = (self.tree.len(), inertias.len());
             return Err(ControllerError::InertiaCount { expected, found });
+        }
+        if !inertias.iter().all(ReflectedInertia::is_finite) {
+            return Err(ControllerError::NonFinite("inertia"));
         }
         let inertias = inertias.iter().copied().collect();
         Self { inertias, ..self }.with_law(ControlLaw::ProportionalDerivative)

@@ -34,6 +34,11 @@ impl RotationalInertia {
         )
     }
 
+    /// Whether every element is a number.
+    pub fn is_finite(&self) -> bool {
+        self.elements().iter().all(|element| element.is_finite())
+    }
+
     fn elements(&self) -> [f32; 6] {
         [self.xx, self.xy, self.xz, self.yy, self.yz, self.zz]
     }
@@ -83,7 +88,7 @@ impl Inertia {
         if !self.center_of_mass_m.is_finite() {
             return Err(InertiaError::NonFinite("center of mass"));
         }
-        if !i.elements().iter().all(|element| element.is_finite()) {
+        if !i.is_finite() {
             return Err(InertiaError::NonFinite("rotational inertia"));
         }
         if self.mass_kg < 0.0 {
@@ -92,20 +97,23 @@ impl Inertia {
         if i.xx < 0.0 || i.yy < 0.0 || i.zz < 0.0 {
             return Err(InertiaError::NegativeMoment);
         }
-        let trace = i.xx + i.yy + i.zz;
-        if self.mass_kg <= 0.0 && trace > 0.0 {
+        let largest = i.xx.max(i.yy).max(i.zz);
+        if self.mass_kg <= 0.0 && largest > 0.0 {
             return Err(InertiaError::InertiaWithoutMass);
         }
-        if trace <= 0.0 {
+        if largest <= 0.0 {
             return if i.elements().iter().all(|element| element.abs() <= 0.0) {
                 Ok(())
             } else {
                 Err(InertiaError::TriangleInequality)
             };
         }
-        // In units of the trace, so that the rounding is relative and small bodies do not underflow.
-        let (xx, yy, zz) = (0.5 - i.xx / trace, 0.5 - i.yy / trace, 0.5 - i.zz / trace);
-        let (xy, xz, yz) = (-i.xy / trace, -i.xz / trace, -i.yz / trace);
+        // In units of the trace, so that the rounding is relative; and of the largest moment before, so that neither the
+        // trace of a huge body overflows nor that of a tiny one has too few digits.
+        let [xx, xy, xz, yy, yz, zz] = i.elements().map(|element| element / largest);
+        let trace = xx + yy + zz;
+        let (xx, yy, zz) = (0.5 - xx / trace, 0.5 - yy / trace, 0.5 - zz / trace);
+        let (xy, xz, yz) = (-xy / trace, -xz / trace, -yz / trace);
         let minors = [
             xx,
             yy,

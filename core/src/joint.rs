@@ -199,7 +199,8 @@ impl JointKind {
     /// columns of the motion subspace. `placement`: of the joint frame in the parent's frame.
     ///
     /// # Errors
-    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit.
+    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit, or the state is too
+    /// large for f32.
     ///
     /// ```
     /// use sinew_core::{JointKind, Transform, glam::Vec3, math};
@@ -247,7 +248,11 @@ impl JointKind {
         for (column, speed) in self.motion_subspace(in_joint.rotation).iter().zip(speed) {
             velocity = velocity + Motion::new(column.angular * *speed, column.linear * *speed);
         }
-        Ok(JointState { pose: placement * in_joint, velocity })
+        let pose = placement * in_joint;
+        if !(pose.is_finite() && velocity.is_finite()) {
+            return Err(E::Overflow);
+        }
+        Ok(JointState { pose, velocity })
     }
 
     /// Refuses axes that are not finite, not unit, or (universal) not perpendicular.
@@ -355,6 +360,8 @@ pub enum JointCoordinatesError {
         /// Its squared length.
         squared: f32,
     },
+    /// The state that the coordinates make is too large for f32.
+    Overflow,
 }
 
 impl fmt::Display for JointCoordinatesError {
@@ -370,6 +377,9 @@ impl fmt::Display for JointCoordinatesError {
                     "the quaternion has squared length {squared}; it must be a unit quaternion"
                 )
             }
+            Self::Overflow => f.write_str(
+                "the joint's state is too large for f32; give angles, lengths and speeds of a machine",
+            ),
         }
     }
 }

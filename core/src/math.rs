@@ -59,7 +59,8 @@ pub fn length(v: Vec3) -> f32 {
     sqrt(v.dot(v))
 }
 
-/// The unit quaternion in the direction of `q`; the identity if `q` has no direction.
+/// The unit quaternion in the direction of `q`; the identity if `q` has none that f32 can tell: if its squared length
+/// is below 1.2e-38 (then it has too few digits), infinite or no number.
 ///
 /// ```
 /// # use sinew_core::{glam::Quat, math};
@@ -73,7 +74,7 @@ pub fn unit(q: Quat) -> Quat {
     if excess.abs() < 2e-3 {
         // The series of 1/√squared, as a correction to add: a factor next to 1 has too few digits.
         q + q * (excess * (0.375 * excess - 0.5))
-    } else if squared > 0.0 && squared.is_finite() {
+    } else if squared.is_normal() {
         q * (1.0 / sqrt(squared))
     } else {
         Quat::IDENTITY
@@ -87,7 +88,8 @@ const SERIES_BELOW: f32 = 1e-4;
 /// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.
 ///
 /// `q` and `-q` are the same rotation and give the same vector; at an angle of π exactly, where both
-/// axes are right, the one of the given sign of `q` is returned.
+/// axes are right, the one of the given sign of `q` is returned. Of what is no unit quaternion the result may be no
+/// number.
 ///
 /// ```
 /// # use sinew_core::{glam::{Quat, Vec3}, math};
@@ -111,6 +113,8 @@ pub fn log(q: Quat) -> Vec3 {
 
 /// Exponential map: the unit quaternion of a rotation vector; inverse of [`log`].
 ///
+/// No number comes of a vector so long that f32 does not have its square (1.8e19 rad), or that is none itself.
+///
 /// ```
 /// # use sinew_core::{glam::Vec3, math};
 /// let v = Vec3::new(0.3, -0.2, 0.9);
@@ -130,6 +134,8 @@ pub fn exp(rotation_vector_rad: Vec3) -> Quat {
 }
 
 /// Spherical linear interpolation by the shorter way: `a` at 0, `b` at 1, constant angular velocity.
+///
+/// Unit for unit quaternions and any `t` that is a number of less than 1e18.
 ///
 /// ```
 /// # use sinew_core::{glam::{Quat, Vec3}, math};

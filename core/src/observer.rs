@@ -29,15 +29,16 @@ impl ObserverSettings {
     /// the look ahead over a delay.
     ///
     /// # Errors
-    /// [`ObserverError`] if the time step is not a positive number.
+    /// [`ObserverError`] if the time step is not a positive number, or so short that f32 has not its reciprocal.
     pub fn differences(dt_s: f32) -> Result<Self, ObserverError> {
-        if !(dt_s.is_finite() && dt_s > 0.0) {
+        let velocity_gain_per_s = 1.0 / dt_s;
+        if !(dt_s.is_finite() && dt_s > 0.0 && velocity_gain_per_s.is_finite()) {
             return Err(ObserverError::TimeStep);
         }
         Ok(Self {
             dt_s,
             pose_gain: 1.0,
-            velocity_gain_per_s: 1.0 / dt_s,
+            velocity_gain_per_s,
             disturbance_gain_per_s2: 0.0,
             most_rad_s2: 200.0,
             most_m_s2: 20.0,
@@ -54,13 +55,16 @@ impl ObserverSettings {
     /// `(1 - β)³ / dt²`.
     ///
     /// # Errors
-    /// [`ObserverError`] if the time step is not a positive number, or the bandwidth not above 0 and at most
-    /// 1 / `dt_s`.
+    /// [`ObserverError`] if the time step is not a positive number, or f32 has not the reciprocal of its square, or the
+    /// bandwidth is not above 0 and at most 1 / `dt_s`.
     pub fn extended_state(bandwidth_rad_s: f32, dt_s: f32) -> Result<Self, ObserverError> {
         let differences = Self::differences(dt_s)?;
         let x = bandwidth_rad_s * dt_s;
         if !(x > 0.0 && x <= 1.0) {
             return Err(ObserverError::Bandwidth { rad_s: bandwidth_rad_s });
+        }
+        if !(1.0 / (dt_s * dt_s)).is_finite() {
+            return Err(ObserverError::TimeStep);
         }
         let beta = math::exponential(-x);
         let rest = 1.0 - beta;

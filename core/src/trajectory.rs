@@ -107,6 +107,10 @@ impl<'a> Trajectory<'a> {
         let to = self.frame(index.saturating_add(1));
         for ((from, to), pose) in from.iter().zip(to).zip(out) {
             *pose = interpolate(from, to, fraction);
+            if !pose.translation_m.is_finite() {
+                // From one end of f32 to the other there is no way.
+                pose.translation_m = from.translation_m;
+            }
         }
     }
 
@@ -141,6 +145,8 @@ fn fraction_of(position: f32) -> f32 {
 /// The pose a fraction of the way from one to the other: the position on the straight line, the rotation
 /// on the great arc.
 ///
+/// Positions are not finite where their difference is too large for f32.
+///
 /// ```
 /// use sinew_core::{Transform, glam::Vec3};
 /// let there = Transform::from_translation(Vec3::X);
@@ -162,6 +168,8 @@ pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform
 /// Cubic Hermite with the central differences as velocities (Catmull and Rom 1974); rotations by the
 /// logarithm from the second frame, `φ̇(1) = J_r⁻¹(φ(1)) ω`, its inverse right Jacobian to third order in the
 /// turn between frames: to 1e-4 of the velocity at 0.5 rad.
+///
+/// Positions are not finite where their differences are too large for f32.
 ///
 /// ```
 /// use sinew_core::{Transform, glam::Vec3, trajectory::interpolate_smoothly};

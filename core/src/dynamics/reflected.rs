@@ -34,6 +34,11 @@ pub struct ReflectedInertia {
 }
 
 impl ReflectedInertia {
+    /// Whether every component is a number: not so where the masses and lengths of a rig are near the end of f32.
+    pub fn is_finite(&self) -> bool {
+        self.angular_kg_m2.is_finite() && self.linear_kg.is_finite()
+    }
+
     /// Moment and force for an acceleration in body axes.
     pub fn wrench(&self, acceleration: Motion) -> Wrench {
         Wrench {

@@ -54,9 +54,14 @@ pub fn compensate_all(
         Arms::TooShort => return (world, AimStatus::ZeroAim),
         Arms::Balanced => return (world, AimStatus::Parallel),
         Arms::Line(arm) => return compensate(Some(arm), settings, desired, measured),
+        Arms::TooLong => return (world, AimStatus::NotFinite),
         Arms::Spread(arms) => arms,
     };
-    let Some(turn) = arms.best_turn(world.linear_m) else {
+    let scale = arms.scale(world.linear_m);
+    if !(scale * scale).is_finite() {
+        return (world, AimStatus::NotFinite);
+    }
+    let Some(turn) = arms.best_turn(world.linear_m, scale) else {
         return (world, AimStatus::Antiparallel);
     };
     let status = if turn == Quat::IDENTITY { AimStatus::Parallel } else { AimStatus::Compensated };
@@ -71,6 +76,8 @@ enum Arms {
     None,
     /// All are shorter than what gives a direction.
     TooShort,
+    /// f32 does not have the fourth powers of their lengths.
+    TooLong,
     /// On one line through the origin: only a turn across it counts, and it is that of this one arm.
     Line(Vec3),
     /// On one line through the origin, evenly to both sides: no turn brings them nearer.
@@ -106,6 +113,9 @@ impl Arms {
         if squares < shortest {
             return Self::TooShort;
         }
+        if !(squares * squares).is_finite() {
+            return Self::TooLong;
+        }
         // The second eigenvalue, if it is small: the second elementary symmetric function of the three over
         // the first.
         let m = second_moment;
@@ -129,16 +139,20 @@ impl Arms {
 }
 
 impl Spread {
+    /// The largest curvature that there can be, m².
+    fn scale(&self, shift: Vec3) -> f32 {
+        trace(self.second_moment) + math::length(shift) * math::length(self.sum)
+    }
+
     /// The rotation Φ that makes `Σ |Φ a - (a + e)|²` least, `e` the desired less the measured origin; the
-    /// identity if nothing is better, and none if no way to better ones is the best.
+    /// identity if nothing is better, and none if no way to better ones is the best. `scale` as [`Self::scale`].
     ///
     /// It makes `tr(Φᵀ B)` largest, `B = Σ (a + e) aᵀ`. About a unit axis n through angle θ that grows by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature
     /// `H = tr(B Φᵀ) 1 - sym(B Φᵀ)`: so each step takes the axis that Newton's method gives, and the very
     /// best angle about it. It never goes down, and has no second maximum to end at.
-    fn best_turn(&self, shift: Vec3) -> Option<Quat> {
+    fn best_turn(&self, shift: Vec3, scale: f32) -> Option<Quat> {
         let goals = self.second_moment + outer(shift, self.sum);
-        let scale = trace(self.second_moment) + math::length(shift) * math::length(self.sum);
         let mut turn = Quat::IDENTITY;
         for _ in 0..MOST_STEPS {
             let now = goals * Mat3::from_quat(turn.conjugate());

@@ -51,6 +51,9 @@ pub fn compensate(
     if way_length < SHORTEST_AIM_M {
         return (world, AimStatus::Coincident);
     }
+    if !(distance.is_finite() && way_length.is_finite()) {
+        return (world, AimStatus::NotFinite);
+    }
     let r_desired = arm * (1.0 / distance); // (7)
     let r_measured = way * (1.0 / way_length); // (8)
     let axis = r_desired.cross(r_measured);
