@@ -2,6 +2,7 @@
 
 mod arm;
 mod budget;
+mod elf;
 mod firmware;
 mod setup;
 mod step;

@@ -1,0 +1,167 @@
+//! What an image for Arm holds: its functions, their Thumb-2 instructions, and who calls whom.
+
+#![allow(
+    dead_code,
+    unused_imports,
+    reason = "the audit and the budget, which come next, stand on it"
+)]
+
+mod calls;
+mod disassembly;
+mod symbols;
+
+use std::collections::{BTreeSet, VecDeque};
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use object::{Architecture, Object};
+
+pub(crate) use calls::{Call, Target};
+pub(crate) use disassembly::Instruction;
+
+use disassembly::Disassembler;
+
+/// A linked image, read once. Functions are known by their index, which rises with their address.
+#[derive(Debug)]
+pub(crate) struct Elf {
+    functions: Vec<Function>,
+}
+
+/// A function as it lies in flash.
+#[derive(Debug, Clone)]
+pub(crate) struct Function {
+    /// Demangled, without the compiler's hash.
+    pub(crate) name: String,
+    /// Further names of the same code: the linker folds functions that are equal, and libraries give aliases.
+    pub(crate) aliases: Vec<String>,
+    /// The symbol as the linker knows it.
+    pub(crate) symbol: String,
+    /// Of the first instruction, without the Thumb bit.
+    pub(crate) address: u64,
+    /// Bytes, literal pools among them.
+    pub(crate) size: u64,
+    /// In rising order, without the data between them.
+    pub(crate) instructions: Vec<Instruction>,
+    /// In the order of their addresses.
+    pub(crate) calls: Vec<Call>,
+}
+
+impl Function {
+    /// Its name and aliases.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.name).chain(&self.aliases).map(String::as_str)
+    }
+}
+
+impl Elf {
+    /// Reads an image.
+    ///
+    /// # Errors
+    /// If it is no ELF file for Arm with symbols, or holds what is not Thumb-2.
+    pub(crate) fn load(path: &Path) -> Result<Self> {
+        let name = || path.display().to_string();
+        Self::parse(&fs::read(path).with_context(name)?).with_context(name)
+    }
+
+    /// The same of a file in memory.
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self> {
+        let file = object::File::parse(bytes)?;
+        ensure!(file.architecture() == Architecture::Arm, "it is for {:?}", file.architecture());
+        let disassembler = Disassembler::new()?;
+        let mut functions = symbols::functions(&file)?
+            .into_iter()
+            .map(|found| {
+                let instructions = disassembler
+                    .instructions(&found.code)
+                    .with_context(|| format!("{} at {:#x}", found.name, found.address))?;
+                Ok(Function {
+                    name: found.name,
+                    aliases: found.aliases,
+                    symbol: found.symbol,
+                    address: found.address,
+                    size: found.size,
+                    instructions,
+                    calls: Vec::new(),
+                })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        ensure!(!functions.is_empty(), "it has no symbols of functions");
+        let calls: Vec<_> =
+            functions.iter().map(|function| calls::of(function, &functions)).collect();
+        for (function, calls) in functions.iter_mut().zip(calls) {
+            function.calls = calls;
+        }
+        Ok(Self { functions })
+    }
+
+    /// All functions, in the order of their addresses.
+    pub(crate) fn functions(&self) -> &[Function] {
+        &self.functions
+    }
+
+    /// The function that has this name, symbol or alias.
+    pub(crate) fn named(&self, name: &str) -> Option<usize> {
+        self.functions.iter().position(|function| {
+            function.symbol == name || function.names().any(|known| known == name)
+        })
+    }
+
+    /// The functions that `function` calls by name, without repetition, in rising order.
+    pub(crate) fn callees_of(&self, function: usize) -> BTreeSet<usize> {
+        self.functions[function].calls.iter().filter_map(|call| call.to.function()).collect()
+    }
+
+    /// The functions that call `function` by name, in rising order.
+    pub(crate) fn callers_of(&self, function: usize) -> Vec<usize> {
+        (0..self.functions.len())
+            .filter(|caller| self.callees_of(*caller).contains(&function))
+            .collect()
+    }
+
+    /// What can run once `roots` are called, themselves included; indirect calls are not followed.
+    pub(crate) fn reachable_from(&self, roots: &[usize]) -> BTreeSet<usize> {
+        let mut reached: BTreeSet<usize> = roots.iter().copied().collect();
+        let mut pending: Vec<usize> = roots.to_vec();
+        while let Some(function) = pending.pop() {
+            pending
+                .extend(self.callees_of(function).into_iter().filter(|next| reached.insert(*next)));
+        }
+        reached
+    }
+
+    /// A shortest way of calls from `root` to `function`, both included.
+    pub(crate) fn path_from(&self, root: usize, function: usize) -> Option<Vec<usize>> {
+        let mut came_from = vec![None; self.functions.len()];
+        let mut pending = VecDeque::from([root]);
+        while let Some(at) = pending.pop_front() {
+            if at == function {
+                let mut path = vec![at];
+                while let Some(before) = path.last().and_then(|last| came_from[*last]) {
+                    path.push(before);
+                }
+                path.reverse();
+                return Some(path);
+            }
+            for next in self.callees_of(at) {
+                if next != root && came_from[next].is_none() {
+                    came_from[next] = Some(at);
+                    pending.push_back(next);
+                }
+            }
+        }
+        None
+    }
+
+    /// A shortest way of calls from `function` back to itself, if it recurs: both ends are itself.
+    pub(crate) fn cycle_through(&self, function: usize) -> Option<Vec<usize>> {
+        self.callees_of(function)
+            .into_iter()
+            .filter_map(|next| self.path_from(next, function))
+            .min_by_key(Vec::len)
+            .map(|path| std::iter::once(function).chain(path).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! Objects made by hand, instruction by instruction.
+
+use object::write::{Object, StandardSection, Symbol, SymbolSection};
+use object::{Architecture, BinaryFormat, Endianness, SymbolFlags, SymbolKind, SymbolScope};
+
+use super::*;
+
+/// Where functions and data begin (with their names), and all that lies there from address 0 on.
+fn object(symbols: &[(u64, &str)], halves: &[u16]) -> Vec<u8> {
+    object_for(Architecture::Arm, symbols, halves)
+}
+
+fn object_for(architecture: Architecture, symbols: &[(u64, &str)], halves: &[u16]) -> Vec<u8> {
+    let mut object = Object::new(BinaryFormat::Elf, architecture, Endianness::Little);
+    let text = object.section_id(StandardSection::Text);
+    let bytes: Vec<u8> = halves.iter().flat_map(|half| half.to_le_bytes()).collect();
+    object.append_section_data(text, &bytes, 4);
+    for (address, name) in symbols {
+        let is_mapping = name.starts_with('$');
+        object.add_symbol(Symbol {
+            name: name.as_bytes().to_vec(),
+            value: address | u64::from(!is_mapping),
+            size: 0,
+            kind: if is_mapping { SymbolKind::Label } else { SymbolKind::Text },
+            scope: SymbolScope::Compilation,
+            weak: false,
+            section: SymbolSection::Section(text),
+            flags: SymbolFlags::None,
+        });
+    }
+    object.write().unwrap()
+}
+
+/// `bl`, or with `false` `b.w`, from one address to another.
+fn branch(from: i32, to: i32, links: bool) -> [u16; 2] {
+    let offset = (to - from - 4) / 2;
+    let bits = |count: u32, shift: u32| {
+        u16::try_from((offset >> shift) & ((1 << count) - 1)).expect("at most 11 bits")
+    };
+    let sign = u16::from(offset < 0);
+    let (j1, j2) = (1 ^ bits(1, 22) ^ sign, 1 ^ bits(1, 21) ^ sign);
+    let second = if links { 0xd000 } else { 0x9000 };
+    [0xf000 | sign << 10 | bits(10, 11), second | j1 << 13 | j2 << 11 | bits(11, 0)]
+}
+
+const PUSH_LR: u16 = 0xb500;
+const POP_PC: u16 = 0xbd00;
+const BX_LR: u16 = 0x4770;
+const BLX_R3: u16 = 0x4798;
+const BX_R3: u16 = 0x4718;
+const NOP: u16 = 0xbf00;
+
+/// `root` calls `middle`, which ends in `leaf`; `again` calls itself by way of `root`; `open` calls pointers.
+fn graph() -> Elf {
+    let symbols =
+        [(0, "$t"), (0, "root"), (8, "middle"), (12, "leaf"), (14, "again"), (18, "open")];
+    let ([a, b], [c, d], [e, f]) =
+        (branch(2, 8, true), branch(8, 12, false), branch(14, 14 + 8, true));
+    let halves = [PUSH_LR, a, b, POP_PC, c, d, BX_LR, e, f, BLX_R3, BX_R3, NOP, NOP];
+    Elf::parse(&object(&symbols, &halves)).unwrap()
+}
+
+#[test]
+fn calls_tail_calls_and_pointers_are_told_apart() {
+    let elf = graph();
+    let call = |at, to, is_tail| Call { at, to, is_tail };
+    let calls = |name| elf.functions()[elf.named(name).unwrap()].calls.clone();
+    assert_eq!(calls("root"), [call(2, Target::Function(1), false)]);
+    assert_eq!(calls("middle"), [call(8, Target::Function(2), true)]);
+    assert_eq!(calls("leaf"), [], "a return is no call");
+    assert_eq!(
+        calls("open"),
+        [call(18, Target::Indirect, false), call(20, Target::Indirect, true)]
+    );
+    assert_eq!(calls("again"), [call(14, Target::Function(4), false)], "into the middle of it");
+}
+
+#[test]
+fn ways_through_the_graph() {
+    let elf = graph();
+    assert_eq!(elf.path_from(0, 2), Some(vec![0, 1, 2]));
+    assert_eq!(elf.path_from(2, 0), None);
+    assert_eq!(elf.path_from(2, 2), Some(vec![2]));
+    assert_eq!(elf.callers_of(2), [1]);
+    assert_eq!(elf.reachable_from(&[1]), BTreeSet::from([1, 2]));
+    assert_eq!(elf.cycle_through(0), None);
+    let [a, b] = branch(0, 4, true);
+    let [c, d] = branch(4, 0, false);
+    let circle = Elf::parse(&object(&[(0, "a"), (4, "b")], &[a, b, c, d])).unwrap();
+    assert_eq!(circle.cycle_through(1), Some(vec![1, 0, 1]));
+}
+
+#[test]
+fn a_branch_within_a_function_is_no_call() {
+    let [a, b] = branch(0, 6, false);
+    let elf = Elf::parse(&object(&[(0, "jump"), (8, "next")], &[a, b, NOP, BX_LR, NOP])).unwrap();
+    assert_eq!(elf.functions()[0].calls, []);
+    let [a, b] = branch(0, 400, true);
+    let elf = Elf::parse(&object(&[(0, "lost")], &[a, b])).unwrap();
+    assert_eq!(elf.functions()[0].calls[0].to, Target::Nowhere(400));
+}
+
+#[test]
+fn data_amid_code_is_not_read_as_instructions() {
+    let vfma = [0xeea0, 0x0a81];
+    let symbols =
+        [(0, "$t.1"), (0, "f"), (4, "$d.2"), (8, "$t.3"), (10, "$d"), (12, "$t"), (12, "g")];
+    let halves = [NOP, NOP, vfma[0], vfma[1], BX_LR, 0xffff, BX_LR];
+    let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
+    let addresses = |index: usize| -> Vec<u64> {
+        elf.functions()[index].instructions.iter().map(|found| found.address).collect()
+    };
+    assert_eq!((addresses(0), addresses(1)), (vec![0, 2, 8], vec![12]));
+    assert_eq!(elf.functions()[0].size, 12, "to the next function, data included");
+}
+
+#[test]
+fn instructions_of_the_fpu_and_conditions_are_named() {
+    // it eq; vmlaeq.f32 s0, s1, s2; vfma.f32; vfnms.f32; vadd.f64 d0, d1, d2; vsqrt.f32; bne.n .
+    let halves = [
+        0xbf08, 0xee00, 0x0a81, 0xeea0, 0x0a81, 0xee90, 0x0a81, 0xee31, 0x0b02, 0xeeb1, 0x0ae0,
+        0xd1fe,
+    ];
+    let elf = Elf::parse(&object(&[(0, "f")], &halves)).unwrap();
+    let instructions = &elf.functions()[0].instructions;
+    let read: Vec<_> =
+        instructions.iter().map(|i| (i.operation.as_str(), i.mnemonic.as_str())).collect();
+    assert_eq!(
+        read,
+        [
+            ("it", "it"),
+            ("vmla", "vmlaeq.f32"),
+            ("vfma", "vfma.f32"),
+            ("vfnms", "vfnms.f32"),
+            ("vadd", "vadd.f64"),
+            ("vsqrt", "vsqrt.f32"),
+            ("b", "bne"),
+        ]
+    );
+    assert_eq!(instructions[4].operands, "d0, d1, d2");
+    assert_eq!(instructions[4].bytes, [0x31, 0xee, 0x02, 0x0b]);
+}
+
+#[test]
+fn names_are_demangled_and_aliases_kept() {
+    let symbols = [(0, "_ZN4core9panicking9panic_fmt17h0123456789abcdefE"), (0, "memcpy")];
+    let elf = Elf::parse(&object(&symbols, &[BX_LR])).unwrap();
+    let found = &elf.functions()[0];
+    assert_eq!(found.names().collect::<Vec<_>>(), ["core::panicking::panic_fmt", "memcpy"]);
+    assert_eq!(found.symbol, symbols[0].1);
+    assert_eq!((elf.named("memcpy"), elf.named(symbols[0].1)), (Some(0), Some(0)));
+}
+
+#[test]
+fn what_cannot_be_read_is_refused() {
+    let problem = |file: &[u8]| format!("{:#}", Elf::parse(file).unwrap_err());
+    assert_eq!(
+        problem(&object(&[(0, "broken")], &[NOP, 0xffff, 0xffff])),
+        "broken at 0x0: what lies at 0x2 is no instruction"
+    );
+    assert_eq!(
+        problem(&object(&[(0, "$a"), (0, "f")], &[NOP])),
+        "there are instructions that are not Thumb at 0x0"
+    );
+    assert_eq!(problem(&object(&[], &[NOP])), "it has no symbols of functions");
+    assert_eq!(problem(&object_for(Architecture::X86_64, &[], &[])), "it is for X86_64");
+    assert!(Elf::parse(b"no image").is_err());
+}
