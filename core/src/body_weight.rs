@@ -12,11 +12,18 @@ use crate::tree::Tree;
 /// Of accelerations, how much it counts where it goes and how it is turning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct BodyWeight {
     /// Weight of the squared distance of the body's origin from where it should be.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub position: f32,
     /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
     /// like being this far off, at a position weight of 1.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub rotation_m: f32,
 }
 

@@ -15,6 +15,11 @@ use crate::transform::{Motion, Wrench};
 /// N m/rad and N m s/rad (N/m and N s/m for what slides).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::serial::GainsFields", into = "crate::serial::GainsFields")
+)]
 pub struct Gains {
     kp: f32,
     kv: f32,
@@ -169,6 +174,11 @@ impl core::error::Error for GainsError {}
 /// How an error becomes a torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum ControlLaw {
     /// `τ = kp e + kv ė`: what a servo does by itself.
     ProportionalDerivative,
@@ -206,6 +216,14 @@ pub fn commanded_acceleration(
 /// It bounds the length of the moment and of the force vector, so that what is cut keeps its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        try_from = "crate::serial::TorqueLimitFields",
+        into = "crate::serial::TorqueLimitFields"
+    )
+)]
 pub struct TorqueLimit {
     moment_nm: f32,
     force_n: f32,
@@ -226,6 +244,16 @@ impl TorqueLimit {
         } else {
             Err(LimitError)
         }
+    }
+
+    /// The most moment in N m; infinite for no bound.
+    pub const fn moment_nm(self) -> f32 {
+        self.moment_nm
+    }
+
+    /// The most force in N; infinite for no bound.
+    pub const fn force_n(self) -> f32 {
+        self.force_n
     }
 
     /// What may be asked for of a wanted wrench, and why it is less.
@@ -286,6 +314,11 @@ impl core::error::Error for LimitError {}
 /// A value, and why it is not the one that was wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Limited<T> {
     /// What may be used.
     pub value: T,
@@ -296,6 +329,11 @@ pub struct Limited<T> {
 /// What limited a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum LimitReason {
     /// The moment was above the joint's limit.

@@ -10,6 +10,11 @@ use crate::math;
 /// Which samples a difference uses, relative to the instant it is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Scheme {
     /// The instant and the ones after it, as the paper does for the desired motion.
     Forward,

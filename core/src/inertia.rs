@@ -10,12 +10,23 @@ use glam::Vec3;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(missing_docs, reason = "the fields are the elements that the type's line names")]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct RotationalInertia {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub xx: f32,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub xy: f32,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub xz: f32,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub yy: f32,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub yz: f32,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub zz: f32,
 }
 
@@ -58,10 +69,17 @@ impl RotationalInertia {
 /// assert_eq!(flat.validate(), Err(InertiaError::TriangleInequality));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Inertia {
     /// Mass in kg; zero for a frame that carries nothing.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub mass_kg: f32,
     /// Centre of mass in the body frame, in metres.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub center_of_mass_m: Vec3,
     /// Rotational inertia about the centre of mass, body axes.
     pub rotational_kg_m2: RotationalInertia,

@@ -20,24 +20,33 @@ pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
 /// The motion subspace S (6 x degrees of freedom, body axes) of each kind has orthonormal columns, so
 /// that S Sᵀ projects on it. A universal joint's axes must be perpendicular for that reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum JointKind {
     /// 0 degrees of freedom.
     Fixed,
     /// 1: turns about an axis, the same in the joint and the body frame.
     Revolute {
         /// Unit axis.
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
         axis: Vec3,
     },
     /// 1: slides along an axis, the same in the joint and the body frame.
     Prismatic {
         /// Unit axis.
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
         axis: Vec3,
     },
     /// 2: turns about `first`, fixed in the joint frame, then about `second`, fixed in the body.
     Universal {
         /// Unit axis in the joint frame.
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
         first: Vec3,
         /// Unit axis in the body frame, perpendicular to `first`.
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
         second: Vec3,
     },
     /// 3: any rotation.

@@ -23,6 +23,22 @@
 //! - World velocities are those of the frame's origin, in **world axes**.
 //! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
 //!   machines compute the same bits.
+//!
+//! # Features
+//! Both are off unless asked for, and need neither `std` nor an allocator.
+//! - `defmt`: `defmt::Format` for all public types, for the log of a board.
+//! - `serde`: `Serialize` and `Deserialize` for settings and states. To read is an entrance like any other: rules
+//!   are checked, and NaN and infinities refused, with errors that say what and where.
+//!
+//! What `serde` writes: vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and what
+//! goes by body or joint as a list, a torque limit's bound as a number or none (`null`). To read makes rotations and
+//! axes unit, so their last bits may change. What belongs to a tree but comes without one, as
+//! [`Aims`](state_error::Aims), must fit *some* tree; [`Controller::new`] checks whether it fits its own. Left out are
+//! - scratch, and what is learnt from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
+//! - what only its constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains must go together,
+//!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written;
+//! - [`Trajectory`], which borrows its frames;
+//! - errors, which are for people: they have `Display`.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -63,6 +79,8 @@ pub mod math;
 mod matrix;
 pub mod observer;
 pub mod projection;
+#[cfg(feature = "serde")]
+mod serial;
 pub mod state;
 pub mod state_error;
 pub mod trajectory;

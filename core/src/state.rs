@@ -15,6 +15,11 @@ use crate::tree::Tree;
 /// parameters". A joint model says which part of it is free.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct JointState {
     /// Pose of the body in its parent's frame.
     pub pose: Transform,
@@ -45,6 +50,11 @@ impl JointState {
 /// that frame; the linear part is the velocity of the body frame's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct BodyState {
     /// Pose in the reference frame.
     pub pose: Transform,

@@ -14,10 +14,17 @@ use glam::{Quat, Vec3};
 /// assert_eq!(pose * pose.inverse(), Transform::IDENTITY);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Transform {
     /// Unit rotation from the inner to the outer frame.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_rotation"))]
     pub rotation: Quat,
     /// Origin of the inner frame in the outer one, in metres.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub translation_m: Vec3,
 }
 
@@ -75,10 +82,17 @@ impl Mul for Transform {
 /// The axes are named where a `Motion` is used. The linear part is the plain time derivative of the
 /// origin's path (classical, not spatial, acceleration).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Motion {
     /// Angular part.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub angular: Vec3,
     /// Linear part, of the frame's origin.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub linear: Vec3,
 }
 
@@ -123,10 +137,17 @@ impl Sub for Motion {
 ///
 /// The axes are named where a `Wrench` is used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Wrench {
     /// Moment about the frame's origin, in N m.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub moment_nm: Vec3,
     /// Force, in N.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub force_n: Vec3,
 }
 

@@ -13,6 +13,11 @@ use crate::transform::Transform;
 /// One body, and the joint that connects it to its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Body {
     /// Index of the parent body (λ); `None` only for the root, whose parent is the world.
     pub parent: Option<usize>,

@@ -13,6 +13,11 @@ use crate::tree::Tree;
 /// What the joints beyond a joint do while it is accelerated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum OuterJoints {
     /// They are held: the joint moves its subtree as one body. The composite-rigid-body inertia, the
     /// diagonal blocks of the mass matrix.
@@ -26,10 +31,16 @@ pub enum OuterJoints {
 /// across them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct ReflectedInertia {
     /// Moment per angular acceleration, about the joint, body axes.
     pub angular_kg_m2: RotationalInertia,
     /// Force per linear acceleration, the mean of the ways that the joint slides.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub linear_kg: f32,
 }
 

@@ -6,16 +6,24 @@ use crate::math;
 /// How far a joint can go, from the zero pose of its joint frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum JointRange {
     /// As far as its kind lets it.
     #[default]
     Any,
     /// A revolute joint from the first to the second angle in rad, both in [-π, π]; a prismatic one from the
     /// first to the second way in m.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     Axis([f32; 2]),
     /// Both axes of a universal joint, as [`Self::Axis`]; each reaches to its own ends.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     Axes([[f32; 2]; 2]),
     /// A spherical joint up to this angle in rad, above 0 and up to π, in any direction.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     Turn(f32),
 }
 

@@ -33,14 +33,23 @@ use crate::state::BodyState;
 /// Difference of the desired and the measured state of one body, and its rate, in the axes of the
 /// method's reference frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct StateError {
     /// Rotation vector from the measured to the desired orientation, rad.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub angular_rad: Vec3,
     /// Desired minus measured position, m.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub linear_m: Vec3,
     /// Desired minus measured angular velocity, rad/s.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub angular_rate_rad_s: Vec3,
     /// Desired minus measured linear velocity, m/s.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub linear_rate_m_s: Vec3,
 }
 
@@ -79,6 +88,11 @@ impl StateError {
 /// Which state error is tracked, with what it needs. `N` as of the tree.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Method<const N: usize> {
     /// Local Space Error, eq. (3).
     Local,

@@ -10,6 +10,11 @@ use crate::tree::Tree;
 
 /// What a body aims at.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Aim {
     /// Nothing: a leaf. World Space Error.
     #[default]
@@ -20,6 +25,7 @@ pub enum Aim {
     /// from where the desired figure has them least.
     Children(BodySet),
     /// A point fixed in the body, in body axes of the desired figure, m: (0, 0, d) in the paper.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     Point(Vec3),
 }
 

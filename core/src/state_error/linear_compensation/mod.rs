@@ -17,8 +17,14 @@ use crate::transform::Transform;
 /// How strongly, and with which rate term, Linear Compensation acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Compensation {
     /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub beta: f32,
     /// The derivative of the compensating rotation.
     pub rate_term: RateTerm,
@@ -34,6 +40,11 @@ impl Default for Compensation {
 /// The extra term of the angular rate in eq. (10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum RateTerm {
     /// `β (z - p_d) × ė_lin / d²`: the rate of the rotation that is really applied, to first order in
     /// the linear error. For several children `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)` with
@@ -50,6 +61,11 @@ pub enum RateTerm {
 /// What happened to a body's aim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum AimStatus {
     /// A leaf: World Space Error.
     #[default]

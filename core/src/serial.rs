@@ -1,0 +1,411 @@
+//! Reading and writing settings and states with serde, in the form that the crate's documentation tells.
+//!
+//! Plain types derive it and read their numbers by [`finite`] and its like; what has rules is here, and is made by its
+//! constructor.
+
+use core::fmt;
+use core::marker::PhantomData;
+
+use glam::{Quat, Vec3};
+use heapless::Vec;
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::ser::{Serialize, SerializeSeq, Serializer};
+
+use crate::body_weight::{BodyWeight, BodyWeights};
+use crate::control::{ControlLaw, Gains, GainsError, LimitError, TorqueLimit};
+use crate::controller::{Controller, ControllerError};
+use crate::dynamics::ReflectedInertia;
+use crate::joint::UNIT_TOLERANCE;
+use crate::math;
+use crate::state_error::{Aim, Aims, Method, References};
+use crate::{
+    Body, BodySet, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, Transform,
+    Tree, TreeError,
+};
+
+/// One number or several.
+pub(crate) trait Numbers: fmt::Debug {
+    fn are_finite(&self) -> bool;
+}
+
+impl Numbers for f32 {
+    fn are_finite(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Numbers for Vec3 {
+    fn are_finite(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Numbers for Quat {
+    fn are_finite(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl<T: Numbers, const K: usize> Numbers for [T; K] {
+    fn are_finite(&self) -> bool {
+        self.iter().all(Numbers::are_finite)
+    }
+}
+
+/// Reads what must be finite.
+pub(crate) fn finite<'de, T, D>(from: D) -> Result<T, D::Error>
+where
+    T: Numbers + Deserialize<'de>,
+    D: Deserializer<'de>,
+{
+    let value = T::deserialize(from)?;
+    if value.are_finite() {
+        Ok(value)
+    } else {
+        Err(D::Error::custom(format_args!("{value:?} is not finite; only finite numbers will do")))
+    }
+}
+
+/// Reads a unit quaternion.
+pub(crate) fn unit_rotation<'de, D: Deserializer<'de>>(from: D) -> Result<Quat, D::Error> {
+    let rotation: Quat = finite(from)?;
+    let squared = rotation.dot(rotation);
+    // Written so that NaN, of numbers whose squares overflow, is refused.
+    if (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE {
+        Ok(rotation)
+    } else {
+        Err(D::Error::custom(format_args!(
+            "{rotation:?} has squared length {squared}; a rotation must be a unit quaternion [x, y, z, w]"
+        )))
+    }
+}
+
+/// Reads a unit vector.
+pub(crate) fn unit_axis<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
+    let axis: Vec3 = finite(from)?;
+    let length = math::length(axis);
+    if (length - 1.0).abs() <= UNIT_TOLERANCE {
+        Ok(axis)
+    } else {
+        Err(D::Error::custom(format_args!(
+            "{axis:?} has length {length}; an axis must be a unit vector"
+        )))
+    }
+}
+
+/// At most `N` items.
+struct List<T, const N: usize>(Vec<T, N>);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for List<T, N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Items<T, const N: usize>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Items<T, N> {
+            type Value = List<T, N>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a list of at most {N} items")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
+                let mut list = Vec::new();
+                while let Some(item) = items.next_element()? {
+                    if list.push(item).is_err() {
+                        return Err(A::Error::invalid_length(N.saturating_add(1), &self));
+                    }
+                }
+                Ok(List(list))
+            }
+        }
+
+        from.deserialize_seq(Items(PhantomData))
+    }
+}
+
+/// The simplest tree in which every body has the parent that it is given, at its place among the bodies.
+fn skeleton<const N: usize>(
+    parents: impl Iterator<Item = Option<usize>>,
+) -> Result<Tree<N>, TreeError> {
+    let mut tree = Tree::new();
+    for parent in parents {
+        let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
+        tree.push(Body { parent, joint: JointKind::Free, placement, inertia })?;
+    }
+    Ok(tree)
+}
+
+/// A tree of so many bodies in which every body supports all those after it.
+fn chain<const N: usize>(count: usize) -> Result<Tree<N>, TreeError> {
+    skeleton((0..count).map(|body| body.checked_sub(1)))
+}
+
+impl Serialize for BodySet {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut members = to.serialize_seq(Some(self.len()))?;
+        for body in self.iter() {
+            members.serialize_element(&body)?;
+        }
+        members.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for BodySet {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<usize, { Self::CAPACITY }>(bodies) = List::deserialize(from)?;
+        let mut set = Self::EMPTY;
+        for body in bodies {
+            if body >= Self::CAPACITY {
+                let most = Self::CAPACITY;
+                return Err(D::Error::custom(format_args!("body {body} must be below {most}")));
+            }
+            if set.contains(body) {
+                return Err(D::Error::custom(format_args!("body {body} is in the set twice")));
+            }
+            set.insert(body);
+        }
+        Ok(set)
+    }
+}
+
+impl<const N: usize> Serialize for Tree<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.bodies().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Tree<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<Body, N>(bodies) = List::deserialize(from)?;
+        Self::from_bodies(&bodies).map_err(D::Error::custom)
+    }
+}
+
+impl<const N: usize> Serialize for JointStates<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for JointStates<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<JointState, N>(list) = List::deserialize(from)?;
+        let mut states = Self::rest(&chain::<N>(list.len()).map_err(D::Error::custom)?);
+        for (joint, state) in list.into_iter().enumerate() {
+            states
+                .set(joint, state)
+                .map_err(|error| D::Error::custom(format_args!("joint {joint}: {error}")))?;
+        }
+        Ok(states)
+    }
+}
+
+/// One joint of [`JointTargets`].
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Target {
+    pose: Transform,
+    velocity: Motion,
+    acceleration: Motion,
+}
+
+impl<const N: usize> Serialize for JointTargets<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut targets = to.serialize_seq(Some(self.states().len()))?;
+        for (state, acceleration) in self.states().iter().zip(self.accelerations()) {
+            let JointState { pose, velocity } = *state;
+            targets.serialize_element(&Target { pose, velocity, acceleration: *acceleration })?;
+        }
+        targets.end()
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for JointTargets<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<Target, N>(list) = List::deserialize(from)?;
+        let mut targets = Self::rest(&chain::<N>(list.len()).map_err(D::Error::custom)?);
+        for (joint, Target { pose, velocity, acceleration }) in list.into_iter().enumerate() {
+            targets
+                .set(joint, JointState { pose, velocity }, acceleration)
+                .map_err(|error| D::Error::custom(format_args!("joint {joint}: {error}")))?;
+        }
+        Ok(targets)
+    }
+}
+
+impl<const N: usize> Serialize for Aims<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Aims<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<Aim, N>(aims) = List::deserialize(from)?;
+        // Each body is the child of the one that aims at it: one at which two do, or that comes before, is refused.
+        let aims_at = |aim: &Aim, child: usize| match *aim {
+            Aim::Child(one) => one == child,
+            Aim::Children(several) => several.contains(child),
+            Aim::None | Aim::Point(_) => false,
+        };
+        let parent = |child: usize| {
+            let before = aims.iter().take(child);
+            let found = before.into_iter().position(|aim| aims_at(aim, child));
+            (child > 0).then(|| found.unwrap_or(0))
+        };
+        let tree = skeleton::<N>((0..aims.len()).map(parent)).map_err(D::Error::custom)?;
+        Self::new(&tree, &aims).map_err(D::Error::custom)
+    }
+}
+
+impl<const N: usize> Serialize for References<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for References<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<Option<usize>, N>(references) = List::deserialize(from)?;
+        let tree = chain::<N>(references.len()).map_err(D::Error::custom)?;
+        Self::new(&tree, &references).map_err(D::Error::custom)
+    }
+}
+
+impl<const N: usize> Serialize for BodyWeights<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for BodyWeights<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<BodyWeight, N>(weights) = List::deserialize(from)?;
+        let tree = chain::<N>(weights.len()).map_err(D::Error::custom)?;
+        Self::new(&tree, &weights).map_err(D::Error::custom)
+    }
+}
+
+/// [`Gains`] as they are written.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "Gains", deny_unknown_fields)]
+pub(crate) struct GainsFields {
+    kp: f32,
+    kv: f32,
+    linear_kp: f32,
+    linear_kv: f32,
+}
+
+impl From<Gains> for GainsFields {
+    fn from(gains: Gains) -> Self {
+        Self {
+            kp: gains.kp(),
+            kv: gains.kv(),
+            linear_kp: gains.linear_kp(),
+            linear_kv: gains.linear_kv(),
+        }
+    }
+}
+
+impl TryFrom<GainsFields> for Gains {
+    type Error = GainsError;
+
+    fn try_from(fields: GainsFields) -> Result<Self, GainsError> {
+        Self::new(fields.kp, fields.kv)?.with_linear(fields.linear_kp, fields.linear_kv)
+    }
+}
+
+/// A [`TorqueLimit`] as it is written: JSON and its like have no infinity.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "TorqueLimit", deny_unknown_fields)]
+pub(crate) struct TorqueLimitFields {
+    // Not left out by mistake: no bound must be asked for.
+    #[serde(deserialize_with = "Option::deserialize")]
+    moment_nm: Option<f32>,
+    #[serde(deserialize_with = "Option::deserialize")]
+    force_n: Option<f32>,
+}
+
+impl From<TorqueLimit> for TorqueLimitFields {
+    fn from(limit: TorqueLimit) -> Self {
+        let bound = |bound: f32| bound.is_finite().then_some(bound);
+        Self { moment_nm: bound(limit.moment_nm()), force_n: bound(limit.force_n()) }
+    }
+}
+
+impl TryFrom<TorqueLimitFields> for TorqueLimit {
+    type Error = LimitError;
+
+    fn try_from(fields: TorqueLimitFields) -> Result<Self, LimitError> {
+        let bound = |bound: Option<f32>| bound.unwrap_or(f32::INFINITY);
+        Self::new(bound(fields.moment_nm), bound(fields.force_n))
+    }
+}
+
+/// A [`Controller`] as it is written.
+#[derive(serde::Serialize)]
+#[serde(rename = "Controller")]
+struct ControllerFields<'a, const N: usize> {
+    tree: &'a Tree<N>,
+    gains: &'a [Gains],
+    method: &'a Method<N>,
+    law: ControlLaw,
+    gravity_m_s2: Vec3,
+    limits: &'a [TorqueLimit],
+    inertias: &'a [ReflectedInertia],
+}
+
+/// A [`Controller`] as it is read.
+#[derive(serde::Deserialize)]
+#[serde(rename = "Controller", deny_unknown_fields)]
+pub(crate) struct ControllerParts<const N: usize> {
+    tree: Tree<N>,
+    gains: List<Gains, N>,
+    method: Method<N>,
+    law: ControlLaw,
+    gravity_m_s2: Vec3,
+    limits: List<TorqueLimit, N>,
+    inertias: List<ReflectedInertia, N>,
+}
+
+impl<const N: usize> Serialize for Controller<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        ControllerFields {
+            tree: self.tree(),
+            gains: self.gains(),
+            method: self.method(),
+            law: self.law(),
+            gravity_m_s2: self.gravity_m_s2(),
+            limits: self.limits(),
+            inertias: self.inertias(),
+        }
+        .serialize(to)
+    }
+}
+
+impl<const N: usize> TryFrom<ControllerParts<N>> for Controller<N> {
+    type Error = ControllerError;
+
+    fn try_from(parts: ControllerParts<N>) -> Result<Self, ControllerError> {
+        let (List(gains), List(limits), List(inertias)) =
+            (parts.gains, parts.limits, parts.inertias);
+        let found = gains.len();
+        let Some(first) = gains.first() else {
+            return Err(ControllerError::GainsCount { expected: parts.tree.len(), found });
+        };
+        let mut controller = Self::new(parts.tree, *first, parts.method)?
+            .with_joint_gains(&gains)?
+            .with_limits(&limits)?
+            .with_gravity(parts.gravity_m_s2)?;
+        if !inertias.is_empty() {
+            controller = controller.with_pd_of_inertia(&inertias)?;
+        }
+        controller.with_law(parts.law)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Controller<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let parts = ControllerParts::<N>::deserialize(from)?;
+        Self::try_from(parts).map_err(D::Error::custom)
+    }
+}

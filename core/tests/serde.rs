@@ -1,0 +1,355 @@
+//! What is written is read again, bit by bit, and what is read is checked.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
+use sinew_core::dynamics::{OuterJoints, ReflectedInertia};
+use sinew_core::finite_difference::Scheme;
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::projection::{BodyWeight, BodyWeights, JointRange};
+use sinew_core::state_error::{
+    Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError,
+};
+use sinew_core::{
+    Body, BodySet, BodyState, Controller, Inertia, JointKind, JointState, JointStates,
+    JointTargets, Motion, RotationalInertia, Transform, Tree, Wrench, math,
+};
+
+/// Through a text and through a compact format for microcontrollers.
+#[track_caller]
+fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) {
+    let text = serde_json::to_string(value).unwrap();
+    assert_eq!(&serde_json::from_str::<T>(&text).unwrap(), value, "{text}");
+    let mut buffer = [0; 4096];
+    let bytes = postcard::to_slice(value, &mut buffer).unwrap();
+    assert_eq!(&postcard::from_bytes::<T>(bytes).unwrap(), value);
+}
+
+/// The message with which a text is refused.
+#[track_caller]
+fn refused<T: DeserializeOwned + std::fmt::Debug>(text: &str) -> String {
+    serde_json::from_str::<T>(text).unwrap_err().to_string()
+}
+
+/// Some numbers with all their digits.
+fn vector(seed: f32) -> Vec3 {
+    Vec3::new(0.1 + seed, -0.3 * seed, 1e-7 / (1.0 + seed))
+}
+
+fn transform(seed: f32) -> Transform {
+    Transform::new(math::exp(vector(seed)), vector(0.7 * seed))
+}
+
+fn motion(seed: f32) -> Motion {
+    Motion::new(vector(seed), vector(seed + 0.1))
+}
+
+fn inertia() -> Inertia {
+    Inertia {
+        mass_kg: 1.1,
+        center_of_mass_m: vector(0.2),
+        rotational_kg_m2: RotationalInertia {
+            xy: 0.001,
+            ..RotationalInertia::diagonal(0.1, 0.2, 0.15)
+        },
+    }
+}
+
+fn joint_kinds() -> [JointKind; 6] {
+    [
+        JointKind::Free,
+        JointKind::Fixed,
+        JointKind::Revolute { axis: Vec3::Z },
+        JointKind::Prismatic { axis: -Vec3::X },
+        JointKind::Universal { first: Vec3::X, second: Vec3::Y },
+        JointKind::Spherical,
+    ]
+}
+
+/// A root with two children; bodies 2 to 5 are a chain.
+fn tree() -> Tree<8> {
+    let mut tree = Tree::new();
+    for (index, joint) in joint_kinds().into_iter().enumerate() {
+        let parent = [None, Some(0), Some(0), Some(2), Some(3), Some(4)][index];
+        let placement = Transform::from_translation(vector(0.5));
+        tree.push(Body { parent, joint, placement, inertia: inertia() }).unwrap();
+    }
+    tree
+}
+
+#[test]
+fn plain_types_come_back() {
+    round_trip(&transform(0.3));
+    round_trip(&motion(0.3));
+    round_trip(&Wrench::new(vector(1.0), vector(2.0)));
+    round_trip(&JointState { pose: transform(0.3), velocity: motion(0.4) });
+    round_trip(&BodyState { pose: transform(0.3), velocity: motion(0.4) });
+    round_trip(&inertia());
+    round_trip(&joint_kinds());
+    round_trip(&tree().bodies()[3]);
+    round_trip(&StateError {
+        angular_rad: vector(0.1),
+        linear_m: vector(0.2),
+        angular_rate_rad_s: vector(0.3),
+        linear_rate_m_s: vector(0.4),
+    });
+    round_trip(&BodyWeight::new(1.0, 0.3));
+    round_trip(&[
+        JointRange::Any,
+        JointRange::Axis([-0.1, 1.2]),
+        JointRange::Axes([[-0.1, 1.2], [0.0, 0.3]]),
+        JointRange::Turn(0.7),
+    ]);
+    round_trip(&[RateTerm::Corrected, RateTerm::AsPrinted, RateTerm::None]);
+    round_trip(&[AimStatus::Leaf, AimStatus::Compensated, AimStatus::ZeroAim]);
+    round_trip(&[ControlLaw::ProportionalDerivative, ControlLaw::InverseDynamics]);
+    round_trip(&[Scheme::Forward, Scheme::Backward, Scheme::Central]);
+    round_trip(&[OuterJoints::Locked, OuterJoints::Free]);
+    round_trip(&ReflectedInertia {
+        angular_kg_m2: RotationalInertia::diagonal(0.1, 0.2, 0.3),
+        linear_kg: 1.3,
+    });
+    round_trip(&Limited { value: 1.5f32, reason: Some(LimitReason::Torque) });
+    round_trip(&Limited { value: Wrench::ZERO, reason: None });
+    round_trip(&Gains::critically_damped(200.0).unwrap().with_linear(3.0, 0.1).unwrap());
+    round_trip(&TorqueLimit::new(3.0, 0.1).unwrap());
+    round_trip(&TorqueLimit::NONE);
+    let set: BodySet = [0, 3, 64, 127].into_iter().collect();
+    round_trip(&set);
+    round_trip(&(0..128).collect::<BodySet>());
+    round_trip(&[Aim::None, Aim::Child(3), Aim::Children(set), Aim::Point(vector(0.1))]);
+}
+
+#[test]
+fn what_belongs_to_a_tree_comes_back() {
+    let tree = tree();
+    round_trip(&tree);
+    round_trip(&Tree::<0>::new());
+    let mut states = JointStates::rest(&tree);
+    states
+        .set(
+            0,
+            JointState { pose: Transform::from_translation(vector(0.3)), velocity: motion(0.4) },
+        )
+        .unwrap();
+    round_trip(&states);
+    let mut targets = JointTargets::rest(&tree);
+    targets.set(2, states.as_slice()[0], motion(0.9)).unwrap();
+    round_trip(&targets);
+    round_trip(&Aims::heaviest_child(&tree));
+    round_trip(&Aims::all_children(&tree));
+    round_trip(&References::egocentric(&tree));
+    round_trip(&References::generations(&tree, 2));
+    round_trip(&BodyWeights::rotations(&tree));
+}
+
+#[test]
+fn controllers_come_back() {
+    let tree = tree();
+    let methods = [
+        Method::Local,
+        Method::World,
+        Method::Accumulated(References::egocentric(&tree)),
+        Method::LinearCompensation {
+            aims: Aims::all_children(&tree),
+            settings: Compensation { beta: 0.7, rate_term: RateTerm::AsPrinted },
+        },
+        Method::ResolvedAcceleration { weights: BodyWeights::rotations(&tree) },
+    ];
+    let gains = Gains::critically_damped(200.0).unwrap();
+    for method in methods {
+        round_trip(&method);
+        let controller = Controller::new(tree.clone(), gains, method).unwrap();
+        round_trip(&controller.with_gravity(Vec3::new(0.0, -1.62, 0.0)).unwrap());
+    }
+    let limits: Vec<_> = (0..6u8).map(|i| TorqueLimit::new(f32::from(i), 0.0).unwrap()).collect();
+    let own: Vec<_> = (0..6u8).map(|i| Gains::new(f32::from(i), 0.1).unwrap()).collect();
+    let controller = Controller::new(tree, gains, Method::World)
+        .unwrap()
+        .with_limits(&limits)
+        .unwrap()
+        .with_joint_gains(&own)
+        .unwrap()
+        .with_pd_of_inertia(&[ReflectedInertia::default(); 6])
+        .unwrap();
+    round_trip(&controller);
+    round_trip(&controller.with_law(ControlLaw::InverseDynamics).unwrap());
+}
+
+/// To read makes rotations unit once more.
+#[test]
+fn rotations_change_by_rounding_only() {
+    let body = Body {
+        parent: None,
+        joint: JointKind::Free,
+        placement: Transform::IDENTITY,
+        inertia: Inertia::default(),
+    };
+    let tree = Tree::<1>::from_bodies(&[body]).unwrap();
+    let mut states = JointStates::rest(&tree);
+    for step in 0..1000u16 {
+        let pose = transform(f32::from(step) * 0.003);
+        states.set(0, JointState { pose, velocity: Motion::ZERO }).unwrap();
+        let text = serde_json::to_string(&states).unwrap();
+        let read: JointStates<1> = serde_json::from_str(&text).unwrap();
+        let [before, after] = [&states, &read].map(|states| states.as_slice()[0].pose.rotation);
+        // The squared length is rounded four times, by half of EPSILON each; half of what it is off goes into each
+        // component, which is rounded once itself.
+        assert!((before - after).to_array().iter().all(|off| off.abs() <= 1.5 * f32::EPSILON));
+    }
+}
+
+#[test]
+fn numbers_are_written_as_people_write_them() {
+    let text = serde_json::to_string(&Transform::new(Quat::IDENTITY, Vec3::X)).unwrap();
+    assert_eq!(text, r#"{"rotation":[0.0,0.0,0.0,1.0],"translation_m":[1.0,0.0,0.0]}"#);
+    let text = serde_json::to_string(&JointKind::Revolute { axis: Vec3::Z }).unwrap();
+    assert_eq!(text, r#"{"revolute":{"axis":[0.0,0.0,1.0]}}"#);
+    assert_eq!(serde_json::to_string(&JointKind::Free).unwrap(), r#""free""#);
+    let text = serde_json::to_string(&TorqueLimit::new(3.0, f32::INFINITY).unwrap()).unwrap();
+    assert_eq!(text, r#"{"moment_nm":3.0,"force_n":null}"#);
+    let set: BodySet = [5, 0].into_iter().collect();
+    assert_eq!(serde_json::to_string(&set).unwrap(), "[0,5]");
+}
+
+/// Through a format that has every bit pattern.
+#[track_caller]
+fn bad<T: Serialize + DeserializeOwned>(value: &T) {
+    let mut buffer = [0; 256];
+    let bytes = postcard::to_slice(value, &mut buffer).unwrap();
+    assert!(postcard::from_bytes::<T>(bytes).is_err(), "{}", std::any::type_name::<T>());
+}
+
+/// Text has no NaN, but numbers too large for f32; a compact format has both.
+#[test]
+fn what_is_not_finite_is_refused() {
+    let message = refused::<Motion>(r#"{"angular":[0,1e39,0],"linear":[0,0,0]}"#);
+    assert!(message.contains("[0, inf, 0]") || message.contains("0.0, inf, 0.0"), "{message}");
+    assert!(message.contains("not finite") && message.contains("line 1"), "{message}");
+    assert!(refused::<Gains>(r#"{"kp":1e39,"kv":0,"linear_kp":0,"linear_kv":0}"#).contains("kp"));
+
+    for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let v = Vec3::new(0.0, x, 0.0);
+        let pose = Transform::from_translation(v);
+        let velocity = Motion::new(Vec3::ZERO, v);
+        bad(&pose);
+        bad(&Transform::new(Quat::from_xyzw(0.0, x, 0.0, 1.0), Vec3::ZERO));
+        bad(&velocity);
+        bad(&Motion::new(v, Vec3::ZERO));
+        bad(&Wrench::new(v, Vec3::ZERO));
+        bad(&Wrench::new(Vec3::ZERO, v));
+        bad(&JointState { pose, velocity: Motion::ZERO });
+        bad(&BodyState { pose: Transform::IDENTITY, velocity });
+        bad(&Inertia { mass_kg: x, ..inertia() });
+        bad(&Inertia { center_of_mass_m: v, ..inertia() });
+        for at in 0..6 {
+            let mut i = RotationalInertia::default();
+            *[&mut i.xx, &mut i.xy, &mut i.xz, &mut i.yy, &mut i.yz, &mut i.zz][at] = x;
+            bad(&i);
+        }
+        bad(&JointKind::Revolute { axis: v });
+        bad(&JointKind::Prismatic { axis: v });
+        bad(&JointKind::Universal { first: v, second: Vec3::X });
+        bad(&JointKind::Universal { first: Vec3::X, second: v });
+        bad(&StateError { angular_rad: v, ..StateError::ZERO });
+        bad(&StateError { linear_m: v, ..StateError::ZERO });
+        bad(&StateError { angular_rate_rad_s: v, ..StateError::ZERO });
+        bad(&StateError { linear_rate_m_s: v, ..StateError::ZERO });
+        bad(&BodyWeight::new(x, 1.0));
+        bad(&BodyWeight::new(1.0, x));
+        bad(&Compensation { beta: x, ..Compensation::default() });
+        bad(&ReflectedInertia { linear_kg: x, ..ReflectedInertia::default() });
+        bad(&Limited { value: Wrench::new(v, Vec3::ZERO), reason: None });
+        bad(&JointRange::Axis([0.0, x]));
+        bad(&JointRange::Axes([[0.0, 1.0], [x, 1.0]]));
+        bad(&JointRange::Turn(x));
+        bad(&Aim::Point(v));
+        bad(&Body { parent: None, joint: JointKind::Free, placement: pose, inertia: inertia() });
+    }
+}
+
+#[test]
+fn what_breaks_a_rule_is_refused_by_its_name() {
+    let message = refused::<Transform>(r#"{"rotation":[0,0,0,2],"translation_m":[0,0,0]}"#);
+    assert!(message.contains("squared length 4") && message.contains("[x, y, z, w]"), "{message}");
+    // Its square overflows.
+    refused::<Transform>(r#"{"rotation":[0,0,0,3e38],"translation_m":[0,0,0]}"#);
+    let message = refused::<JointKind>(r#"{"revolute":{"axis":[0,3,4]}}"#);
+    assert!(message.contains("length 5") && message.contains("unit vector"), "{message}");
+
+    let message = refused::<Gains>(r#"{"kp":-1,"kv":0,"linear_kp":0,"linear_kv":0}"#);
+    assert!(message.contains("kp is negative"), "{message}");
+    let message = refused::<TorqueLimit>(r#"{"moment_nm":-1,"force_n":null}"#);
+    assert!(message.contains("zero or more"), "{message}");
+    let message = refused::<TorqueLimit>(r#"{"moment_nm":1}"#);
+    assert!(message.contains("missing field `force_n`"), "no bound must be asked for: {message}");
+    let message = refused::<Gains>(r#"{"kp":1,"kd":0,"linear_kp":0,"linear_kv":0}"#);
+    assert!(message.contains("unknown field `kd`"), "{message}");
+
+    assert!(refused::<BodySet>("[1, 128]").contains("body 128 must be below 128"));
+    assert!(refused::<BodySet>("[1, 1]").contains("body 1 is in the set twice"));
+    assert!(refused::<BodySet>("[-1]").contains("-1"));
+}
+
+#[test]
+fn a_tree_is_checked_as_every_tree_is() {
+    let mut bodies: serde_json::Value = serde_json::to_value(tree()).unwrap();
+    let with = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut bodies = bodies.clone();
+        change(&mut bodies);
+        refused::<Tree<8>>(&bodies.to_string())
+    };
+    let message = with(&|bodies| bodies[1]["parent"] = 1.into());
+    assert!(message.contains("body 1 names body 1 as its parent"), "{message}");
+    let message = with(&|bodies| bodies[1]["parent"] = serde_json::Value::Null);
+    assert!(message.contains("body 1 has no parent"), "{message}");
+    let message = with(&|bodies| bodies[2]["inertia"]["mass_kg"] = (-1).into());
+    assert!(message.contains("body 2: the mass is negative"), "{message}");
+    let message = with(&|bodies| {
+        bodies[4]["joint"]["universal"]["second"] = serde_json::json!([1, 0, 0]);
+    });
+    assert!(message.contains("joint 4: the axes of a universal joint"), "{message}");
+    let more = bodies.as_array().unwrap()[5].clone();
+    bodies.as_array_mut().unwrap().extend([more.clone(), more.clone(), more]);
+    let message = refused::<Tree<8>>(&bodies.to_string());
+    assert!(message.contains("invalid length 9") && message.contains("at most 8"), "{message}");
+}
+
+#[test]
+fn what_fits_no_tree_is_refused_and_what_fits_another_by_the_controller() {
+    // Body 2 is the child of one body only, and children come after their parents.
+    let aims = |text: &str| refused::<Aims<8>>(text);
+    assert!(aims(r#"["none",{"child":0}]"#).contains("body 1 cannot aim at body 0"));
+    assert!(aims(r#"[{"child":2},{"child":2},"none"]"#).contains("body 1 cannot aim at body 2"));
+    assert!(aims(r#"[{"children":[1,9]},"none"]"#).contains("body 0 cannot aim at body 9"));
+    assert!(refused::<References<8>>("[null,0,2]").contains("body 2 cannot be the reference"));
+    assert!(
+        refused::<BodyWeights<8>>(r#"[{"position":1,"rotation_m":0}]"#).contains("0.01 to 100 m")
+    );
+
+    let tree = tree();
+    let gains = Gains::critically_damped(200.0).unwrap();
+    let mut controller =
+        serde_json::to_value(Controller::new(tree, gains, Method::World).unwrap()).unwrap();
+    // A chain, which the tree is not.
+    controller["method"] = serde_json::json!({"accumulated": [null, 0, 1, 2, 3, 4]});
+    let message = refused::<Controller<8>>(&controller.to_string());
+    assert!(message.contains("another tree") && message.contains("joint 2"), "{message}");
+    controller["method"] = "world".into();
+    controller["gains"].as_array_mut().unwrap().pop();
+    let message = refused::<Controller<8>>(&controller.to_string());
+    assert!(message.contains("6 joints need as many gains, 5 were given"), "{message}");
+}
+
+#[test]
+fn states_and_targets_are_checked_joint_by_joint() {
+    let tree = tree();
+    let mut states = serde_json::to_value(JointStates::rest(&tree)).unwrap();
+    states[3]["pose"]["rotation"] = serde_json::json!([0, 0, 0, 0]);
+    let message = refused::<JointStates<8>>(&states.to_string());
+    assert!(message.contains("unit quaternion"), "{message}");
+    let mut targets = serde_json::to_value(JointTargets::rest(&tree)).unwrap();
+    targets[3]["acceleration"]["linear"] = serde_json::json!([0, 0, -1e39]);
+    let message = refused::<JointTargets<8>>(&targets.to_string());
+    assert!(message.contains("not finite"), "{message}");
+}
