@@ -4,6 +4,8 @@
 
 #![no_std]
 
+pub mod rig;
+
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
     Body, Inertia, JointKind, JointState, Motion, RotationalInertia, Transform, Tree, TreeError,

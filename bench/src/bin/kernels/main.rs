@@ -1,0 +1,404 @@
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to count
+//! what they execute; prints how much stack the ticks take, and how large the types are.
+//!
+//! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
+//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`], and
+//! compares.
+
+#![no_std]
+#![no_main]
+
+mod stack;
+
+use core::hint::black_box;
+use core::mem::size_of;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use sinew_bench::rig::{DT_S, Rig};
+use sinew_bench::{Root, figure, poses, states};
+use sinew_core::control::{ControlLaw, Gains, Limited, TorqueLimit};
+use sinew_core::dynamics::{BodyMotion, Resolved, inverse_dynamics, resolved_acceleration};
+use sinew_core::glam::Vec3;
+use sinew_core::observer::{Observer, ObserverSettings};
+use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
+use sinew_core::state_error::{
+    self, AimStatus, Aims, Compensation, Method, References, StateError,
+};
+use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets_of_bodies};
+use sinew_core::{
+    BodyState, Controller, JointState, JointStates, JointTargets, Motion, StateInputError,
+    Transform, Tree, Workspace, Wrench, kinematics,
+};
+use sinew_firmware::app::App;
+use sinew_firmware::recommended::{DELAY_MOST, ROTATION_M, Recommended};
+use sinew_firmware::show::{self, Show};
+
+/// How often each is run, after a first time that is not counted. Ticks are of successive frames.
+const RUNS: u16 = 16;
+
+/// So many frames come before the first that is asked for: the rig is late.
+const LAG_FRAMES: usize = 4;
+
+/// As many as the ticks look at, and one more of the rig's.
+const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
+
+/// The performer of shows is as much larger than the rig.
+const LARGER: f32 = 1.1;
+
+const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+const INSTRUCTIONS_PER_COUNT: u32 = 40;
+const COUNTER_MASK: u32 = 0x00ff_ffff;
+
+#[entry]
+fn main() -> ! {
+    match measure_all() {
+        Ok(()) => debug::exit(debug::EXIT_SUCCESS),
+        Err(problem) => {
+            hprintln!("error: {}", problem);
+            debug::exit(debug::EXIT_FAILURE);
+        }
+    }
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+fn measure_all() -> Result<(), &'static str> {
+    let mut syst = Peripherals::take().ok_or("the peripherals are taken")?.SYST;
+    syst.set_clock_source(SystClkSource::Core);
+    syst.set_reload(COUNTER_MASK);
+    syst.clear_current();
+    syst.enable_counter();
+    measure::<6>()?;
+    measure::<18>()?;
+    measure::<32>()
+}
+
+static RUNNING: AtomicU32 = AtomicU32::new(0);
+
+/// What is executed after this is counted.
+#[inline(never)]
+fn begin() {
+    RUNNING.store(1, Ordering::Relaxed);
+}
+
+/// What is executed after this is not counted. Of another length than [`begin`], or the compiler makes one of both.
+#[inline(never)]
+fn end() {
+    RUNNING.store(0, Ordering::Relaxed);
+    RUNNING.store(2, Ordering::Relaxed);
+}
+
+/// Runs a kernel on rigs of `N` bodies; its argument counts the runs.
+#[inline(never)]
+fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
+    kernel(0);
+    let mut counted = 0;
+    for run in 1..=RUNS {
+        let start = SYST::get_current();
+        begin();
+        kernel(usize::from(run));
+        end();
+        // The counter runs down and wraps at 24 bits.
+        counted += start.wrapping_sub(SYST::get_current()) & COUNTER_MASK;
+    }
+    let instructions = counted * INSTRUCTIONS_PER_COUNT / u32::from(RUNS);
+    hprintln!("kernel={} bodies={} runs={} instructions={}", name, N, RUNS, instructions);
+}
+
+/// A kind of tick: what it executes, and how much stack it has taken.
+fn count_tick<const N: usize>(
+    name: &str,
+    mut tick: impl FnMut(usize) -> Result<(), StateInputError>,
+) -> Result<(), &'static str> {
+    let mut result = Ok(());
+    let mut checked = |run| result = result.and(tick(run));
+    count::<N>(name, &mut checked);
+    // Once more from the first frame: what is remembered from tick to tick starts anew.
+    let painted = stack::high_water_bytes(|| (0..=usize::from(RUNS)).for_each(&mut checked));
+    hprintln!("stack={} bodies={} bytes={}", name, N, painted);
+    result.map_err(|_| "a tick was refused")
+}
+
+/// A tick of the core, in a function of its own.
+#[inline(never)]
+fn core_tick<const N: usize>(
+    rig: &mut Rig<N>,
+    desired: [&[Transform]; 3],
+    measured: [&[Transform]; 2],
+) -> Result<(), StateInputError> {
+    rig.tick(desired, measured).map(|torques| _ = black_box(torques))
+}
+
+/// A tick as boards run it, in a function of its own.
+#[inline(never)]
+fn app_tick<const N: usize>(
+    app: &mut App<'_, N>,
+    index: usize,
+    measured: &[Transform],
+) -> Result<(), StateInputError> {
+    app.observe(index, measured)?;
+    black_box(app.control());
+    Ok(())
+}
+
+fn measure<const N: usize>() -> Result<(), &'static str> {
+    dynamics::<N>("rnea_fixed_root", Root::Turning)?;
+    dynamics::<N>("rnea_free_root", Root::Floating)?;
+    let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
+    let mut frames = [[Transform::IDENTITY; N]; FRAMES];
+    for (index, frame) in frames.iter_mut().enumerate() {
+        poses(tree.bodies(), DT_S * index as f32, frame);
+    }
+    errors(&tree);
+    differences(&tree, &frames);
+    others(&tree, &frames)?;
+    ticks_of_core(&tree, &frames)?;
+    ticks_of_boards(&tree, &frames)?;
+    types::<N>();
+    Ok(())
+}
+
+fn dynamics<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
+    let tree = figure::<N>(N, root).map_err(|_| "the rig cannot be")?;
+    let mut joints = [JointState::default(); N];
+    let mut accelerations = [Motion::ZERO; N];
+    states(tree.bodies(), &mut joints, &mut accelerations);
+    let mut scratch = [BodyMotion::default(); N];
+    let mut wrenches = [Wrench::ZERO; N];
+    count::<N>(name, |_| {
+        let (bodies, joints) = black_box((tree.bodies(), &joints[..]));
+        let (scratch, wrenches) = (&mut scratch, &mut wrenches);
+        inverse_dynamics(bodies, joints, &accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
+    });
+    black_box(wrenches);
+    Ok(())
+}
+
+fn errors<const N: usize>(tree: &Tree<N>) {
+    let (desired, measured) = (some_states(tree, 0.3), some_states(tree, 0.35));
+    let (mut of_desired, mut of_measured) = ([BodyState::WORLD; N], [BodyState::WORLD; N]);
+    kinematics::body_states(tree.bodies(), desired.as_slice(), &mut of_desired);
+    count::<N>("forward_kinematics", |_| {
+        let joints = black_box(measured.as_slice());
+        kinematics::body_states(tree.bodies(), joints, &mut of_measured);
+    });
+    let mut errors = [StateError::ZERO; N];
+    count::<N>("error_local", |_| {
+        state_error::local(black_box(desired.as_slice()), measured.as_slice(), &mut errors);
+    });
+    count::<N>("error_world", |_| {
+        state_error::world(black_box(&of_desired), &of_measured, &mut errors);
+    });
+    let references = References::egocentric(tree);
+    count::<N>("error_accumulated", |_| {
+        let references = black_box(references.as_slice());
+        state_error::accumulated(references, &of_desired, &of_measured, &mut errors);
+    });
+    let mut status = [AimStatus::Leaf; N];
+    for (name, aims) in [
+        ("error_linear_compensation", Aims::heaviest_child(tree)),
+        ("error_linear_compensation_all", Aims::all_children(tree)),
+    ] {
+        count::<N>(name, |_| {
+            let (aims, settings) = black_box((aims.as_slice(), Compensation::default()));
+            let (errors, status) = (&mut errors, &mut status);
+            state_error::linear_compensation(
+                aims,
+                settings,
+                &of_desired,
+                &of_measured,
+                errors,
+                status,
+            );
+        });
+    }
+    black_box(errors);
+
+    let weights = BodyWeights::rotations(tree);
+    let mut scratch = [Resolved::ZERO; N];
+    let mut accelerations = [Motion::ZERO; N];
+    count::<N>("resolved_acceleration", |_| {
+        accelerations.fill(Motion::new(Vec3::X, Vec3::Y));
+        let (bodies, joints) = black_box((tree.bodies(), measured.as_slice()));
+        let (scratch, accelerations) = (&mut scratch, &mut accelerations);
+        resolved_acceleration(bodies, joints, &of_measured, &weights, scratch, accelerations);
+    });
+    black_box(accelerations);
+}
+
+/// States of all joints at a time of the motion.
+fn some_states<const N: usize>(tree: &Tree<N>, time_s: f32) -> JointStates<N> {
+    let mut at = [[Transform::IDENTITY; N]; 2];
+    let [before, now] = &mut at;
+    poses(tree.bodies(), time_s - DT_S, before);
+    poses(tree.bodies(), time_s, now);
+    let mut joints = JointStates::rest(tree);
+    // Poses that were just made are finite and unit.
+    let _ = backward_states([&before[..], &now[..]], DT_S, &mut joints);
+    joints
+}
+
+fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]; FRAMES]) {
+    let [now, next, after, ..] = frames.each_ref().map(|frame| &frame[..]);
+    let mut targets = JointTargets::rest(tree);
+    let mut measured = JointStates::rest(tree);
+    count::<N>("forward_targets_of_bodies", |_| {
+        let window = black_box([now, next, after]);
+        black_box(forward_targets_of_bodies(tree, window, DT_S, &mut targets).is_ok());
+    });
+    count::<N>("aligned_targets", |_| {
+        black_box(aligned_targets(black_box([now, next, after]), DT_S, &mut targets).is_ok());
+    });
+    count::<N>("backward_states", |_| {
+        black_box(backward_states(black_box([now, next]), DT_S, &mut measured).is_ok());
+    });
+}
+
+fn others<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]; FRAMES],
+) -> Result<(), &'static str> {
+    let weights = [BodyWeight::new(1.0, ROTATION_M); N];
+    let projection = ManifoldProjection::new(tree, &weights).map_err(|_| "no projection")?;
+    let mut workspace = ProjectionWorkspace::new();
+    let mut nearest = [Transform::IDENTITY; N];
+    count::<N>("projection", |run| {
+        let mut performer = frames[run];
+        enlarge(&mut performer);
+        let out = &mut nearest;
+        black_box(projection.project(tree, &performer, &mut workspace, out).is_ok());
+    });
+
+    let settings = ObserverSettings::extended_state(1.0 / DT_S, DT_S).map_err(|_| "no observer")?;
+    let mut observer =
+        Observer::<N, { DELAY_MOST + 1 }>::new(settings, &JointStates::rest(tree), 0)
+            .map_err(|_| "no observer")?;
+    let mut targets = JointTargets::rest(tree);
+    let (commands, torques) = ([Motion::ZERO; N], [Limited::default(); N]);
+    count::<N>("observer", |run| {
+        black_box(observer.observe(tree, &frames[run]).is_ok());
+        observer.compensate(&mut targets);
+        observer.sent(black_box(&commands), &torques);
+    });
+
+    let limit = TorqueLimit::new(5.0, 10.0).map_err(|_| "no limit")?;
+    let limits = [limit; N];
+    let wanted = core::array::from_fn::<_, N, _>(|body| {
+        let moment = Vec3::new(1.0, 2.0, body as f32);
+        Wrench::new(moment, Vec3::ZERO)
+    });
+    let mut allowed = [Limited::default(); N];
+    count::<N>("limits", |_| {
+        let (limits, wanted) = black_box((&limits, &wanted));
+        for ((limit, wanted), allowed) in limits.iter().zip(wanted).zip(&mut allowed) {
+            *allowed = limit.apply(*wanted);
+        }
+    });
+    black_box(allowed);
+    Ok(())
+}
+
+/// Poses of a performer who is larger than the rig.
+fn enlarge(poses: &mut [Transform]) {
+    for pose in poses.iter_mut().skip(1) {
+        pose.translation_m *= LARGER;
+    }
+}
+
+fn controller<const N: usize>(
+    tree: &Tree<N>,
+    method: Method<N>,
+    implicit: bool,
+) -> Result<Controller<N>, &'static str> {
+    // The paper's gain.
+    let gains = Gains::critically_damped(200.0)
+        .and_then(|gains| if implicit { gains.implicit(DT_S) } else { Ok(gains) })
+        .map_err(|_| "no such gains")?;
+    Controller::new(tree.clone(), gains, method)
+        .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
+        .map_err(|_| "no such controller")
+}
+
+fn ticks_of_core<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]; FRAMES],
+) -> Result<(), &'static str> {
+    let settings = Compensation::default();
+    let weights = BodyWeights::rotations(tree);
+    for (name, method) in [
+        ("tick_local", Method::Local),
+        ("tick_world", Method::World),
+        ("tick_accumulated", Method::Accumulated(References::egocentric(tree))),
+        (
+            "tick_linear_compensation",
+            Method::LinearCompensation { aims: Aims::heaviest_child(tree), settings },
+        ),
+        ("tick_resolved_acceleration", Method::ResolvedAcceleration { weights }),
+    ] {
+        let mut rig = Rig::new(controller(tree, method, false)?);
+        let frame = |index: usize| &frames[index][..];
+        count_tick::<N>(name, |run| {
+            let desired = [run + LAG_FRAMES, run + LAG_FRAMES + 1, run + LAG_FRAMES + 2];
+            core_tick(&mut rig, desired.map(frame), [run, run + 1].map(frame))
+        })?;
+    }
+    Ok(())
+}
+
+fn ticks_of_boards<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]; FRAMES],
+) -> Result<(), &'static str> {
+    let mut performance = *frames;
+    for frame in &mut performance {
+        enlarge(frame);
+    }
+    let mut bytes = [0; 16_000];
+    let mut length = 0;
+    let poses = performance[LAG_FRAMES..].iter().map(|frame| &frame[..]);
+    show::write(tree.bodies(), DT_S, poses, |piece| {
+        let slot = bytes.get_mut(length..length + piece.len()).ok_or("the show is too long")?;
+        slot.copy_from_slice(piece);
+        length += piece.len();
+        Ok::<(), &'static str>(())
+    })?;
+    let show = Show::parse(&bytes[..length]).map_err(|_| "the show is not valid")?;
+    let world = App::new(show, controller(tree, Method::World, false)?);
+    let recommended = App::new(show, controller(tree, Method::World, true)?)
+        .with(Recommended::new(&show, tree, 0).map_err(|_| "not to be recommended")?);
+    for (name, mut app) in [("board_world", world), ("board_recommended", recommended)] {
+        count_tick::<N>(name, |run| app_tick(&mut app, run, &frames[run]))?;
+    }
+    Ok(())
+}
+
+fn types<const N: usize>() {
+    for (name, bytes) in [
+        ("Tree", size_of::<Tree<N>>()),
+        ("Controller", size_of::<Controller<N>>()),
+        ("JointTargets", size_of::<JointTargets<N>>()),
+        ("JointStates", size_of::<JointStates<N>>()),
+        ("Workspace", size_of::<Workspace<N>>()),
+        ("ManifoldProjection", size_of::<ManifoldProjection<N>>()),
+        ("ProjectionWorkspace", size_of::<ProjectionWorkspace<N>>()),
+        ("Observer", size_of::<Observer<N, { DELAY_MOST + 1 }>>()),
+        ("Recommended", size_of::<Recommended<N>>()),
+        ("App", size_of::<App<'_, N>>()),
+    ] {
+        hprintln!("type={} bodies={} bytes={}", name, N, bytes);
+    }
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
