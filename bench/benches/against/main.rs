@@ -1,0 +1,140 @@
+//! Our inverse dynamics (RNEA) against that of the crates `dynibo` and `featherstone`, on the same rig in the same
+//! motion and in one run: first whether all agree, then the time of each.
+//!
+//! What is equal and what is not:
+//! - All get the same state and give the torques of all joints and the wrench of the root, in release code for any
+//!   machine of the target.
+//! - `dynibo` computes in f64 and has no spherical joints: three revolute ones stand for each, with two massless links.
+//!   On the rig of revolute joints it has as many links as the others.
+//! - `featherstone` computes in f32 and has all joints, but allocates in each call.
+//! - Ours computes in f32 from states (rotations, not angles). The others begin with coordinates of joints; what that
+//!   adds, with the checks that our states have passed, has a line of its own.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod dynibo;
+mod featherstone;
+mod motion;
+mod sinew;
+
+use std::error::Error;
+
+use sinew_bench::{Root, figure};
+use sinew_core::glam::Vec3;
+use sinew_core::{JointKind, Tree};
+
+use common::interleaved::{Median, medians};
+use motion::RigMotion;
+
+/// Bodies of the rigs.
+const BODIES: usize = 18;
+/// As `dynibo` has it.
+const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, 0.0, -9.806_65);
+/// Largest difference of a torque, as a part of the largest one: the roundings of f32 along the deepest branch.
+const TOLERANCE: f64 = 1e-5;
+/// What the ratio to the faster of the others must be at most, on the first rig.
+const BOUND: f64 = 0.4;
+
+/// An implementation of inverse dynamics with a rig in it.
+trait Contender {
+    fn name(&self) -> &'static str;
+
+    /// Takes a motion over, in its own form: not timed.
+    fn set(&mut self, motion: &RigMotion);
+
+    /// Inverse dynamics of that motion.
+    fn run(&mut self);
+
+    /// What the last [`Self::run`] found: moment and force on the root in world axes about its origin, in N m and N;
+    /// then the torque of each turn of the motion, in N m.
+    fn torques(&self, motion: &RigMotion) -> Vec<f64>;
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let spherical = figure::<BODIES>(BODIES, Root::Floating)?;
+    let mut revolute = Tree::<BODIES>::new();
+    for (body, axis) in spherical.bodies().iter().zip([Vec3::X, Vec3::Y, Vec3::Z].iter().cycle()) {
+        let mut body = *body;
+        if body.joint == JointKind::Spherical {
+            body.joint = JointKind::Revolute { axis: *axis };
+        }
+        revolute.push(body)?;
+    }
+    let ratio = compare(&spherical)?;
+    compare(&revolute)?;
+    let met = if ratio <= BOUND { "met" } else { "MISSED" };
+    println!(
+        "sinew's ratio to the faster of both on the first rig: {ratio:.2} (must be at most {BOUND}: {met})"
+    );
+    Ok(())
+}
+
+/// Prints a table, and returns our ratio to the faster of the others.
+fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
+    let mut contenders: Vec<Box<dyn Contender>> = vec![
+        Box::new(sinew::Sinew::new(tree)),
+        Box::new(sinew::FromCoordinates::new(tree)),
+        Box::new(dynibo::Dynibo::new(tree.bodies())?),
+        Box::new(featherstone::Featherstone::new(tree.bodies())?),
+    ];
+    let (motions, rounds) = if common::quick() { (20, 200) } else { (1000, 5000) };
+    let motions: Vec<_> = (0..motions).map(|seed| RigMotion::random(tree.bodies(), seed)).collect();
+    let turns: usize = motions.first().map_or(0, |motion| motion.turns.iter().map(Vec::len).sum());
+    println!("\nRNEA, {BODIES} bodies, {} degrees of freedom", 6 + turns);
+
+    let worst = disagreement(&mut contenders, &motions);
+    println!(
+        "largest difference of a torque in {} motions: {worst:.1e} of the largest",
+        motions.len()
+    );
+    if worst > TOLERANCE {
+        return Err(
+            format!("the torques disagree by {worst:.1e}, more than {TOLERANCE:.0e}").into()
+        );
+    }
+
+    let names: Vec<_> = contenders.iter().map(|contender| contender.name()).collect();
+    let mut runs: Vec<_> = contenders.iter_mut().map(|contender| || contender.run()).collect();
+    let mut runs: Vec<_> = runs.iter_mut().map(|run| run as &mut dyn FnMut()).collect();
+    let found = medians(rounds, &mut runs);
+    println!("{:24}{:>12}{:>16}", "", "median, ns", "sinew / this");
+    for (name, Median { time_ns, to_first }) in names.iter().zip(&found) {
+        println!("{name:24}{time_ns:>12.0}{:>16.2}", 1.0 / to_first);
+    }
+    let others = found.iter().skip(2);
+    Ok(others.map(|other| 1.0 / other.to_first).fold(0.0, f64::max))
+}
+
+/// The largest difference between any two: of the torque of a joint as a part of the largest of the motion, of what
+/// acts on the root likewise. Infinite if one has not found numbers, or not as many.
+fn disagreement(contenders: &mut [Box<dyn Contender>], motions: &[RigMotion]) -> f64 {
+    let mut worst = 0.0_f64;
+    for motion in motions {
+        let found: Vec<_> = contenders
+            .iter_mut()
+            .map(|contender| {
+                contender.set(motion);
+                contender.run();
+                contender.torques(motion)
+            })
+            .collect();
+        for (index, first) in found.iter().enumerate() {
+            for second in &found[..index] {
+                let ((root, joints), (other_root, other_joints)) =
+                    (first.split_at(6), second.split_at(6));
+                worst = worst.max(apart(root, other_root)).max(apart(joints, other_joints));
+            }
+        }
+    }
+    worst
+}
+
+fn apart(first: &[f64], second: &[f64]) -> f64 {
+    let finite = first.iter().chain(second).all(|value| value.is_finite());
+    if !finite || first.len() != second.len() {
+        return f64::INFINITY;
+    }
+    let largest = first.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let pairs = first.iter().zip(second);
+    pairs.map(|(first, second)| (first - second).abs()).fold(0.0, f64::max) / largest
+}

@@ -1,0 +1,57 @@
+//! Wall time of several things in one run, fair on a machine that others use too.
+
+use std::time::Instant;
+
+/// Median time of one call of each of `runs`, and of each against the first one, in ns and as ratios.
+///
+/// All take turns, a batch of calls each, and another one begins every round: what slows the machine down for longer
+/// than a round slows all of them, and what interrupts one batch is no median. Ratios are medians of those of the rounds.
+pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Median> {
+    let batches: Vec<u32> = runs.iter_mut().map(|run| batch(run)).collect();
+    let mut times_ns = vec![Vec::with_capacity(rounds); runs.len()];
+    for round in 0..rounds {
+        for turn in 0..runs.len() {
+            let index = (round + turn) % runs.len();
+            times_ns[index].push(time_ns(batches[index], runs[index]));
+        }
+    }
+    let first = times_ns.first().cloned().unwrap_or_default();
+    times_ns
+        .into_iter()
+        .map(|times| Median {
+            to_first: median(times.iter().zip(&first).map(|(time, first)| time / first).collect()),
+            time_ns: median(times),
+        })
+        .collect()
+}
+
+/// What [`medians`] found of one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Median {
+    pub(crate) time_ns: f64,
+    pub(crate) to_first: f64,
+}
+
+/// How many calls take some 10 µs: much longer than reading the clock, much shorter than a time slice.
+fn batch(run: &mut dyn FnMut()) -> u32 {
+    let mut count = 1;
+    // The first call fills caches.
+    run();
+    while time_ns(count, run) * f64::from(count) < 10_000.0 {
+        count *= 2;
+    }
+    count
+}
+
+fn time_ns(count: u32, run: &mut dyn FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..count {
+        run();
+    }
+    start.elapsed().as_secs_f64() * 1e9 / f64::from(count)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
