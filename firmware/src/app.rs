@@ -11,6 +11,7 @@ use crate::show::Show;
 
 /// All that a tick needs, in one place of fixed size: put it in a static.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct App<'a, const N: usize> {
     show: Show<'a>,
     controller: Controller<N>,

@@ -12,6 +12,8 @@
 #![deny(missing_docs)]
 
 pub mod app;
+#[cfg(feature = "defmt")]
+mod format;
 pub mod indicator;
 pub mod recommended;
 pub mod replay;

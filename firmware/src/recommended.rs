@@ -26,6 +26,7 @@ pub const LATE_MOST_S: f32 = 0.010;
 
 /// What the setting adds to a World controller, and remembers from tick to tick.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Recommended<const N: usize> {
     projection: ManifoldProjection<N>,
     workspace: ProjectionWorkspace<N>,
@@ -155,6 +156,7 @@ impl<const N: usize> Recommended<N> {
 
 /// Why the setting cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RecommendedError {
     /// The projection.

@@ -38,6 +38,7 @@ pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
 
 /// A run of one method over a show.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Replay<'a, const N: usize> {
     app: App<'a, N>,
     late: [Transform; N],
@@ -90,6 +91,7 @@ impl<'a, const N: usize> Replay<'a, N> {
 
 /// FNV-1a, 64 bit, over the bits of all torques in order: moment then force, x y z, body by body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueHash(u64);
 
 impl Default for TorqueHash {
@@ -122,6 +124,7 @@ pub fn components(wrench: &Wrench) -> [f32; 6] {
 
 /// Why a run cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ReplayError {
     /// The show's rig is not usable.

@@ -3,7 +3,9 @@
 mod arm;
 mod budget;
 mod elf;
+mod features;
 mod firmware;
+mod semver;
 mod setup;
 mod step;
 mod table;
@@ -23,6 +25,8 @@ Commands:
   test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
   firmware  Builds both images, runs one in QEMU, and compares its torques with the host's, and what the images take
             with firmware/budget.toml. With SINEW_SHOW set, that show is performed, and the budget left out
+  semver REV
+            Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   help      Prints this
 ";
 
@@ -36,6 +40,7 @@ fn main() -> ExitCode {
         }
         ["setup"] => setup::run(),
         ["test"] => test::run(),
+        ["semver", revision] => semver::run(revision),
         ["firmware"] => firmware::run(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
         other => {
             eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));

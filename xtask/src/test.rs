@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{firmware, setup, step};
+use crate::{features, firmware, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -12,12 +12,7 @@ pub(crate) fn run() -> Result<()> {
         "clippy",
         step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
     )?;
-    step::run(
-        "clippy of the core with defmt",
-        step::cargo()
-            .args(["clippy", "--locked", "-p", "sinew-core", "--features", "defmt"])
-            .args(deny),
-    )?;
+    features::run()?;
     step::run(
         "documentation",
         step::cargo()

@@ -66,6 +66,7 @@ pub enum RateTerm {
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[non_exhaustive]
 pub enum AimStatus {
     /// A leaf: World Space Error.
     #[default]
