@@ -299,8 +299,9 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         if !slides {
             state.pose.translation_m = measured.translation_m;
         }
-        *disturbance =
+        let carried =
             body.joint.keep_on_axes(&body.placement, &before.pose, &mut state, *disturbance);
+        *disturbance = if carried.is_finite() { carried } else { Motion::ZERO };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
         if self.estimates.set(joint, state).is_err() {

@@ -51,7 +51,7 @@ impl Joint {
                 if along.iter().all(|x| x.is_finite()) {
                     self.along = range.clamp(along);
                 }
-                self.pose = body.placement * kind.at(self.along);
+                self.go_along(body);
             }
         }
     }
@@ -160,7 +160,7 @@ impl Joint {
                     *now = next;
                     made
                 });
-                self.pose = body.placement * kind.at(self.along);
+                self.go_along(body);
                 self.deviation.rotation =
                     math::unit(desired.rotation.conjugate() * self.pose.rotation);
                 if let JointKind::Prismatic { .. } = kind {
@@ -174,6 +174,12 @@ impl Joint {
                 motion
             }
         }
+    }
+
+    /// Takes the pose of its angles or ways; the zero pose, if a way leads beyond f32.
+    fn go_along(&mut self, body: &Body) {
+        let pose = body.placement * body.joint.at(self.along);
+        self.pose = if pose.is_finite() { pose } else { body.placement };
     }
 
     /// Brings a spherical joint back within its range; returns by which turn, in body axes, if it was outside.

@@ -1,0 +1,211 @@
+//! Numbers at the ends of f32, and rigs and states that are made with them.
+//!
+//! What is not a number, or not a rotation, the core refuses; everything else that is here it takes. A *dose* says
+//! how many of a hundred numbers are extreme: with all of them so, everything overflows, and nothing else is seen.
+
+use std::f32::consts::{FRAC_1_SQRT_2, PI};
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::{
+    Body, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia,
+    Transform, Tree, Wrench, math,
+};
+
+/// The ends of f32, and where squares, reciprocals and series change.
+pub const FINITE: [f32; 30] = [
+    0.0,
+    -0.0,
+    1e-45,
+    -1e-45,
+    f32::MIN_POSITIVE / 2.0,
+    f32::MIN_POSITIVE,
+    -f32::MIN_POSITIVE,
+    1e-30,
+    1e-20,
+    -1e-19,
+    1e-10,
+    1e-4,
+    f32::EPSILON,
+    0.5,
+    1.0,
+    -1.0,
+    1.0 + f32::EPSILON,
+    PI,
+    -PI,
+    1e4,
+    16_777_216.0,
+    4_294_967_296.0,
+    1e10,
+    1e18,
+    -1.8e19,
+    2e19,
+    1e30,
+    -1e38,
+    f32::MAX,
+    f32::MIN,
+];
+
+/// What is not a finite number.
+pub const NOT_FINITE: [f32; 4] = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+
+/// All of them.
+pub fn all() -> impl Iterator<Item = f32> {
+    FINITE.into_iter().chain(NOT_FINITE)
+}
+
+/// Turns about which formulas differ: none, almost none, quarter and half turns, of either sign.
+pub fn rotations() -> Vec<Quat> {
+    let of = |x, y, z, w| Quat::from_xyzw(x, y, z, w);
+    let half = FRAC_1_SQRT_2;
+    let some = [
+        Quat::IDENTITY,
+        of(1.0, 0.0, 0.0, 0.0),
+        of(0.0, 1.0, 0.0, -0.0),
+        of(0.0, 0.0, 1.0, 1e-45),
+        of(half, half, 0.0, 0.0),
+        of(0.0, 0.0, 1.0, 1e-7),
+        of(0.0, half, 0.0, half),
+        of(1e-4, 0.0, 0.0, 1.0),
+        of(0.0, 1e-20, 0.0, 1.0),
+        of(0.0, 0.0, 1e-45, 1.0),
+        of(0.5, 0.5, 0.5, 0.5),
+        // As far from unit as is taken.
+        of(0.0, 0.0, 0.6, 0.8) * 1.000_9,
+        of(0.6, 0.0, 0.0, 0.8) * 0.999_1,
+    ];
+    some.into_iter().flat_map(|q| [q, -q]).collect()
+}
+
+/// A number, extreme in `dose` of a hundred cases; finite.
+pub fn number(dose: u32) -> impl Strategy<Value = f32> + Clone {
+    prop_oneof![dose => select(FINITE.as_slice()), 100 - dose => -2.0f32..2.0]
+}
+
+/// A number, or what is none.
+pub fn any_number() -> impl Strategy<Value = f32> + Clone {
+    prop_oneof![
+        4 => select(FINITE.as_slice()),
+        2 => select(NOT_FINITE.as_slice()),
+        2 => any::<u32>().prop_map(f32::from_bits),
+        4 => -2.0f32..2.0,
+    ]
+}
+
+/// A vector of [`number`]s.
+pub fn vector(dose: u32) -> impl Strategy<Value = Vec3> + Clone {
+    [number(dose), number(dose), number(dose)].prop_map(Vec3::from_array)
+}
+
+/// A vector of [`any_number`]s.
+pub fn any_vector() -> impl Strategy<Value = Vec3> + Clone {
+    [any_number(), any_number(), any_number()].prop_map(Vec3::from_array)
+}
+
+/// A rotation, special in `dose` of a hundred cases; as unit as entrances ask.
+pub fn rotation(dose: u32) -> impl Strategy<Value = Quat> + Clone {
+    let ordinary =
+        [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(|v| math::exp(Vec3::from_array(v)));
+    prop_oneof![dose => select(rotations()), 100 - dose => ordinary]
+}
+
+/// Four numbers, a rotation or none.
+pub fn any_quaternion() -> impl Strategy<Value = Quat> + Clone {
+    let numbers = [any_number(), any_number(), any_number(), any_number()];
+    prop_oneof![rotation(50), numbers.prop_map(Quat::from_array)]
+}
+
+/// A pose.
+pub fn pose(dose: u32) -> impl Strategy<Value = Transform> + Clone {
+    (rotation(dose), vector(dose)).prop_map(|(rotation, at)| Transform::new(rotation, at))
+}
+
+/// A pose, or what is none.
+pub fn any_pose() -> impl Strategy<Value = Transform> + Clone {
+    let wrong = (any_quaternion(), any_vector());
+    prop_oneof![1 => wrong.prop_map(|(q, v)| Transform::new(q, v)), 2 => pose(20)]
+}
+
+/// An angular and a linear part.
+pub fn motion(dose: u32) -> impl Strategy<Value = Motion> + Clone {
+    (vector(dose), vector(dose)).prop_map(|(angular, linear)| Motion::new(angular, linear))
+}
+
+/// An angular and a linear part, numbers or not.
+pub fn any_motion() -> impl Strategy<Value = Motion> + Clone {
+    (any_vector(), any_vector()).prop_map(|(angular, linear)| Motion::new(angular, linear))
+}
+
+/// Joints of all kinds.
+pub fn joint() -> impl Strategy<Value = JointKind> + Clone {
+    let oblique = Vec3::new(0.6, 0.0, 0.8);
+    select(vec![
+        JointKind::Fixed,
+        JointKind::Revolute { axis: oblique },
+        JointKind::Revolute { axis: Vec3::Y },
+        JointKind::Prismatic { axis: oblique },
+        JointKind::Universal { first: Vec3::X, second: Vec3::Z },
+        JointKind::Universal { first: oblique, second: Vec3::Y },
+        JointKind::Spherical,
+        JointKind::Spherical,
+        JointKind::Free,
+    ])
+}
+
+/// Masses from nothing to the end of f32; moments that a body can have.
+pub fn inertia(dose: u32) -> impl Strategy<Value = Inertia> + Clone {
+    (number(dose), vector(dose), vector(dose), any::<bool>()).prop_map(
+        |(mass, center_of_mass_m, second_moments, point)| {
+            let mass_kg = mass.abs();
+            // Any three second moments make a body; none of what weighs nothing.
+            let s = if point || mass_kg <= 0.0 { Vec3::ZERO } else { second_moments.abs() };
+            let rotational_kg_m2 = RotationalInertia::diagonal(s.y + s.z, s.z + s.x, s.x + s.y);
+            let good = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
+            let point = Inertia { rotational_kg_m2: RotationalInertia::default(), ..good };
+            if good.validate().is_ok() { good } else { point }
+        },
+    )
+}
+
+/// A tree, how its joints should move and do move, and what pushes its bodies.
+#[derive(Debug, Clone)]
+pub struct Scene<const N: usize> {
+    /// The rig.
+    pub tree: Tree<N>,
+    /// What is wanted.
+    pub targets: JointTargets<N>,
+    /// What is.
+    pub measured: JointStates<N>,
+    /// A wrench on each body, or fewer; not all are numbers.
+    pub external: Vec<Wrench>,
+    /// How many of a hundred numbers are extreme.
+    pub dose: u32,
+}
+
+/// Scenes of 1 to `N` bodies.
+pub fn scenes<const N: usize>() -> impl Strategy<Value = Scene<N>> {
+    select(vec![1u32, 5, 30]).prop_flat_map(|dose| {
+        let body = (any::<u16>(), joint(), pose(dose), inertia(dose));
+        let state = (pose(dose), motion(dose));
+        let wrench = prop_oneof![9 => motion(dose), 1 => any_motion()]
+            .prop_map(|motion| Wrench::new(motion.angular, motion.linear));
+        let joint = (body, state.clone(), state, motion(dose));
+        (vec(joint, 1..=N), vec(wrench, 0..=N)).prop_map(move |(joints, external)| {
+            let mut tree = Tree::new();
+            for (index, ((pick, joint, placement, inertia), ..)) in joints.iter().enumerate() {
+                let parent = (index > 0).then(|| usize::from(*pick) % index.max(1));
+                let (placement, joint, inertia) = (*placement, *joint, *inertia);
+                tree.push(Body { parent, joint, placement, inertia }).expect("a possible body");
+            }
+            let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+            for (joint, (_, desired, is, acceleration)) in joints.iter().enumerate() {
+                let state = |&(pose, velocity): &(Transform, Motion)| JointState { pose, velocity };
+                targets.set(joint, state(desired), *acceleration).expect("a possible target");
+                measured.set(joint, state(is)).expect("a possible state");
+            }
+            Scene { tree, targets, measured, external, dose }
+        })
+    })
+}
