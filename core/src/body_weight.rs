@@ -4,6 +4,7 @@ use core::fmt;
 
 use heapless::Vec;
 
+use crate::fixed;
 use crate::joint::JointKind;
 use crate::tree::Tree;
 
@@ -69,7 +70,7 @@ impl<const N: usize> BodyWeights<N> {
                 return Err(BodyWeightsError::Position { body, value: weight.position });
             }
         }
-        Ok(Self { weights: weights.iter().copied().collect() })
+        Ok(Self { weights: fixed::collect(weights.iter().copied()) })
     }
 
     /// All turns alike, and positions only of bodies whose joints move them: those on free and prismatic joints.
@@ -80,7 +81,7 @@ impl<const N: usize> BodyWeights<N> {
             JointKind::Free | JointKind::Prismatic { .. } => BodyWeight::new(1.0, 1.0),
             _ => BodyWeight::new(0.0, 1.0),
         };
-        Self { weights: tree.bodies().iter().map(|body| weight(body.joint)).collect() }
+        Self { weights: fixed::collect(tree.bodies().iter().map(|body| weight(body.joint))) }
     }
 
     /// The weights by body.

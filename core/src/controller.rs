@@ -10,6 +10,7 @@ use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, commanded_accelera
 use crate::dynamics::{
     BodyMotion, ReflectedInertia, Resolved, inverse_dynamics, resolved_acceleration,
 };
+use crate::fixed;
 use crate::kinematics;
 use crate::state::{BodyState, JointState, JointStates, JointTargets};
 use crate::state_error::{
@@ -88,8 +89,8 @@ impl<const N: usize> Controller<N> {
                 BodyWeights::new(&tree, weights.as_slice()).map_err(ControllerError::Weights)?;
             }
         }
-        let gains = tree.bodies().iter().map(|_| gains).collect();
-        let limits = tree.bodies().iter().map(|_| TorqueLimit::NONE).collect();
+        let gains = fixed::collect(tree.bodies().iter().map(|_| gains));
+        let limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
         let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
         let (law, inertias) = (ControlLaw::default(), Vec::new());
         Ok(Self { tree, gains, method, law, gravity_m_s2, limits, inertias })
@@ -127,7 +128,7 @@ impl<const N: usize> Controller<N> {
             let (expected, found) = (self.tree.len(), gains.len());
             return Err(ControllerError::GainsCount { expected, found });
         }
-        Ok(Self { gains: gains.iter().copied().collect(), ..self })
+        Ok(Self { gains: fixed::collect(gains.iter().copied()), ..self })
     }
 
     /// The same controller with a torque limit for each joint.
@@ -138,7 +139,7 @@ impl<const N: usize> Controller<N> {
         if limits.len() != self.tree.len() {
             return Err(ControllerError::Count { expected: self.tree.len(), found: limits.len() });
         }
-        Ok(Self { limits: limits.iter().copied().collect(), ..self })
+        Ok(Self { limits: fixed::collect(limits.iter().copied()), ..self })
     }
 
     /// The same controller with the PD law, its gains per unit of inertia (1/s² and 1/s): the torque of a joint
@@ -162,7 +163,7 @@ impl<const N: usize> Controller<N> {
         if !inertias.iter().all(ReflectedInertia::is_finite) {
             return Err(ControllerError::NonFinite("inertia"));
         }
-        let inertias = inertias.iter().copied().collect();
+        let inertias = fixed::collect(inertias.iter().copied());
         Self { inertias, ..self }.with_law(ControlLaw::ProportionalDerivative)
     }
 

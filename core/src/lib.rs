@@ -70,6 +70,7 @@ pub mod control;
 mod controller;
 pub mod dynamics;
 pub mod finite_difference;
+mod fixed;
 #[cfg(feature = "defmt")]
 mod format;
 mod inertia;

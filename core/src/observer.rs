@@ -245,7 +245,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let first = !self.any_sent;
         self.any_sent = true;
         let in_flight = self.sent.get_mut(..=self.delay).unwrap_or_default();
-        if !first {
+        // `rotate_left` would panic if there were none: those of a delay above D - 1, which `new` refuses.
+        if !first && !in_flight.is_empty() {
             in_flight.rotate_left(1);
         }
         // Before the first command arrives, the drives hold it.

@@ -4,10 +4,11 @@ use core::fmt;
 
 use heapless::Vec;
 
+use crate::fixed;
 use crate::joint::UNIT_TOLERANCE;
 use crate::math;
 use crate::transform::{Motion, Transform};
-use crate::tree::Tree;
+use crate::tree::{Body, Tree};
 
 /// State of a joint: pose and velocity of its body relative to the parent body.
 ///
@@ -147,11 +148,8 @@ pub struct JointStates<const N: usize> {
 impl<const N: usize> JointStates<N> {
     /// All joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
-        let states = tree
-            .bodies()
-            .iter()
-            .map(|body| JointState { pose: body.placement, velocity: Motion::ZERO })
-            .collect();
+        let at_rest = |body: &Body| JointState { pose: body.placement, velocity: Motion::ZERO };
+        let states = fixed::collect(tree.bodies().iter().map(at_rest));
         Self { states }
     }
 
@@ -187,7 +185,7 @@ impl<const N: usize> JointTargets<N> {
     /// All joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
         let states: Vec<JointState, N> = JointStates::rest(tree).states;
-        let accelerations = states.iter().map(|_| Motion::ZERO).collect();
+        let accelerations = fixed::collect(states.iter().map(|_| Motion::ZERO));
         Self { states, accelerations }
     }
 

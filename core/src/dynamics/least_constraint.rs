@@ -9,6 +9,7 @@ use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
 
 use super::spatial_inertia::SpatialInertia;
+use crate::fixed;
 use crate::joint::JointKind;
 use crate::matrix::symmetric_inverse;
 use crate::transform::{Motion, Wrench};
@@ -71,7 +72,7 @@ impl Freedoms {
             kind => {
                 let in_joint = body.placement.rotation.conjugate() * relative;
                 let axis = |motion: &Motion| Axis { motion: motion.rotated(world), held: false };
-                Self::Axes(kind.motion_subspace(in_joint).iter().take(3).map(axis).collect())
+                Self::Axes(fixed::collect(kind.motion_subspace(in_joint).iter().take(3).map(axis)))
             }
         }
     }
@@ -96,9 +97,9 @@ impl Demand {
                 *self = Self::ZERO;
                 Response::Free(Motion { angular: turn - per_way * linear, linear })
             }
-            Freedoms::Axes(axes) => {
-                Response::Axes(axes.iter().map(|axis| self.eliminate_axis(axis, damping)).collect())
-            }
+            Freedoms::Axes(axes) => Response::Axes(fixed::collect(
+                axes.iter().map(|axis| self.eliminate_axis(axis, damping)),
+            )),
         }
     }
 

@@ -4,6 +4,7 @@ use glam::Mat3;
 use heapless::Vec;
 
 use super::spatial_inertia::SpatialInertia;
+use crate::fixed;
 use crate::inertia::RotationalInertia;
 use crate::matrix::outer;
 use crate::state::{JointState, JointStates};
@@ -91,9 +92,9 @@ pub fn reflected_inertia<const N: usize>(
 ) -> Vec<ReflectedInertia, N> {
     let bodies = tree.bodies();
     let mut inertias: Vec<SpatialInertia, N> =
-        bodies.iter().map(|body| SpatialInertia::of(&body.inertia)).collect();
+        fixed::collect(bodies.iter().map(|body| SpatialInertia::of(&body.inertia)));
     let mut reflected: Vec<ReflectedInertia, N> =
-        bodies.iter().map(|_| ReflectedInertia::default()).collect();
+        fixed::collect(bodies.iter().map(|_| ReflectedInertia::default()));
     // Inward: a body is done when all beyond it have been added.
     for (index, (body, joint)) in bodies.iter().zip(pose.as_slice()).enumerate().rev() {
         let Some(mut inertia) = inertias.get(index).copied() else { continue };

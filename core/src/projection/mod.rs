@@ -14,6 +14,7 @@ pub use range::JointRange;
 pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
 use crate::dynamics::SpatialInertia;
 use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
+use crate::fixed;
 use crate::joint::{JointKind, UNIT_TOLERANCE};
 use crate::math;
 use crate::transform::{Motion, Transform, Wrench};
@@ -83,7 +84,7 @@ impl<const N: usize> ManifoldProjection<N> {
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
         Ok(Self {
             weights: BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?,
-            ranges: tree.bodies().iter().map(|_| JointRange::Any).collect(),
+            ranges: fixed::collect(tree.bodies().iter().map(|_| JointRange::Any)),
             root_held: false,
             sweeps: DEFAULT_SWEEPS,
         })
@@ -107,7 +108,7 @@ impl<const N: usize> ManifoldProjection<N> {
         if let Some(joint) = bad {
             return Err(ProjectionError::Range { joint });
         }
-        Ok(Self { ranges: ranges.iter().copied().collect(), ..self })
+        Ok(Self { ranges: fixed::collect(ranges.iter().copied()), ..self })
     }
 
     /// The same with the root where it is desired: what a rig that walks on its own feet must not change.

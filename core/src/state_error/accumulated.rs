@@ -5,6 +5,7 @@ use core::fmt;
 use heapless::Vec;
 
 use super::StateError;
+use crate::fixed;
 use crate::state::BodyState;
 use crate::tree::Tree;
 
@@ -34,7 +35,7 @@ impl<const N: usize> References<N> {
                 return Err(ReferencesError::NotAncestor { joint, reference });
             }
         }
-        Ok(Self { bodies: references.iter().copied().collect() })
+        Ok(Self { bodies: fixed::collect(references.iter().copied()) })
     }
 
     /// The egocentric case: every body as the root sees it, the root as the world sees it.
@@ -45,7 +46,7 @@ impl<const N: usize> References<N> {
     /// What `ancestor` moves as `ancestor` sees it; itself and all others as the world sees them.
     pub fn of_ancestor(tree: &Tree<N>, ancestor: usize) -> Self {
         let seen = |joint| tree.is_ancestor(ancestor, joint).then_some(ancestor);
-        Self { bodies: (0..tree.len()).map(seen).collect() }
+        Self { bodies: fixed::collect((0..tree.len()).map(seen)) }
     }
 
     /// Every body as the one `count` generations above it sees it, the world where that is beyond the root:
@@ -53,7 +54,7 @@ impl<const N: usize> References<N> {
     /// reference of itself, so 0 is taken as 1.
     pub fn generations(tree: &Tree<N>, count: usize) -> Self {
         let above = |joint| (0..count.max(1)).try_fold(joint, |body, _| tree.parent(body));
-        Self { bodies: (0..tree.len()).map(above).collect() }
+        Self { bodies: fixed::collect((0..tree.len()).map(above)) }
     }
 
     /// The reference bodies by joint.

@@ -6,6 +6,7 @@ use glam::Vec3;
 use heapless::Vec;
 
 use crate::body_set::BodySet;
+use crate::fixed;
 use crate::tree::Tree;
 
 /// What a body aims at.
@@ -63,7 +64,7 @@ impl<const N: usize> Aims<N> {
                 _ => {}
             }
         }
-        Ok(Self { aims: aims.iter().copied().collect() })
+        Ok(Self { aims: fixed::collect(aims.iter().copied()) })
     }
 
     /// Every body aims at the child with the heaviest subtree (without masses: with most bodies), the
@@ -108,7 +109,7 @@ impl<const N: usize> Aims<N> {
             }
             best.map_or(Aim::None, |(child, _)| Aim::Child(child))
         };
-        Self { aims: (0..tree.len()).map(aim).collect() }
+        Self { aims: fixed::collect((0..tree.len()).map(aim)) }
     }
 
     /// Every body aims at all its children, by least squares.
@@ -124,7 +125,7 @@ impl<const N: usize> Aims<N> {
                 _ => Aim::Children(children),
             }
         };
-        Self { aims: (0..tree.len()).map(aim).collect() }
+        Self { aims: fixed::collect((0..tree.len()).map(aim)) }
     }
 
     /// The aims by body.
