@@ -1,6 +1,7 @@
 //! Developer commands of Sinew: `cargo xtask COMMAND`.
 
 mod arm;
+mod audit;
 mod budget;
 mod elf;
 mod features;
@@ -27,6 +28,8 @@ Commands:
             with firmware/budget.toml. With SINEW_SHOW set, that show is performed, and the budget left out
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
+  audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
+            multiply-add, formatting, allocation, recursion and indirect calls
   help      Prints this
 ";
 
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         ["setup"] => setup::run(),
         ["test"] => test::run(),
         ["semver", revision] => semver::run(revision),
+        ["audit"] => audit::run(),
         ["firmware"] => firmware::run(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
         other => {
             eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));

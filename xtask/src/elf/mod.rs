@@ -1,13 +1,8 @@
 //! What an image for Arm holds: its functions, their Thumb-2 instructions, and who calls whom.
 
-#![allow(
-    dead_code,
-    unused_imports,
-    reason = "the audit and the budget, which come next, stand on it"
-)]
-
 mod calls;
 mod disassembly;
+mod lines;
 mod symbols;
 
 use std::collections::{BTreeSet, VecDeque};
@@ -19,6 +14,7 @@ use object::{Architecture, Object};
 
 pub(crate) use calls::{Call, Target};
 pub(crate) use disassembly::Instruction;
+pub(crate) use lines::{Lines, Place};
 
 use disassembly::Disassembler;
 
@@ -161,6 +157,11 @@ impl Elf {
             .min_by_key(Vec::len)
             .map(|path| std::iter::once(function).chain(path).collect())
     }
+}
+
+/// A symbol as its programmer wrote it, without the compiler's hash.
+fn demangled(symbol: &str) -> String {
+    format!("{:#}", rustc_demangle::demangle(symbol))
 }
 
 #[cfg(test)]

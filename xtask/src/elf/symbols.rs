@@ -44,7 +44,7 @@ pub(super) fn functions(file: &File<'_>) -> Result<Vec<Found>> {
             }
             let mut names: Vec<String> = Vec::new();
             for symbol in &symbols {
-                let name = format!("{:#}", rustc_demangle::demangle(symbol));
+                let name = super::demangled(symbol);
                 if !names.contains(&name) {
                     names.push(name);
                 }

@@ -1,0 +1,120 @@
+//! What is made and checked before the loop.
+
+use core::hint::black_box;
+
+use sinew_core::control::{ControlLaw, Gains, TorqueLimit};
+use sinew_core::dynamics::{OuterJoints, reflected_inertia};
+use sinew_core::glam::Vec3;
+use sinew_core::observer::{Observer, ObserverSettings};
+use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
+use sinew_core::state_error::{Aims, Compensation, Method, References};
+use sinew_core::{BodySet, Controller, JointState, Motion, Tree};
+use sinew_firmware::recommended::Recommended;
+use sinew_firmware::show::Show;
+
+use crate::{N, body, desired, gains, measured, slice, slice_mut, tree};
+
+#[inline(never)]
+pub(crate) fn trees() {
+    let mut tree = black_box(Tree::<N>::new());
+    black_box(&tree.push(body()));
+    black_box(&Tree::<N>::from_bodies(slice()));
+    black_box((tree.len(), tree.is_empty(), tree.parent(black_box(1))));
+    black_box((tree.supporters(black_box(1)), tree.subtree(black_box(1))));
+    black_box((tree.children(black_box(1)), tree.is_leaf(black_box(1))));
+    black_box((tree.is_ancestor(black_box(1), black_box(2)), tree.leaves().max()));
+    let mut set = black_box(slice::<usize>().iter().copied().collect::<BodySet>());
+    set.insert(black_box(1));
+    black_box((set.contains(black_box(1)), set.len(), set.is_empty(), set.iter().max()));
+}
+
+fn method() -> Method<N> {
+    let tree = tree();
+    match black_box(0) {
+        0 => Method::Local,
+        1 => Method::World,
+        2 => Method::Accumulated(References::egocentric(&tree)),
+        3 => Method::Accumulated(References::of_ancestor(&tree, black_box(1))),
+        4 => Method::Accumulated(References::generations(&tree, black_box(1))),
+        5 => Method::LinearCompensation {
+            aims: Aims::heaviest_child(&tree),
+            settings: black_box(Compensation::default()),
+        },
+        6 => Method::LinearCompensation {
+            aims: Aims::all_children(&tree),
+            settings: black_box(Compensation::default()),
+        },
+        _ => Method::ResolvedAcceleration { weights: BodyWeights::rotations(&tree) },
+    }
+}
+
+/// A controller with every setting, none of which the compiler knows.
+pub(crate) fn controller() -> Option<Controller<N>> {
+    let tree = tree();
+    let inertias = reflected_inertia(&tree, &measured(), black_box(OuterJoints::Free));
+    Controller::new(tree, gains()?, black_box(method()))
+        .ok()?
+        .with_gravity(black_box(Vec3::ZERO))
+        .ok()?
+        .with_joint_gains(slice())
+        .ok()?
+        .with_limits(slice())
+        .ok()?
+        .with_pd_of_inertia(&black_box(inertias))
+        .ok()?
+        .with_law(black_box(ControlLaw::InverseDynamics))
+        .ok()
+        .map(black_box)
+}
+
+#[inline(never)]
+pub(crate) fn controllers() {
+    black_box(&controller());
+    let tree = tree();
+    black_box(&References::new(&tree, slice()));
+    black_box(&Aims::new(&tree, slice()));
+    black_box(&BodyWeights::new(&tree, slice()));
+    black_box(&Gains::new(black_box(1.0), black_box(1.0)));
+    if let Some(gains) = gains() {
+        black_box(&gains.with_linear(black_box(1.0), black_box(1.0)));
+        black_box(&gains.implicit(black_box(1.0)));
+    }
+    black_box(&TorqueLimit::new(black_box(1.0), black_box(1.0)));
+    let state = black_box(JointState::default());
+    let mut targets = desired();
+    black_box(&targets.set(black_box(1), state, black_box(Motion::ZERO)));
+    black_box(&targets.set_velocity(black_box(1), black_box(Motion::ZERO)));
+    black_box(&measured().set(black_box(1), state));
+}
+
+#[inline(never)]
+pub(crate) fn projections() {
+    let tree = tree();
+    let weights: &[BodyWeight] = slice();
+    let Ok(projection) = ManifoldProjection::new(&tree, weights) else { return };
+    let projection = black_box(projection).with_root_held().with_sweeps(black_box(1));
+    let Ok(projection) = black_box(projection).with_ranges(&tree, slice()) else { return };
+    let mut workspace = black_box(ProjectionWorkspace::new());
+    black_box(&black_box(projection).project(&tree, slice(), &mut workspace, slice_mut()));
+    workspace.reset();
+}
+
+#[inline(never)]
+pub(crate) fn observers() {
+    let (tree, state) = (tree(), measured());
+    let Ok(settings) = ObserverSettings::extended_state(black_box(1.0), black_box(1.0)) else {
+        return;
+    };
+    let Ok(settings) = settings.with_most(black_box(1.0), black_box(1.0)) else { return };
+    black_box(&ObserverSettings::differences(black_box(1.0)));
+    let Ok(observer) = Observer::<N, 3>::new(settings, &state, black_box(1)) else { return };
+    let mut observer = black_box(observer);
+    black_box(&observer.observe(&tree, slice()));
+    observer.compensate(&mut desired());
+    observer.sent(slice(), slice());
+    observer.restart(&state);
+    black_box((observer.states(), observer.disturbances()));
+    let Ok(show) = Show::parse(slice()) else { return };
+    let Ok(setting) = Recommended::new(&black_box(show), &tree, black_box(1)) else { return };
+    black_box(&black_box(setting).with_ranges(&tree, slice()));
+}

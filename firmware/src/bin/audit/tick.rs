@@ -1,0 +1,54 @@
+//! What runs in every tick.
+
+use core::hint::black_box;
+
+use sinew_core::Workspace;
+use sinew_firmware::app::App;
+use sinew_firmware::indicator;
+use sinew_firmware::recommended::Recommended;
+use sinew_firmware::replay::{Replay, TorqueHash, method};
+use sinew_firmware::show::Show;
+
+use crate::{N, construct, desired, measured, slice, tree};
+
+/// The tick with any method, law, gains, limits and external wrenches.
+#[inline(never)]
+pub(crate) fn controller() {
+    let Some(controller) = construct::controller() else { return };
+    let mut workspace = black_box(Workspace::new());
+    black_box(controller.tick(&desired(), &measured(), slice(), &mut workspace));
+    black_box((workspace.errors(), workspace.aim_status()));
+    black_box((workspace.torques(), workspace.commands()));
+    black_box((controller.gains(), controller.method(), controller.law(), controller.limits()));
+}
+
+/// The boards' tick, plain and in the setting for real rigs.
+#[inline(never)]
+pub(crate) fn app() {
+    let Some(controller) = construct::controller() else { return };
+    let Ok(show) = Show::parse(slice()) else { return };
+    let mut app = App::new(black_box(show), controller);
+    if black_box(true) {
+        let Ok(setting) = Recommended::new(&show, &tree(), black_box(1)) else { return };
+        app = app.with(black_box(setting));
+    }
+    let mut app = black_box(app);
+    black_box(&app.observe(black_box(1), slice()));
+    black_box(app.control());
+    black_box((app.controller().tree(), app.show()));
+    black_box(indicator::breath(black_box(1)));
+}
+
+/// What stands in for servos where bits are compared.
+#[inline(never)]
+pub(crate) fn replay() {
+    let Ok(show) = Show::parse(slice()) else { return };
+    let name = black_box("world");
+    black_box(&method(name, &tree()));
+    let Ok(replay) = Replay::<N>::new(black_box(show), name) else { return };
+    let mut replay = black_box(replay);
+    black_box(&replay.observe(black_box(1)));
+    let mut hash = TorqueHash::default();
+    hash.update(replay.control());
+    black_box(hash.value());
+}

@@ -1,0 +1,179 @@
+//! What must not be in an image that holds all that boards may call.
+
+use crate::elf::{Elf, Function, Target};
+
+/// Why something must not be there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rule {
+    /// A panic can be reached.
+    Panic,
+    /// 64-bit floats: by software on a Cortex-M4F, 10 to 50 times as slow, and other bits.
+    DoublePrecision,
+    /// Fused multiply-add rounds once where multiplication and addition round twice: other bits than the host's.
+    FusedMultiplyAdd,
+    /// Text is put together.
+    Formatting,
+    /// Memory comes from a heap.
+    Allocation,
+    /// A function calls itself: the stack has no bound.
+    Recursion,
+    /// A call by pointer: nobody knows what it runs, or how much stack that takes.
+    IndirectCall,
+    /// A call to where no function is.
+    Nowhere,
+}
+
+impl Rule {
+    pub(super) const ALL: [Self; 8] = [
+        Self::Panic,
+        Self::DoublePrecision,
+        Self::FusedMultiplyAdd,
+        Self::Formatting,
+        Self::Allocation,
+        Self::Recursion,
+        Self::IndirectCall,
+        Self::Nowhere,
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Panic => "panic",
+            Self::DoublePrecision => "f64",
+            Self::FusedMultiplyAdd => "fused multiply-add",
+            Self::Formatting => "core::fmt",
+            Self::Allocation => "allocation",
+            Self::Recursion => "recursion",
+            Self::IndirectCall => "indirect call",
+            Self::Nowhere => "call to no function",
+        }
+    }
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Finding {
+    pub(super) rule: Rule,
+    /// The symbol, instruction or circle of calls.
+    pub(super) what: String,
+    /// The function where it stands.
+    pub(super) function: usize,
+    /// The instruction.
+    pub(super) at: u64,
+}
+
+/// All that breaks a rule, by rule and then by address.
+pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (index, function) in elf.functions().iter().enumerate() {
+        let finding = |rule, what: String, at| Finding { rule, what, function: index, at };
+        for call in &function.calls {
+            let found = match call.to {
+                Target::Function(callee) => {
+                    let callee = &elf.functions()[callee];
+                    // Within the library that panics or formats, only the way in counts.
+                    of_function(callee)
+                        .filter(|(rule, _)| {
+                            of_function(function).is_none_or(|(own, _)| own != *rule)
+                        })
+                        .map(|(rule, name)| finding(rule, name.to_owned(), call.at))
+                }
+                Target::Indirect => {
+                    Some(finding(Rule::IndirectCall, "by a register".to_owned(), call.at))
+                }
+                // Where a panic goes, linked for a look: what leads there is found anyway.
+                Target::Nowhere(_) if of_function(function).is_some() => None,
+                Target::Nowhere(address) => {
+                    Some(finding(Rule::Nowhere, format!("{address:#x}"), call.at))
+                }
+            };
+            findings.extend(found);
+        }
+        for instruction in &function.instructions {
+            let what = format!("{} {}", instruction.mnemonic, instruction.operands);
+            if matches!(instruction.operation.as_str(), "vfma" | "vfms" | "vfnma" | "vfnms") {
+                findings.push(finding(Rule::FusedMultiplyAdd, what, instruction.address));
+            } else if instruction.mnemonic.contains(".f64") {
+                findings.push(finding(Rule::DoublePrecision, what, instruction.address));
+            }
+        }
+        if let Some(circle) = elf.cycle_through(index) {
+            let names: Vec<_> =
+                circle.iter().map(|at| elf.functions()[*at].name.as_str()).collect();
+            findings.push(finding(Rule::Recursion, names.join(" > "), function.address));
+        }
+        // What nobody calls by name is in the image all the same: an interrupt, or by pointer.
+        if let Some((rule, name)) = of_function(function)
+            && elf.callers_of(index).is_empty()
+        {
+            findings.push(finding(rule, name.to_owned(), function.address));
+        }
+    }
+    findings.sort_by_key(|finding| (finding.rule, finding.at));
+    findings
+}
+
+/// The rule that a function breaks by being there, and the name that says so.
+fn of_function(function: &Function) -> Option<(Rule, &str)> {
+    function.names().find_map(|name| Some((of_name(name)?, name)))
+}
+
+fn of_name(name: &str) -> Option<Rule> {
+    // The path of a generic's or method's own name: `<T as core::fmt::Debug>::fmt` is about `core::fmt` too.
+    let last = name.rsplit("::").next().unwrap_or(name);
+    let panics = [
+        "panic",
+        "unwrap_failed",
+        "expect_failed",
+        "begin_unwind",
+        "index_fail",
+        "mismatch_fail",
+        "slice_error_fail",
+        "str_index_overflow",
+    ];
+    let allocates = [
+        "malloc",
+        "calloc",
+        "realloc",
+        "free",
+        "__rust_alloc",
+        "__rust_alloc_zeroed",
+        "__rust_dealloc",
+        "__rust_realloc",
+        "__rustc::__rust_alloc",
+    ];
+    if name.contains("core::fmt::") {
+        Some(Rule::Formatting)
+    } else if panics.iter().any(|part| last.contains(part)) || name.contains("core::panicking::") {
+        Some(Rule::Panic)
+    } else if allocates.contains(&last) || name.starts_with("alloc::") || name.contains("<alloc::")
+    {
+        Some(Rule::Allocation)
+    } else if is_of_doubles(last) {
+        Some(Rule::DoublePrecision)
+    } else if ["fma", "fmaf"].contains(&last) {
+        Some(Rule::FusedMultiplyAdd)
+    } else {
+        None
+    }
+}
+
+/// Whether this is one of the functions that compute with f64 where the processor cannot: by the names of Arm's
+/// run-time ABI, chapter 4.1, or by those of GCC.
+fn is_of_doubles(name: &str) -> bool {
+    if let Some(of_abi) = name.strip_prefix("__aeabi_") {
+        return of_abi.starts_with('d')
+            || ["cdcmp", "cdrcmp"].iter().any(|start| of_abi.starts_with(start))
+            || ["f2d", "i2d", "ui2d", "l2d", "ul2d", "h2d"].contains(&of_abi);
+    }
+    name.strip_prefix("__").is_some_and(|gcc| {
+        [
+            "add", "sub", "mul", "div", "neg", "eq", "ne", "lt", "le", "gt", "ge", "cmp", "unord",
+            "pow",
+        ]
+        .iter()
+        .any(|operation| gcc.strip_prefix(operation).is_some_and(|rest| rest.starts_with("df")))
+            || ["extend", "trunc", "float", "fix"]
+                .iter()
+                .any(|start| gcc.strip_prefix(start).is_some_and(|rest| rest.contains("df")))
+    })
+}

@@ -1,0 +1,49 @@
+//! Which line of the source an instruction comes from.
+
+use std::path::Path;
+
+use addr2line::Loader;
+use anyhow::{Result, anyhow};
+
+/// The debugging information of an image.
+pub(crate) struct Lines(Loader);
+
+/// A place in the source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// The function, demangled.
+    pub(crate) function: String,
+    /// As the compiler was given it.
+    pub(crate) file: String,
+    /// From 1 on; 0 for code that has no line of its own.
+    pub(crate) line: u32,
+}
+
+impl Lines {
+    /// Opens the debugging information of an image.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(crate) fn of(image: &Path) -> Result<Self> {
+        let loader = Loader::new(image).map_err(|error| anyhow!("{}: {error}", image.display()))?;
+        Ok(Self(loader))
+    }
+
+    /// Where the instruction at an address comes from: the innermost function first, then those that it was inlined in.
+    /// Nothing where the compiler has left no information.
+    pub(crate) fn at(&self, address: u64) -> Vec<Place> {
+        let mut places = Vec::new();
+        let Ok(mut frames) = self.0.find_frames(address) else { return places };
+        while let Ok(Some(frame)) = frames.next() {
+            let name = frame.function.and_then(|name| Some(name.raw_name().ok()?.into_owned()));
+            let (file, line) =
+                frame.location.map_or((None, None), |location| (location.file, location.line));
+            places.push(Place {
+                function: name.map_or_else(String::new, |name| super::demangled(&name)),
+                file: file.unwrap_or_default().to_owned(),
+                line: line.unwrap_or_default(),
+            });
+        }
+        places
+    }
+}
