@@ -42,6 +42,24 @@ const HEAVIEST_PER_M2: f32 = 1e4;
 const LIGHTEST: f32 = 1e-6;
 
 /// One weight for each body of a tree. Validated once.
+///
+/// ```
+/// use sinew_core::projection::{BodyWeight, BodyWeights, BodyWeightsError};
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
+/// # let body = |parent| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::IDENTITY,
+/// #     inertia: Inertia::default(),
+/// # };
+/// let tree = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
+/// // Where the hand is counts more than how it is turned: 1 rad like 5 cm.
+/// let weights = [BodyWeight::new(0.0, 1.0), BodyWeight::new(1.0, 0.05)];
+/// assert_eq!(BodyWeights::new(&tree, &weights)?.as_slice(), weights);
+/// let one = BodyWeights::new(&tree, &weights[..1]);
+/// assert_eq!(one, Err(BodyWeightsError::Count { expected: 2, found: 1 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyWeights<const N: usize> {

@@ -7,6 +7,15 @@ use glam::Vec3;
 /// Rotational inertia about the centre of mass, in body axes, in kg m².
 ///
 /// `xy`, `xz`, `yz` are the elements of the matrix (the negated products of inertia).
+///
+/// ```
+/// use sinew_core::{RotationalInertia, glam::Vec3};
+/// let drum = RotationalInertia::diagonal(0.1, 0.2, 0.1);
+/// // The moment that an angular acceleration of 3 rad/s² about y takes.
+/// assert_eq!(drum.mul_vec3(Vec3::Y * 3.0), Vec3::Y * 0.6);
+/// let tilted = RotationalInertia { xy: 0.02, ..drum };
+/// assert_eq!(tilted.mul_vec3(Vec3::X), Vec3::new(0.1, 0.02, 0.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(missing_docs, reason = "the fields are the elements that the type's line names")]

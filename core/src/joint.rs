@@ -19,6 +19,15 @@ pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
 ///
 /// The motion subspace S (6 x degrees of freedom, body axes) of each kind has orthonormal columns, so
 /// that S Sᵀ projects on it. A universal joint's axes must be perpendicular for that reason.
+///
+/// ```
+/// use sinew_core::{JointKind, glam::Vec3};
+/// let knee = JointKind::Revolute { axis: Vec3::X };
+/// assert_eq!(knee.degrees_of_freedom(), 1);
+/// // A quaternion has four coordinates for three freedoms.
+/// assert_eq!(JointKind::Spherical.degrees_of_freedom(), 3);
+/// assert_eq!(JointKind::Spherical.coordinate_count(), 4);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -100,12 +109,28 @@ impl JointKind {
     }
 
     /// S Sᵀ `motion`: what the joint lets through of a motion in body axes.
+    ///
+    /// ```
+    /// use sinew_core::{JointKind, Motion, glam::{Quat, Vec3}};
+    /// let knee = JointKind::Revolute { axis: Vec3::X };
+    /// let wanted = Motion::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Z);
+    /// let possible = knee.project_motion(Quat::IDENTITY, wanted);
+    /// assert_eq!(possible, Motion::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
+    /// ```
     pub fn project_motion(self, rotation: Quat, motion: Motion) -> Motion {
         let (angular, linear) = self.project(rotation, motion.angular, motion.linear);
         Motion { angular, linear }
     }
 
     /// S Sᵀ `wrench`: what a drive of this joint has to deliver; the bearings carry the rest. Body axes.
+    ///
+    /// ```
+    /// use sinew_core::{JointKind, Wrench, glam::{Quat, Vec3}};
+    /// let knee = JointKind::Revolute { axis: Vec3::X };
+    /// let at_joint = Wrench::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Y * -100.0);
+    /// let of_drive = knee.project_wrench(Quat::IDENTITY, at_joint);
+    /// assert_eq!(of_drive, Wrench::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
+    /// ```
     pub fn project_wrench(self, rotation: Quat, wrench: Wrench) -> Wrench {
         let (moment_nm, force_n) = self.project(rotation, wrench.moment_nm, wrench.force_n);
         Wrench { moment_nm, force_n }
@@ -127,6 +152,15 @@ impl JointKind {
 
     /// Acceleration that the joint has at constant speed of its axes (Ṡ q̇), body axes: a universal
     /// joint's first axis moves in the body; the other kinds have none.
+    ///
+    /// ```
+    /// use sinew_core::{JointKind, Motion, glam::{Quat, Vec3}};
+    /// // The inner axis turns at 2 rad/s, the outer one at 3 rad/s, which carries the inner one round in the body.
+    /// let wrist = JointKind::Universal { first: Vec3::X, second: Vec3::Y };
+    /// let velocity = Motion::new(Vec3::new(2.0, 3.0, 0.0), Vec3::ZERO);
+    /// let bias = wrist.bias_acceleration(Quat::IDENTITY, velocity);
+    /// assert_eq!(bias, Motion::new(Vec3::Z * 6.0, Vec3::ZERO));
+    /// ```
     pub fn bias_acceleration(self, rotation: Quat, velocity: Motion) -> Motion {
         match self {
             Self::Universal { first, second } => {

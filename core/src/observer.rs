@@ -13,6 +13,16 @@ use crate::transform::{Motion, Transform, Wrench};
 use crate::tree::{Body, Tree};
 
 /// How an observer weighs what it expects against what it is told.
+///
+/// ```
+/// use sinew_core::observer::{ObserverError, ObserverSettings};
+/// // At 100 ticks a second; at most 50 rad/s² are put down to a wrong model.
+/// let settings = ObserverSettings::extended_state(40.0, 0.01)?.with_most(50.0, 5.0)?;
+/// // No filter follows faster than once in a tick.
+/// let too_fast = ObserverSettings::extended_state(200.0, 0.01);
+/// assert_eq!(too_fast, Err(ObserverError::Bandwidth { rad_s: 200.0 }));
+/// # Ok::<(), ObserverError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObserverSettings {

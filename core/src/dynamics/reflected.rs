@@ -30,6 +30,17 @@ pub enum OuterJoints {
 
 /// Inertia against which a joint's drive works while the parent is held, along the joint's freedoms; zero
 /// across them.
+///
+/// ```
+/// use sinew_core::{Motion, RotationalInertia, dynamics::ReflectedInertia, glam::Vec3};
+/// let of_joint = ReflectedInertia {
+///     angular_kg_m2: RotationalInertia::diagonal(0.0, 0.0, 0.25),
+///     linear_kg: 0.0,
+/// };
+/// // A hinge about z: 4 rad/s² take 1 N m.
+/// let wrench = of_joint.wrench(Motion::new(Vec3::Z * 4.0, Vec3::ZERO));
+/// assert_eq!(wrench.moment_nm, Vec3::Z);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

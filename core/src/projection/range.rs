@@ -4,6 +4,26 @@ use crate::joint::JointKind;
 use crate::math;
 
 /// How far a joint can go, from the zero pose of its joint frame.
+///
+/// ```
+/// use sinew_core::projection::{BodyWeight, JointRange, ManifoldProjection, ProjectionError};
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
+/// # let body = |parent, joint| Body {
+/// #     parent,
+/// #     joint,
+/// #     placement: Transform::IDENTITY,
+/// #     inertia: Inertia::default(),
+/// # };
+/// let knee = JointKind::Revolute { axis: Vec3::X };
+/// let leg = Tree::<2>::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), knee)])?;
+/// let projection = ManifoldProjection::new(&leg, &[BodyWeight::new(1.0, 0.3); 2])?;
+/// let ranges = [JointRange::Turn(1.5), JointRange::Axis([0.0, 2.4])];
+/// let swapped = [ranges[1], ranges[0]];
+/// assert!(projection.clone().with_ranges(&leg, &ranges).is_ok());
+/// let refused = projection.with_ranges(&leg, &swapped);
+/// assert_eq!(refused, Err(ProjectionError::Range { joint: 0 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

@@ -13,6 +13,25 @@ use crate::tree::Tree;
 ///
 /// The paper asks only for `l < i`; a body that is not an ancestor would bring in joints that joint `i`
 /// cannot answer for, so it is refused.
+///
+/// ```
+/// use sinew_core::state_error::{References, ReferencesError};
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
+/// # let body = |parent| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::IDENTITY,
+/// #     inertia: Inertia::default(),
+/// # };
+/// // Hips, spine and head; a leg hangs on the hips.
+/// let figure = Tree::<4>::from_bodies(&[None, Some(0), Some(1), Some(0)].map(body))?;
+/// assert_eq!(References::egocentric(&figure).as_slice(), [None, Some(0), Some(0), Some(0)]);
+/// assert_eq!(References::generations(&figure, 2).as_slice(), [None, None, Some(0), None]);
+/// // The leg cannot answer for the spine.
+/// let refused = References::new(&figure, &[None, None, None, Some(1)]);
+/// assert_eq!(refused, Err(ReferencesError::NotAncestor { joint: 3, reference: 1 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct References<const N: usize> {
@@ -105,6 +124,17 @@ impl core::error::Error for ReferencesError {}
 ///
 /// With the parent as reference this is [`local`](super::local()), with the world
 /// [`world`](super::world()); in between it accumulates the errors of the joints between l and i. O(n).
+///
+/// ```
+/// use sinew_core::{BodyState, Transform, glam::Vec3, state_error::{StateError, accumulated}};
+/// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
+/// // Both bodies are 0.1 m off in the world: as the root sees it, the other one is where it should be.
+/// let (desired, measured) = ([at(1.0), at(1.5)], [at(0.9), at(1.4)]);
+/// let mut errors = [StateError::ZERO; 2];
+/// accumulated(&[None, Some(0)], &desired, &measured, &mut errors);
+/// assert!((errors[0].linear_m.x - 0.1).abs() < 1e-6);
+/// assert!(errors[1].linear_m.x.abs() < 1e-6);
+/// ```
 pub fn accumulated(
     references: &[Option<usize>],
     desired: &[BodyState],

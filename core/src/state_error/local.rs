@@ -7,6 +7,16 @@ use crate::state::{BodyState, JointState};
 ///
 /// The linear error of a joint that only turns is the difference of the link's offset: zero unless the
 /// figures differ in dimensions, and nothing that the joint could act on.
+///
+/// ```
+/// use sinew_core::{JointState, Transform, glam::{Quat, Vec3}, math};
+/// use sinew_core::state_error::{StateError, local};
+/// let turned = Transform::new(math::exp(Vec3::Z * 0.2), Vec3::ZERO);
+/// let desired = [JointState { pose: turned, ..JointState::default() }];
+/// let mut errors = [StateError::ZERO];
+/// local(&desired, &[JointState::default()], &mut errors);
+/// assert!((errors[0].angular_rad.z - 0.2).abs() < 1e-6);
+/// ```
 pub fn local(desired: &[JointState], measured: &[JointState], out: &mut [StateError]) {
     for ((desired, measured), error) in desired.iter().zip(measured).zip(out) {
         *error = StateError::between(&in_parent(desired), &in_parent(measured));

@@ -86,6 +86,33 @@ impl StateError {
 }
 
 /// Which state error is tracked, with what it needs. `N` as of the tree.
+///
+/// ```
+/// use sinew_core::state_error::{Aims, Compensation, Method, References};
+/// use sinew_core::{Body, Controller, ControllerError, Inertia, JointKind, Transform, Tree};
+/// use sinew_core::control::Gains;
+/// # let body = |parent| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::IDENTITY,
+/// #     inertia: Inertia::default(),
+/// # };
+/// let figure = Tree::<3>::from_bodies(&[None, Some(0), Some(1)].map(body))?;
+/// let linear_compensation = Method::LinearCompensation {
+///     aims: Aims::heaviest_child(&figure),
+///     settings: Compensation::default(),
+/// };
+/// let egocentric = Method::Accumulated(References::egocentric(&figure));
+/// let gains = Gains::critically_damped(200.0)?;
+/// for method in [Method::Local, Method::World, egocentric, linear_compensation.clone()] {
+///     Controller::new(figure.clone(), gains, method)?;
+/// }
+/// // What was made for another figure is refused.
+/// let other = Tree::<3>::from_bodies(&[body(None)])?;
+/// let refused = Controller::new(other, gains, linear_compensation);
+/// assert!(matches!(refused, Err(ControllerError::Aims(_))));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

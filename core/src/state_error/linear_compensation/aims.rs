@@ -115,6 +115,22 @@ impl<const N: usize> Aims<N> {
     /// Every body aims at all its children, by least squares.
     ///
     /// What has one child aims at that one, just as with [`Self::heaviest_child`].
+    ///
+    /// ```
+    /// use sinew_core::{Body, BodySet, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};
+    /// # let body = |parent| Body {
+    /// #     parent,
+    /// #     joint: JointKind::Spherical,
+    /// #     placement: Transform::IDENTITY,
+    /// #     inertia: Inertia::default(),
+    /// # };
+    /// // Hips with two legs, one of which has a foot.
+    /// let tree = Tree::<4>::from_bodies(&[None, Some(0), Some(0), Some(1)].map(body))?;
+    /// let legs: BodySet = [1, 2].into_iter().collect();
+    /// let aims = [Aim::Children(legs), Aim::Child(3), Aim::None, Aim::None];
+    /// assert_eq!(Aims::all_children(&tree).as_slice(), aims);
+    /// # Ok::<(), sinew_core::TreeError>(())
+    /// ```
     pub fn all_children(tree: &Tree<N>) -> Self {
         let aim = |body: usize| {
             let children = tree.children(body);

@@ -93,6 +93,26 @@ pub enum AimStatus {
 /// Linear Compensation Error of each body in world axes: eq. (6)-(10) of Notman et al. (2011). O(n).
 ///
 /// `status` tells what became of each body's aim.
+///
+/// ```
+/// use sinew_core::{BodyState, Transform, glam::Vec3};
+/// use sinew_core::state_error::{Aim, AimStatus, Compensation, StateError, linear_compensation};
+/// let at = |x, y| BodyState {
+///     pose: Transform::from_translation(Vec3::new(x, y, 0.0)),
+///     ..BodyState::WORLD
+/// };
+/// // A thigh and the knee below it. The measured hip is 0.1 m to the side.
+/// let desired = [at(0.0, 0.9), at(0.0, 0.5)];
+/// let measured = [at(0.1, 0.9), at(0.1, 0.5)];
+/// let (mut errors, mut status) = ([StateError::ZERO; 2], [AimStatus::Leaf; 2]);
+/// let aims = [Aim::Child(1), Aim::None];
+/// let settings = Compensation::default();
+/// linear_compensation(&aims, settings, &desired, &measured, &mut errors, &mut status);
+/// // The thigh turns inwards, so that the knee comes nearer to where it should be.
+/// assert_eq!(status, [AimStatus::Compensated, AimStatus::Leaf]);
+/// assert!((errors[0].angular_rad.z + (0.1f32 / 0.4).atan()).abs() < 1e-6);
+/// assert_eq!(errors[1].angular_rad, Vec3::ZERO);
+/// ```
 pub fn linear_compensation(
     aims: &[Aim],
     settings: Compensation,
