@@ -29,7 +29,7 @@ Commands:
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
-            multiply-add, formatting, allocation, recursion and indirect calls
+            multiply-add, formatting, allocation, recursion and indirect calls; --self-test: whether it finds them
   help      Prints this
 ";
 
@@ -45,6 +45,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["semver", revision] => semver::run(revision),
         ["audit"] => audit::run(),
+        ["audit", "--self-test"] => audit::self_test(),
         ["firmware"] => firmware::run(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
         other => {
             eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{features, firmware, setup, step};
+use crate::{audit, features, firmware, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -24,6 +24,8 @@ pub(crate) fn run() -> Result<()> {
 
     firmware::run(None)?;
     firmware::lint()?;
+    audit::lint()?;
+    audit::self_test()?;
     let (image, show) = firmware::qemu_image();
     let mut tests = step::cargo();
     tests

@@ -11,6 +11,8 @@ use anyhow::{Result, bail, ensure};
 use crate::elf::{Elf, Lines};
 use crate::{arm, step};
 
+use rules::{Finding, Rule};
+
 /// The image, and the feature of `firmware` that it needs.
 const IMAGE: &str = "audit";
 
@@ -36,49 +38,91 @@ const PARTS: [&str; 15] = [
     "audit::kernels::elementary",
 ];
 
+/// What must be found in the image with faults, and in which function.
+const FAULTS: [(Rule, &str); 6] = [
+    (Rule::Panic, "audit::faults::index"),
+    (Rule::DoublePrecision, "audit::faults::double"),
+    (Rule::FusedMultiplyAdd, "audit::faults::fused"),
+    (Rule::Formatting, "audit::faults::text"),
+    (Rule::Recursion, "audit::faults::factorial"),
+    (Rule::IndirectCall, "audit::faults::pointer"),
+];
+
 /// Links the image, reads it, and fails if anything is in it that must not be.
 pub(crate) fn run() -> Result<()> {
-    let links = build()?;
+    let links = build(IMAGE)?;
     let path = arm::image(IMAGE);
     let elf = Elf::load(&path)?;
-    let lines = Lines::of(&path)?;
     let findings = rules::findings(&elf);
     println!("\n{}", report::contents(&elf, &PARTS));
     println!("{}", report::verdict(&elf, &findings));
     let missing: Vec<_> = PARTS.into_iter().filter(|part| elf.named(part).is_none()).collect();
     ensure!(missing.is_empty(), "the image has no {}", missing.join(", "));
     if !findings.is_empty() {
-        println!("{}", report::findings(&findings, &elf, &lines, &PARTS));
+        println!("{}", report::findings(&findings, &elf, &Lines::of(&path)?, &PARTS));
         bail!("the image holds what it must not");
     }
-    ensure!(links, "the image does not link, though no panic is in it");
+    ensure!(links, "the image does not link without a panic handler, though no panic is in it");
     println!("The image links without a panic handler, and holds nothing that it must not.");
     Ok(())
 }
 
-/// Builds the image; `false` if it does not link for a panic that can be reached. Then it is there all the same, linked
-/// with a handler, so that it can be looked at.
-fn build() -> Result<bool> {
+/// Links the image with faults, and fails if one of them is not found.
+pub(crate) fn self_test() -> Result<()> {
+    ensure!(!build("audit_faults")?, "the image links without a panic handler, with a panic in it");
+    let path = arm::image(IMAGE);
+    let elf = Elf::load(&path)?;
+    let mut findings = rules::findings(&elf);
+    let name_of = |finding: &Finding| elf.functions()[finding.function].name.as_str();
+    findings.retain(|finding| FAULTS.contains(&(finding.rule, name_of(finding))));
+    println!("\n{}", report::findings(&findings, &elf, &Lines::of(&path)?, &PARTS));
+    for fault in FAULTS {
+        let found = findings.iter().any(|finding| (finding.rule, name_of(finding)) == fault);
+        ensure!(found, "the audit does not find the {} of {}", fault.0.name(), fault.1);
+    }
+    println!(
+        "The image with faults does not link without a panic handler, and each of the faults is found."
+    );
+    Ok(())
+}
+
+/// Lints the image, faults included.
+pub(crate) fn lint() -> Result<()> {
+    let toolchain = arm::toolchain()?;
+    if toolchain == arm::Toolchain::Debian {
+        return Ok(());
+    }
+    step::run(
+        "clippy of the audit's image",
+        toolchain
+            .cargo("clippy")
+            .args(["--package", "sinew-firmware", "--profile", "firmware"])
+            .args(["--features", "audit_faults", "--bin", IMAGE, "--", "--deny", "warnings"]),
+    )
+}
+
+/// Builds the image with a feature; `false` if it does not link for a panic that can be reached. Then it is there all the
+/// same, linked with a handler, so that it can be looked at.
+fn build(feature: &str) -> Result<bool> {
     eprintln!("\n== link all that boards may call, without a panic handler");
-    let mut strict = cargo()?;
-    let output = strict.output()?;
+    let output = cargo(feature)?.output()?;
     if output.status.success() {
         return Ok(true);
     }
     let problem = String::from_utf8_lossy(&output.stderr);
-    ensure!(problem.contains(MISSING), "the image does not compile:\n{problem}");
-    eprintln!("== a panic can be reached: link with a handler, to see where");
-    let mut explained = cargo()?;
-    explained.args(["--", "-C", &format!("link-arg=--defsym={MISSING}=0")]);
-    step::run("link with a handler", &mut explained)?;
+    ensure!(problem.contains(MISSING), "the image does not build:\n{problem}");
+    step::run(
+        "a panic can be reached: link with a handler, to see where",
+        cargo(feature)?.args(["--", "-C", &format!("link-arg=--defsym={MISSING}=0")]),
+    )?;
     Ok(false)
 }
 
-fn cargo() -> Result<Command> {
+fn cargo(feature: &str) -> Result<Command> {
     let mut command = arm::toolchain()?.cargo("rustc");
     command.args(["--package", "sinew-firmware", "--profile", "firmware"]).args([
         "--features",
-        IMAGE,
+        feature,
         "--bin",
         IMAGE,
     ]);

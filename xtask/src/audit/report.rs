@@ -75,11 +75,13 @@ pub(super) fn findings(findings: &[Finding], elf: &Elf, lines: &Lines, parts: &[
         };
         let _ = writeln!(text, "  reached by  {}", way(elf, parts, *function));
         for at in addresses.iter().take(SHOWN) {
-            let labels = std::iter::once(format!("at {at:#x}"))
-                .chain(std::iter::repeat("  inlined in".to_owned()));
-            for (label, Place { function, file, line }) in labels.zip(lines.at(*at)) {
-                let _ = writeln!(text, "  {label:<11} {}:{line}  {function}", short(&file));
+            let _ = write!(text, "  at {at:#x}");
+            let places = lines.at(*at);
+            for (index, Place { function, file, line }) in places.iter().enumerate() {
+                let inlined = if index == 0 { " " } else { "\n    inlined in" };
+                let _ = write!(text, "{inlined} {}:{line} {function}", short(file));
             }
+            text.push('\n');
         }
         if addresses.len() > SHOWN {
             let _ = writeln!(text, "  and {} more", addresses.len() - SHOWN);

@@ -118,35 +118,19 @@ fn of_function(function: &Function) -> Option<(Rule, &str)> {
 }
 
 fn of_name(name: &str) -> Option<Rule> {
-    // The path of a generic's or method's own name: `<T as core::fmt::Debug>::fmt` is about `core::fmt` too.
+    // Of `<T as core::fmt::Debug>::fmt` and `core::option::Option<T>::expect` the method alone.
     let last = name.rsplit("::").next().unwrap_or(name);
-    let panics = [
-        "panic",
-        "unwrap_failed",
-        "expect_failed",
-        "begin_unwind",
-        "index_fail",
-        "mismatch_fail",
-        "slice_error_fail",
-        "str_index_overflow",
-    ];
-    let allocates = [
-        "malloc",
-        "calloc",
-        "realloc",
-        "free",
-        "__rust_alloc",
-        "__rust_alloc_zeroed",
-        "__rust_dealloc",
-        "__rust_realloc",
-        "__rustc::__rust_alloc",
-    ];
+    let is_of = |library: &str| name.starts_with(library) || name.contains(&format!("<{library}"));
+    let panics = ["panic", "begin_unwind"].iter().any(|part| last.contains(part))
+        || (is_of("core::") && ["_fail", "_failed"].iter().any(|end| last.ends_with(end)));
+    let allocates = last.starts_with("__rust_alloc")
+        || ["__rust_dealloc", "__rust_realloc"].contains(&last)
+        || ["malloc", "calloc", "realloc", "free"].contains(&name);
     if name.contains("core::fmt::") {
         Some(Rule::Formatting)
-    } else if panics.iter().any(|part| last.contains(part)) || name.contains("core::panicking::") {
+    } else if panics || name.contains("core::panicking::") {
         Some(Rule::Panic)
-    } else if allocates.contains(&last) || name.starts_with("alloc::") || name.contains("<alloc::")
-    {
+    } else if allocates || is_of("alloc::") {
         Some(Rule::Allocation)
     } else if is_of_doubles(last) {
         Some(Rule::DoublePrecision)
@@ -176,4 +160,111 @@ fn is_of_doubles(name: &str) -> bool {
                 .iter()
                 .any(|start| gcc.strip_prefix(start).is_some_and(|rest| rest.contains("df")))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elf::by_hand::{BX_LR, NOP, branch, object};
+
+    #[test]
+    fn what_a_function_is_for_is_told_by_its_name() {
+        for (rule, names) in [
+            (
+                Some(Rule::Panic),
+                &[
+                    "core::panicking::panic_bounds_check",
+                    "core::option::unwrap_failed",
+                    "core::slice::index::slice_end_index_len_fail",
+                    "core::slice::<impl [T]>::copy_from_slice::len_mismatch_fail",
+                    "core::cell::panic_already_borrowed",
+                    "__rustc::rust_begin_unwind",
+                ][..],
+            ),
+            (
+                Some(Rule::DoublePrecision),
+                &[
+                    "__aeabi_dadd",
+                    "__aeabi_dcmplt",
+                    "__aeabi_cdrcmple",
+                    "__aeabi_f2d",
+                    "__aeabi_ul2d",
+                    "__aeabi_d2iz",
+                    "__adddf3",
+                    "__extendsfdf2",
+                    "__truncdfsf2",
+                    "__fixunsdfsi",
+                    "compiler_builtins::float::mul::__muldf3",
+                ],
+            ),
+            (Some(Rule::FusedMultiplyAdd), &["fmaf", "libm::math::fma::fma"]),
+            (
+                Some(Rule::Formatting),
+                &[
+                    "core::fmt::write",
+                    "<f32 as core::fmt::Display>::fmt",
+                    "core::fmt::Formatter::pad",
+                ],
+            ),
+            (
+                Some(Rule::Allocation),
+                &["malloc", "free", "__rustc::__rust_alloc_zeroed", "alloc::raw_vec::finish_grow"],
+            ),
+            (
+                None,
+                &[
+                    "main",
+                    "__aeabi_memcpy",
+                    "__aeabi_uidiv",
+                    "__aeabi_idiv0",
+                    "__aeabi_fadd",
+                    "__aeabi_f2iz",
+                    "__addsf3",
+                    "__udivmoddi4",
+                    "libm::math::sqrtf::sqrtf",
+                    "sinew_core::joint::free",
+                    "heapless::vec::Vec<T,_>::push",
+                    "core::slice::<impl [T]>::rotate_left",
+                    "__floatsisf",
+                ],
+            ),
+        ] {
+            for name in names {
+                assert_eq!(of_name(name), rule, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_call_or_an_instruction_is_found_where_it_stands() {
+        let symbols = [(0, "tick"), (8, "__aeabi_dmul"), (10, "fine"), (16, "loops")];
+        let ([a, b], [c, d]) = (branch(2, 8, true), branch(16, 16, true));
+        let halves = [NOP, a, b, BX_LR, BX_LR, 0xeea0, 0x0a81, BX_LR, c, d];
+        let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
+        let finding =
+            |rule, what: &str, function, at| Finding { rule, what: what.to_owned(), function, at };
+        assert_eq!(
+            findings(&elf),
+            [
+                finding(Rule::DoublePrecision, "__aeabi_dmul", 0, 2),
+                finding(Rule::FusedMultiplyAdd, "vfma.f32 s0, s1, s2", 2, 10),
+                finding(Rule::Recursion, "loops > loops", 3, 16),
+            ]
+        );
+    }
+
+    #[test]
+    fn calls_by_register_and_into_the_void_are_found() {
+        let [a, b] = branch(2, 400, true);
+        let elf = Elf::parse(&object(&[(0, "f")], &[0x4798, a, b])).unwrap();
+        let rules: Vec<_> =
+            findings(&elf).iter().map(|finding| (finding.rule, finding.at)).collect();
+        assert_eq!(rules, [(Rule::IndirectCall, 0), (Rule::Nowhere, 2)]);
+    }
+
+    #[test]
+    fn what_nobody_calls_by_name_is_found_too() {
+        let elf = Elf::parse(&object(&[(0, "f"), (2, "malloc")], &[BX_LR, BX_LR])).unwrap();
+        assert_eq!(findings(&elf)[0].rule, Rule::Allocation);
+    }
 }

@@ -165,4 +165,6 @@ fn demangled(symbol: &str) -> String {
 }
 
 #[cfg(test)]
+pub(crate) mod by_hand;
+#[cfg(test)]
 mod tests;

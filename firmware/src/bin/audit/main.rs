@@ -9,6 +9,8 @@
 
 mod construct;
 mod decode;
+#[cfg(feature = "audit_faults")]
+mod faults;
 mod kernels;
 mod targets;
 mod tick;
@@ -41,6 +43,15 @@ fn main() -> ! {
         kernels::state_errors();
         kernels::dynamics();
         kernels::elementary();
+        #[cfg(feature = "audit_faults")]
+        {
+            faults::index();
+            faults::double();
+            faults::fused();
+            faults::text();
+            faults::recursion();
+            faults::pointer();
+        }
     }
 }
 
