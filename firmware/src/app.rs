@@ -10,6 +10,31 @@ use crate::recommended::Recommended;
 use crate::show::Show;
 
 /// All that a tick needs, in one place of fixed size: put it in a static.
+///
+/// ```
+/// use sinew_core::{Controller, Transform, control::Gains, state_error::Method};
+/// use sinew_firmware::{app::App, show::Show};
+/// # let flash = {
+/// #     use sinew_core::{Body, Inertia, JointKind};
+/// #     let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// #     let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// #     let (mut flash, frames) = (Vec::new(), [[Transform::IDENTITY]; 3]);
+/// #     let sink = |piece: &[u8]| Ok::<(), std::fmt::Error>(flash.extend_from_slice(piece));
+/// #     sinew_firmware::show::write(&[head], 0.01, frames.iter().map(|f| &f[..]), sink)?;
+/// #     flash
+/// # };
+/// let show = Show::parse(&flash)?;
+/// let gains = Gains::critically_damped(200.0)?;
+/// let controller = Controller::new(show.tree::<1>()?, gains, Method::World)?;
+/// let mut app = App::new(show, controller);
+/// for tick in 0..show.frame_count() {
+///     // What the sensors of the joints say goes in, and torques for their drives come out.
+///     app.observe(tick, &[Transform::IDENTITY])?;
+///     let torques = app.control();
+///     assert_eq!(torques.len(), 1);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct App<'a, const N: usize> {

@@ -25,6 +25,33 @@ pub const DELAY_MOST: usize = 7;
 pub const LATE_MOST_S: f32 = 0.010;
 
 /// What the setting adds to a World controller, and remembers from tick to tick.
+///
+/// ```
+/// use sinew_core::{Controller, Transform, control::Gains, state_error::Method};
+/// use sinew_firmware::recommended::{Recommended, RecommendedError};
+/// use sinew_firmware::{app::App, show::Show};
+/// # let flash = {
+/// #     use sinew_core::{Body, Inertia, JointKind};
+/// #     let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// #     let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// #     let (mut flash, frames) = (Vec::new(), [[Transform::IDENTITY]; 3]);
+/// #     let sink = |piece: &[u8]| Ok::<(), std::fmt::Error>(flash.extend_from_slice(piece));
+/// #     sinew_firmware::show::write(&[head], 0.002, frames.iter().map(|f| &f[..]), sink)?;
+/// #     flash
+/// # };
+/// let show = Show::parse(&flash)?;
+/// let tree = show.tree::<1>()?;
+/// // 500 ticks a second; a torque acts two ticks late.
+/// let setting = Recommended::new(&show, &tree, 2)?;
+/// let gains = Gains::critically_damped(200.0)?.implicit(show.dt_s())?;
+/// let mut app = App::new(show, Controller::new(tree, gains, Method::World)?).with(setting);
+/// app.observe(0, &[Transform::IDENTITY])?;
+/// assert_eq!(app.control().len(), 1);
+/// // Nine ticks late no rig would stand.
+/// let too_late = Recommended::new(&show, app.controller().tree(), 9);
+/// assert_eq!(too_late.err(), Some(RecommendedError::TooLate));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Recommended<const N: usize> {

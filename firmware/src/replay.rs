@@ -37,6 +37,31 @@ pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
 }
 
 /// A run of one method over a show.
+///
+/// ```
+/// use sinew_firmware::replay::{Replay, ReplayError, TorqueHash};
+/// use sinew_firmware::show::Show;
+/// # let flash = {
+/// #     use sinew_core::{Body, Inertia, JointKind, Transform};
+/// #     let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// #     let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// #     let (mut flash, frames) = (Vec::new(), [[Transform::IDENTITY]; 3]);
+/// #     let sink = |piece: &[u8]| Ok::<(), std::fmt::Error>(flash.extend_from_slice(piece));
+/// #     sinew_firmware::show::write(&[head], 0.01, frames.iter().map(|f| &f[..]), sink)?;
+/// #     flash
+/// # };
+/// let show = Show::parse(&flash)?;
+/// let mut run = Replay::<1>::new(show, "world")?;
+/// let mut hash = TorqueHash::default();
+/// for tick in 0..show.frame_count() {
+///     run.observe(tick)?;
+///     hash.update(run.control());
+/// }
+/// // Every machine must come to the same number.
+/// println!("{:016x}", hash.value());
+/// assert_eq!(Replay::<1>::new(show, "other").err(), Some(ReplayError::UnknownMethod));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Replay<'a, const N: usize> {

@@ -34,6 +34,30 @@ const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const UNIT_TOLERANCE: f32 = 1e-3;
 
 /// A baked show, checked as a whole when it was opened.
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, Transform};
+/// use sinew_firmware::show::{Show, ShowError, write};
+/// let head = Body {
+///     parent: None,
+///     joint: JointKind::Spherical,
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia::default(),
+/// };
+/// let frames = [[Transform::IDENTITY]; 3];
+/// let mut flash = Vec::new();
+/// write(&[head], 0.01, frames.iter().map(|frame| &frame[..]), |piece| {
+///     flash.extend_from_slice(piece);
+///     Ok::<(), ShowError>(())
+/// })?;
+/// let show = Show::parse(&flash)?;
+/// assert_eq!((show.body_count(), show.frame_count(), show.dt_s()), (1, 3, 0.01));
+/// assert_eq!(show.tree::<1>()?.bodies(), [head]);
+/// // One bit of it has flipped.
+/// flash[100] ^= 1;
+/// assert!(matches!(Show::parse(&flash), Err(ShowError::Checksum { .. })));
+/// # Ok::<(), ShowError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Show<'a> {
     bodies: usize,
