@@ -13,6 +13,49 @@
 //!
 //! [`Controller::tick`] does steps 3 to 5 in one call.
 //!
+//! ```
+//! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
+//! use sinew_core::{RotationalInertia, Transform, Workspace, control::Gains, glam::Vec3, math};
+//! use sinew_core::state_error::Method;
+//!
+//! // 1. An arm of two links of 0.3 m and 0.5 kg, on ball joints.
+//! let link = |parent, x| Body {
+//!     parent,
+//!     joint: JointKind::Spherical,
+//!     placement: Transform::from_translation(Vec3::X * x),
+//!     inertia: Inertia {
+//!         mass_kg: 0.5,
+//!         center_of_mass_m: Vec3::X * 0.15,
+//!         rotational_kg_m2: RotationalInertia::diagonal(1e-4, 4e-3, 4e-3),
+//!     },
+//! };
+//! let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.3)])?;
+//!
+//! // 2. A performance of 100 frames a second, in which both joints swing.
+//! let frame = |k: u8| {
+//!     let swing = math::exp(Vec3::Z * 0.5 * (0.1 * f32::from(k)).sin());
+//!     [Transform::new(swing, Vec3::ZERO), Transform::new(swing, Vec3::X * 0.3)]
+//! };
+//! let frames: Vec<Transform> = (0..100).flat_map(frame).collect();
+//! let performance = Trajectory::new(&frames, 2, 0.01)?;
+//!
+//! // 3 to 5.
+//! let controller = Controller::new(arm, Gains::critically_damped(200.0)?, Method::World)?;
+//! let mut targets = JointTargets::rest(controller.tree());
+//! let mut measured = JointStates::rest(controller.tree());
+//! let mut workspace = Workspace::new();
+//! for frame in 0..performance.len() {
+//!     performance.targets(frame, &mut targets)?;
+//!     // A rig tells here how its joints stand; this one is where it should be.
+//!     for (joint, state) in targets.states().iter().enumerate() {
+//!         measured.set(joint, *state)?;
+//!     }
+//!     let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+//!     assert!(torques.iter().all(|torque| torque.reason.is_none()));
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Conventions, once
 //! - SI units (m, kg, s, N, N m) and radians; right-handed frames; quaternions `[x, y, z, w]`, unit.
 //! - Rotations are active: `v_parent = R v_child`. A rotation vector is axis times angle.
