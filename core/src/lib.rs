@@ -82,6 +82,21 @@
 //!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written;
 //! - [`Trajectory`], which borrows its frames;
 //! - errors, which are for people: they have `Display`.
+//!
+//! ```
+//! # #[cfg(feature = "serde")] {
+//! use sinew_core::{JointKind, control::{Gains, TorqueLimit}, glam::Vec3};
+//! let knee: JointKind = serde_json::from_str(r#"{ "revolute": { "axis": [1, 0, 0] } }"#)?;
+//! assert_eq!(knee, JointKind::Revolute { axis: Vec3::X });
+//! let servo = TorqueLimit::new(3.0, f32::INFINITY)?;
+//! assert_eq!(serde_json::to_string(&servo)?, r#"{"moment_nm":3.0,"force_n":null}"#);
+//!
+//! let refused = r#"{ "kp": 200, "kv": -28, "linear_kp": 0, "linear_kv": 0 }"#;
+//! let error = serde_json::from_str::<Gains>(refused).expect_err("it would push away from the goal");
+//! assert_eq!(error.to_string(), "the gain kv is negative; it must be zero or more");
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![no_std]
 #![forbid(unsafe_code)]

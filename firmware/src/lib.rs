@@ -6,6 +6,13 @@
 //! - [`recommended`]: the setting for real rigs;
 //! - [`replay`]: a stand-in for servos, so that a board and a host can be compared bit by bit;
 //! - [`indicator`]: the status light.
+//!
+//! # Features
+//! - `defmt`: `defmt::Format` for all public types, here and in the core.
+//! - The boards' names are for their images, and no part of the library.
+//!
+//! There is no `serde` here: what is stored is a [`show`], which has its own format, and all else is running state
+//! or an error. Settings are the core's, which has that feature.
 
 #![no_std]
 #![forbid(unsafe_code)]

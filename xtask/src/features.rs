@@ -16,9 +16,7 @@ pub(crate) fn run() -> Result<()> {
     clippy("clippy of the firmware's library with defmt", "sinew-firmware", "defmt")?;
     step::run(
         "tests of the core with serde",
-        step::cargo()
-            .args(["test", "--locked", "--package", "sinew-core", "--features", "serde"])
-            .args(["--test", "serde"]),
+        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
     )?;
     step::run(
         "documentation of the core with all features",
