@@ -1,6 +1,7 @@
 //! Looks for what must not be in a board's program: in an image of all that one may call, see
 //! `firmware/src/bin/audit`.
 
+mod coverage;
 mod report;
 mod rules;
 
@@ -58,12 +59,21 @@ pub(crate) fn run() -> Result<()> {
     println!("{}", report::verdict(&elf, &findings));
     let missing: Vec<_> = PARTS.into_iter().filter(|part| elf.named(part).is_none()).collect();
     ensure!(missing.is_empty(), "the image has no {}", missing.join(", "));
+    let lines = Lines::of(&path)?;
     if !findings.is_empty() {
-        println!("{}", report::findings(&findings, &elf, &Lines::of(&path)?, &PARTS));
+        println!("{}", report::findings(&findings, &elf, &lines, &PARTS));
         bail!("the image holds what it must not");
     }
     ensure!(links, "the image does not link without a panic handler, though no panic is in it");
-    println!("The image links without a panic handler, and holds nothing that it must not.");
+    let left_out = coverage::left_out(&elf, &lines)?;
+    ensure!(
+        left_out.is_empty(),
+        "public functions are not in the image; call them in firmware/src/bin/audit:\n  {}",
+        left_out.join("\n  ")
+    );
+    println!(
+        "The image links without a panic handler, has every public function, and holds nothing that it must not."
+    );
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use sinew_core::glam::Vec3;
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
-use sinew_core::{BodySet, Controller, JointState, Motion, Tree};
+use sinew_core::{BodySet, Controller, JointState, Motion, RotationalInertia, Tree};
 use sinew_firmware::recommended::Recommended;
 use sinew_firmware::show::Show;
 
@@ -18,6 +18,8 @@ use crate::{N, body, desired, gains, measured, slice, slice_mut, tree};
 pub(crate) fn trees() {
     let mut tree = black_box(Tree::<N>::new());
     black_box(&tree.push(body()));
+    let inertia = RotationalInertia::diagonal(black_box(1.0), black_box(1.0), black_box(1.0));
+    black_box((inertia.mul_vec3(black_box(Vec3::X)), inertia.is_finite()));
     black_box(&Tree::<N>::from_bodies(slice()));
     black_box((tree.len(), tree.is_empty(), tree.parent(black_box(1))));
     black_box((tree.supporters(black_box(1)), tree.subtree(black_box(1))));
@@ -97,6 +99,7 @@ pub(crate) fn projections() {
     let mut workspace = black_box(ProjectionWorkspace::new());
     black_box(&black_box(projection).project(&tree, slice(), &mut workspace, slice_mut()));
     workspace.reset();
+    black_box(&workspace);
 }
 
 #[inline(never)]
