@@ -85,7 +85,8 @@ pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     (shape, vec(body, 1..=most)).prop_map(move |(shape, bodies)| build(shape, joints, &bodies))
 }
 
-fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
+/// A rig of bodies that are made from a pick of the parent, one of six kinds of joint, and 48 numbers below 1 in size.
+pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
     let mut tree = Tree::new();
     let mut motions = Vec::new();
     for (index, (pick, kind, numbers)) in bodies.iter().enumerate() {
