@@ -10,11 +10,13 @@
 //! - Ours computes in f32 from states (rotations, not angles). The others begin with coordinates of joints; what that
 //!   adds, with the checks that our states have passed, has a line of its own.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod dynibo;
 mod featherstone;
+#[path = "../common/interleaved.rs"]
+mod interleaved;
 mod motion;
+#[path = "../common/options.rs"]
+mod options;
 mod sinew;
 
 use std::error::Error;
@@ -23,7 +25,7 @@ use sinew_bench::{Root, figure};
 use sinew_core::glam::Vec3;
 use sinew_core::{JointKind, Tree};
 
-use common::interleaved::{Median, medians};
+use interleaved::{Median, medians};
 use motion::RigMotion;
 
 /// Bodies of the rigs.
@@ -77,7 +79,7 @@ fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
         Box::new(dynibo::Dynibo::new(tree.bodies())?),
         Box::new(featherstone::Featherstone::new(tree.bodies())?),
     ];
-    let (motions, rounds) = if common::quick() { (20, 200) } else { (1000, 5000) };
+    let (motions, rounds) = if options::quick() { (20, 200) } else { (1000, 5000) };
     let motions: Vec<_> = (0..motions).map(|seed| RigMotion::random(tree.bodies(), seed)).collect();
     let turns: usize = motions.first().map_or(0, |motion| motion.turns.iter().map(Vec::len).sum());
     println!("\nRNEA, {BODIES} bodies, {} degrees of freedom", 6 + turns);

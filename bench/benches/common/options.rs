@@ -1,6 +1,4 @@
-//! What several benches have in common.
-
-pub(crate) mod interleaved;
+//! What was asked for on the command line.
 
 /// Whether a rough answer is wanted soon: `--quick` after `--`, or a run as a test, without cargo's `--bench`.
 pub(crate) fn quick() -> bool {

@@ -1,0 +1,267 @@
+//! The kernels of the core and the ticks they make, on rigs of any size, ready to be run.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use sinew_bench::rig::{DT_S, Rig};
+use sinew_bench::{Root, figure, poses, states};
+use sinew_core::control::Gains;
+use sinew_core::dynamics::{BodyMotion, Resolved, inverse_dynamics, resolved_acceleration};
+use sinew_core::glam::Vec3;
+use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
+use sinew_core::state_error::{
+    self, AimStatus, Aims, Compensation, Method, References, StateError,
+};
+use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets_of_bodies};
+use sinew_core::{
+    BodyState, Controller, JointState, JointStates, JointTargets, Motion, Transform, Tree, Wrench,
+    kinematics,
+};
+use sinew_firmware::app::App;
+use sinew_firmware::recommended::{ROTATION_M, Recommended};
+use sinew_firmware::show::{self, Show};
+
+/// Numbers of bodies.
+pub(crate) const SIZES: [usize; 6] = [1, 6, 18, 32, 64, 128];
+
+/// Something to run again and again.
+pub(crate) struct Kernel {
+    pub(crate) name: &'static str,
+    pub(crate) run: Box<dyn FnMut()>,
+}
+
+/// Frames of the motion that ticks go through, over and over.
+const FRAMES: usize = 64;
+/// The rig is so many frames behind.
+const LAG_FRAMES: usize = 4;
+/// The performer of the show is as much larger than the rig.
+const LARGER: f32 = 1.1;
+const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// All kernels for a rig of one of [`SIZES`].
+pub(crate) fn of_size(bodies: usize) -> Result<Vec<Kernel>, Box<dyn Error>> {
+    match bodies {
+        1 => all::<1>(),
+        6 => all::<6>(),
+        18 => all::<18>(),
+        32 => all::<32>(),
+        64 => all::<64>(),
+        128 => all::<128>(),
+        _ => Err(format!("no rig of {bodies} bodies; there are {SIZES:?}").into()),
+    }
+}
+
+/// All kernels for a rig of `N` bodies with a free root and spherical joints; capacity and size are the same, as on a
+/// board.
+fn all<const N: usize>() -> Result<Vec<Kernel>, Box<dyn Error>> {
+    let tree = figure::<N>(N, Root::Floating)?;
+    let frames: Vec<[Transform; N]> = (0..FRAMES)
+        .map(|index| {
+            let mut frame = [Transform::IDENTITY; N];
+            poses(tree.bodies(), DT_S * index as f32, &mut frame);
+            frame
+        })
+        .collect();
+    let mut kernels = errors(&tree, &frames)?;
+    kernels.extend(dynamics(&tree, &frames)?);
+    kernels.extend(differences(&tree, &frames));
+    kernels.push(projection(&tree, &frames)?);
+    kernels.extend(ticks(&tree, &frames)?);
+    Ok(kernels)
+}
+
+fn kernel(name: &'static str, run: impl FnMut() + 'static) -> Kernel {
+    Kernel { name, run: Box::new(run) }
+}
+
+/// States of the joints at a frame.
+fn at<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+    index: usize,
+) -> Result<JointStates<N>, Box<dyn Error>> {
+    let mut joints = JointStates::rest(tree);
+    let before = index.checked_sub(1).ok_or("the first frame has none before it")?;
+    backward_states([&frames[before], &frames[index]], DT_S, &mut joints)?;
+    Ok(joints)
+}
+
+fn errors<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+) -> Result<Vec<Kernel>, Box<dyn Error>> {
+    let (desired, measured) = (at(tree, frames, 1 + LAG_FRAMES)?, at(tree, frames, 1)?);
+    let (mut of_desired, mut of_measured) = ([BodyState::WORLD; N], [BodyState::WORLD; N]);
+    kinematics::body_states(tree.bodies(), desired.as_slice(), &mut of_desired);
+    kinematics::body_states(tree.bodies(), measured.as_slice(), &mut of_measured);
+    let references = References::egocentric(tree);
+    let (one, every) = (Aims::heaviest_child(tree), Aims::all_children(tree));
+
+    let mut kernels = Vec::new();
+    let (bodies, joints, mut world) = (tree.clone(), measured.clone(), of_measured);
+    kernels.push(kernel("forward_kinematics", move || {
+        kinematics::body_states(black_box(bodies.bodies()), joints.as_slice(), &mut world);
+        black_box(&world);
+    }));
+    let mut out = [StateError::ZERO; N];
+    kernels.push(kernel("error_local", move || {
+        state_error::local(black_box(desired.as_slice()), measured.as_slice(), &mut out);
+        black_box(&out);
+    }));
+    kernels.push(kernel("error_world", move || {
+        state_error::world(black_box(&of_desired), &of_measured, &mut out);
+        black_box(&out);
+    }));
+    kernels.push(kernel("error_accumulated", move || {
+        let references = black_box(references.as_slice());
+        state_error::accumulated(references, &of_desired, &of_measured, &mut out);
+        black_box(&out);
+    }));
+    for (name, aims) in
+        [("error_linear_compensation", one), ("error_linear_compensation_all", every)]
+    {
+        let mut status = [AimStatus::Leaf; N];
+        kernels.push(kernel(name, move || {
+            let (aims, settings) = black_box((aims.as_slice(), Compensation::default()));
+            let (out, status) = (&mut out, &mut status);
+            state_error::linear_compensation(
+                aims,
+                settings,
+                &of_desired,
+                &of_measured,
+                out,
+                status,
+            );
+            black_box(&out);
+        }));
+    }
+    Ok(kernels)
+}
+
+fn dynamics<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+) -> Result<Vec<Kernel>, Box<dyn Error>> {
+    let (mut joints, mut accelerations) = ([JointState::default(); N], [Motion::ZERO; N]);
+    states(tree.bodies(), &mut joints, &mut accelerations);
+    let (mut scratch, mut wrenches) = ([BodyMotion::default(); N], [Wrench::ZERO; N]);
+    let rig = tree.clone();
+    let rnea = kernel("rnea", move || {
+        let (bodies, joints, accelerations) = black_box((rig.bodies(), &joints, &accelerations));
+        let (scratch, wrenches) = (&mut scratch, &mut wrenches);
+        inverse_dynamics(bodies, joints, accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
+        black_box(&wrenches);
+    });
+
+    let joints = at(tree, frames, 1)?;
+    let mut world = [BodyState::WORLD; N];
+    kinematics::body_states(tree.bodies(), joints.as_slice(), &mut world);
+    let weights = BodyWeights::rotations(tree);
+    let (mut scratch, mut out) = ([Resolved::ZERO; N], [Motion::ZERO; N]);
+    let rig = tree.clone();
+    let resolved = kernel("resolved_acceleration", move || {
+        out.fill(black_box(Motion::new(Vec3::X, Vec3::Y)));
+        let (bodies, joints) = black_box((rig.bodies(), joints.as_slice()));
+        resolved_acceleration(bodies, joints, &world, &weights, &mut scratch, &mut out);
+        black_box(&out);
+    });
+    Ok(vec![rnea, resolved])
+}
+
+fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec<Kernel> {
+    let window = || [frames[0], frames[1], frames[2]];
+    let (mut targets, mut measured) = (JointTargets::rest(tree), JointStates::rest(tree));
+    let (rig, of_bodies, aligned, backward) = (tree.clone(), window(), window(), window());
+    let mut aligned_out = targets.clone();
+    vec![
+        kernel("forward_targets_of_bodies", move || {
+            let window = black_box(&of_bodies).each_ref().map(|frame| &frame[..]);
+            done(forward_targets_of_bodies(&rig, window, DT_S, &mut targets));
+        }),
+        kernel("aligned_targets", move || {
+            let window = black_box(&aligned).each_ref().map(|frame| &frame[..]);
+            done(aligned_targets(window, DT_S, &mut aligned_out));
+        }),
+        kernel("backward_states", move || {
+            let [before, now, _] = black_box(&backward).each_ref().map(|frame| &frame[..]);
+            done(backward_states([before, now], DT_S, &mut measured));
+        }),
+    ]
+}
+
+/// A sweep for each frame of a performer who is larger.
+fn projection<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+) -> Result<Kernel, Box<dyn Error>> {
+    let projection = ManifoldProjection::new(tree, &[BodyWeight::new(1.0, ROTATION_M); N])?;
+    let (mut workspace, mut nearest) = (ProjectionWorkspace::new(), [Transform::IDENTITY; N]);
+    let (rig, performance) = (tree.clone(), enlarged(frames));
+    let mut index = (0..FRAMES).cycle();
+    Ok(kernel("projection", move || {
+        let frame = &performance[index.next().unwrap_or_default()];
+        done(projection.project(&rig, black_box(frame), &mut workspace, &mut nearest));
+        black_box(&nearest);
+    }))
+}
+
+/// Whole ticks, from poses to torques: of the core with each method, and as boards run the setting for real rigs.
+fn ticks<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+) -> Result<Vec<Kernel>, Box<dyn Error>> {
+    let gains = Gains::critically_damped(200.0)?;
+    let aims = Aims::heaviest_child(tree);
+    let settings = Compensation::default();
+    let weights = BodyWeights::rotations(tree);
+    let mut kernels = Vec::new();
+    for (name, method) in [
+        ("tick_world", Method::World),
+        ("tick_linear_compensation", Method::LinearCompensation { aims, settings }),
+        ("tick_resolved_acceleration", Method::ResolvedAcceleration { weights }),
+    ] {
+        let mut rig = Rig::new(Controller::new(tree.clone(), gains, method)?);
+        let frames = frames.to_vec();
+        let mut index = (0..FRAMES - LAG_FRAMES - 2).cycle();
+        kernels.push(kernel(name, move || {
+            let now = index.next().unwrap_or_default();
+            let frame = |index: usize| &frames[index][..];
+            let ahead = now + LAG_FRAMES;
+            let desired = [ahead, ahead + 1, ahead + 2].map(frame);
+            done(rig.tick(desired, [now, now + 1].map(frame)));
+        }));
+    }
+
+    let mut bytes = Vec::new();
+    let performance = enlarged(frames);
+    let poses = performance[LAG_FRAMES..].iter().map(|frame| &frame[..]);
+    show::write(tree.bodies(), DT_S, poses, |piece| {
+        bytes.extend_from_slice(piece);
+        Ok::<(), std::convert::Infallible>(())
+    })?;
+    // An application borrows its show from flash, for ever.
+    let show = Show::parse(bytes.leak())?;
+    let controller = Controller::new(tree.clone(), gains.implicit(DT_S)?, Method::World)?;
+    let mut app = App::new(show, controller).with(Recommended::new(&show, tree, 0)?);
+    let frames = frames.to_vec();
+    let mut index = (0..FRAMES - LAG_FRAMES).cycle();
+    kernels.push(kernel("tick_recommended", move || {
+        let now = index.next().unwrap_or_default();
+        done(app.observe(now, black_box(&frames[now])));
+        black_box(app.control());
+    }));
+    Ok(kernels)
+}
+
+fn enlarged<const N: usize>(frames: &[[Transform; N]]) -> Vec<[Transform; N]> {
+    let mut frames = frames.to_vec();
+    for pose in frames.iter_mut().flat_map(|frame| frame.iter_mut().skip(1)) {
+        pose.translation_m *= LARGER;
+    }
+    frames
+}
+
+/// What is refused takes no time: the bench would show less than there is.
+fn done<T, E: std::fmt::Debug>(result: Result<T, E>) {
+    black_box(result.expect("the bench's own motion is not refused"));
+}
