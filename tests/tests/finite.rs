@@ -27,6 +27,10 @@ use sinew_core::{
     JointStates, JointTargets, Motion, RotationalInertia, Trajectory, Transform, Tree, Workspace,
     Wrench, math,
 };
+use sinew_firmware::app::App;
+use sinew_firmware::recommended::Recommended;
+use sinew_firmware::replay::{METHODS, Replay};
+use sinew_firmware::show::{self, Show};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,
@@ -411,6 +415,56 @@ proptest! {
                 prop_assert_eq!(torques.len(), joints);
                 let bad = torques.iter().position(|torque| !sound_torque(torque));
                 prop_assert!(bad.is_none(), "{bad:?} {torques:?}");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(property(500))]
+
+    /// A show from the ends of f32, as a board performs it; and with sensors that say anything.
+    #[test]
+    fn shows(
+        scene in scenes::<N>(),
+        poses in prop_oneof![vec(extreme::pose(5), 5 * N), vec(any_pose(), 5 * N)],
+        sensed in vec(any_pose(), 5 * N),
+        dt_s in prop_oneof![2 => Just(0.01), 1 => any_number()],
+        first in any::<usize>(),
+    ) {
+        let bodies = scene.tree.bodies();
+        let frames: Vec<_> = poses.chunks_exact(N).map(|frame| &frame[..bodies.len()]).collect();
+        let mut bytes = Vec::new();
+        let sink = |piece: &[u8]| {
+            bytes.extend_from_slice(piece);
+            Ok::<(), std::convert::Infallible>(())
+        };
+        let Ok(()) = show::write(bodies, dt_s, frames.iter().copied(), sink);
+        let Ok(show) = Show::parse(&bytes) else { return Ok(()) };
+        prop_assert!(dt_s > 0.0 && dt_s.is_finite());
+        let mut frame = [Transform::IDENTITY; N];
+        for index in [0, 4, usize::MAX] {
+            show.frame(index, &mut frame);
+            prop_assert!(frame.iter().all(|p| p.is_finite() && unit(p.rotation)));
+        }
+        for method in METHODS {
+            let Ok(mut replay) = Replay::<N>::new(show, method) else { continue };
+            for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
+                if replay.observe(tick).is_ok() {
+                    prop_assert!(replay.control().iter().all(sound_torque), "{method} {tick}");
+                }
+            }
+        }
+        let tree = show.tree::<N>().expect("what was a tree is one");
+        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
+        let app = App::new(show, controller.clone());
+        let setting = Recommended::new(&show, &tree, 0).ok();
+        let recommended = setting.map(|setting| App::new(show, controller).with(setting));
+        for mut app in recommended.into_iter().chain([app]) {
+            for (tick, sensed) in sensed.chunks_exact(N).enumerate() {
+                // A board holds what it had when it is told that a pose is none; here it goes on.
+                let _ = app.observe(tick, &sensed[..tree.len()]);
+                prop_assert!(app.control().iter().all(sound_torque), "tick {tick}");
             }
         }
     }
