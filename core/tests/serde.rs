@@ -12,7 +12,7 @@ use sinew_core::state_error::{
 };
 use sinew_core::{
     Body, BodySet, BodyState, Controller, Inertia, JointKind, JointState, JointStates,
-    JointTargets, Motion, RotationalInertia, Transform, Tree, Wrench, math,
+    JointTargets, Motion, RotationalInertia, Transform, Tree, Workspace, Wrench, math,
 };
 
 /// Through a text and through a compact format for microcontrollers.
@@ -352,4 +352,39 @@ fn states_and_targets_are_checked_joint_by_joint() {
     targets[3]["acceleration"]["linear"] = serde_json::json!([0, 0, -1e39]);
     let message = refused::<JointTargets<8>>(&targets.to_string());
     assert!(message.contains("not finite"), "{message}");
+}
+
+/// Whatever bits have flipped on the way: it is refused, or a controller that computes finite torques.
+#[test]
+fn damaged_bytes_are_refused_or_make_a_usable_controller() {
+    let tree = tree();
+    let method = Method::LinearCompensation {
+        aims: Aims::all_children(&tree),
+        settings: Compensation::default(),
+    };
+    let gains = Gains::critically_damped(200.0).unwrap();
+    let limits = [TorqueLimit::new(30.0, 100.0).unwrap(); 6];
+    let controller = Controller::new(tree, gains, method).unwrap().with_limits(&limits).unwrap();
+    let mut buffer = [0; 4096];
+    let bytes = postcard::to_slice(&controller, &mut buffer).unwrap();
+    let mut workspace = Workspace::new();
+    let (mut refused, mut usable) = (0, 0);
+    for bit in 0..bytes.len() * 8 {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        if let Ok(read) = postcard::from_bytes::<Controller<8>>(bytes) {
+            let (targets, measured) =
+                (JointTargets::rest(read.tree()), JointStates::rest(read.tree()));
+            let torques = read.tick(&targets, &measured, &[], &mut workspace);
+            assert_eq!(torques.len(), 6);
+            assert!(torques.iter().all(|torque| torque.value.is_finite()), "bit {bit}");
+            usable += 1;
+        } else {
+            refused += 1;
+        }
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+    for length in 0..bytes.len() {
+        assert!(postcard::from_bytes::<Controller<8>>(&bytes[..length]).is_err(), "{length}");
+    }
+    assert!(refused > 500 && usable > 500, "{refused} refused, {usable} usable");
 }
