@@ -1,17 +1,15 @@
-//! Builds the images, holds what they take against the budget, and compares the emulated board with the host.
+//! Builds the boards' images, and compares the emulated board with the host.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use object::{Object, ObjectSegment};
 use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 
-use crate::budget::{self, Budget, Instructions, Measured, Size};
-use crate::{arm, step, table};
+use crate::budget::{self, Figures, Place, field, number};
+use crate::{arm, step};
 
 /// Bodies of the figure, as the images have it.
 const CAPACITY: usize = 18;
@@ -22,60 +20,51 @@ const QEMU_BOARD: &str = "mps2_an386";
 /// An image and how long a show fits its flash.
 const IMAGES: [(&str, &str); 2] = [(QEMU_BOARD, "21"), ("nucleo_f446re", "10")];
 
-/// Builds and measures the images, with a show of the caller's in place of those that the budget is made for.
-pub(crate) fn run(given: Option<&Path>) -> Result<()> {
+/// Instructions of ticks over the whole show of the image for QEMU.
+const SECTION: &str = "show_instructions";
+
+/// Builds the images, with a show of the caller's in place of ours, and says what they take.
+pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
     let given = given.map(checked).transpose()?;
-    let budget = match given {
-        None => Some(Budget::parse(&fs::read_to_string(step::root().join(budget::FILE))?)?),
-        Some(_) => None,
-    };
     let show_of = |board: &str| given.clone().unwrap_or_else(|| baked(board));
     if given.is_none() {
         bake()?;
     }
     build(show_of)?;
 
+    let mut figures = Figures::default();
+    for (board, _) in IMAGES {
+        let show_bytes = fs::metadata(show_of(board))?.len();
+        figures.extend(budget::size(board, &arm::image(board), show_bytes)?);
+    }
     let board = qemu()?;
-    let shows_bytes = IMAGES
-        .iter()
-        .map(|(board, _)| Ok(fs::metadata(show_of(board))?.len()))
-        .collect::<Result<Vec<_>>>()?;
-    let measured = Measured {
-        methods: board.iter().map(|run| (run.method.clone(), run.instructions)).collect(),
-        images: IMAGES
-            .iter()
-            .zip(&shows_bytes)
-            .map(|((board, _), show)| Ok(((*board).to_owned(), size(&arm::image(board), *show)?)))
-            .collect::<Result<_>>()?,
-        shows_bytes,
-    };
-    println!("\n{}", table::images(&measured, budget.as_ref()));
-    println!("{}", table::instructions(&measured, budget.as_ref()));
+    for run in &board {
+        for (column, instructions) in &run.instructions {
+            figures.add(Place::new(SECTION, &run.method, column), *instructions);
+        }
+    }
 
     let host = host(&show_of(QEMU_BOARD))?;
-    println!("{:<20} {:>6}   {:<16}   {:<16}", "method", "ticks", "hash, QEMU", "hash, host");
+    let mut rows =
+        vec![["method", "ticks", "hash, QEMU", "hash, host"].map(str::to_owned).to_vec()];
     for (on_board, on_host) in board.iter().zip(&host) {
-        println!(
-            "{:<20} {:>6}   {:<16}   {on_host:016x}",
-            on_board.method, on_board.ticks, on_board.hash
-        );
+        let Run { method, ticks, hash, .. } = on_board;
+        rows.push(vec![method.clone(), ticks.clone(), hash.clone(), format!("{on_host:016x}")]);
     }
+    println!("\n{}", budget::aligned(&rows));
     let equal = board.len() == host.len()
         && board.iter().zip(&host).all(|(board, host)| board.hash == format!("{host:016x}"));
     ensure!(equal, "the board and the host compute different torques");
-    println!("QEMU and the host give the same bits.");
+    println!("QEMU and the host give the same bits.\n");
+    Ok(figures)
+}
 
-    let Some(budget) = budget else {
-        println!("{} is for shows of our own: not compared, SINEW_SHOW is set.", budget::FILE);
-        return Ok(());
-    };
-    let mut problems = budget.exceeded_by(&measured);
-    // The budget is that of the compiler which the workspace asks for: Debian's makes smaller programs.
-    if arm::toolchain()? == arm::Toolchain::Rustup {
-        problems.extend(budget.too_generous_for(&measured));
+/// The same, and prints what the images take.
+pub(crate) fn show(given: Option<&Path>) -> Result<()> {
+    let figures = run(given)?;
+    for section in figures.names(|place| Some(&place.section)) {
+        println!("{}", budget::section(&figures, None, section));
     }
-    ensure!(problems.is_empty(), "{} does not hold:\n  {}", budget::FILE, problems.join("\n  "));
-    println!("All is within {}.", budget::FILE);
     Ok(())
 }
 
@@ -157,7 +146,7 @@ pub(crate) fn lint() -> Result<()> {
                 .env("SINEW_SHOW", baked(board)),
         )?;
     }
-    Ok(())
+    budget::lint()
 }
 
 /// The image for QEMU and the show in it, for tests that run them.
@@ -170,42 +159,19 @@ fn baked(board: &str) -> PathBuf {
     step::root().join("target/shows").join(board).with_extension("snws")
 }
 
-/// Where the Cortex-M architecture has SRAM.
-const SRAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
-
-/// What of an image is stored beside its show, and what RAM is static. The stack takes what RAM is left.
-fn size(image: &Path, show_bytes: u64) -> Result<Size> {
-    let bytes = fs::read(image).with_context(|| format!("{}", image.display()))?;
-    let file = object::File::parse(&*bytes)?;
-    let (mut stored_bytes, mut static_ram_bytes) = (0, 0);
-    for segment in file.segments() {
-        let (_, stored) = segment.file_range();
-        stored_bytes += stored;
-        if SRAM.contains(&segment.address()) {
-            static_ram_bytes += segment.size();
-        }
-    }
-    let program_bytes = stored_bytes
-        .checked_sub(show_bytes)
-        .with_context(|| format!("{} is smaller than its show", image.display()))?;
-    Ok(Size { program_bytes, static_ram_bytes })
-}
-
 /// What the board said of one method.
 struct Run {
     method: String,
     ticks: String,
-    instructions: Instructions,
+    /// By part of the tick.
+    instructions: Vec<(&'static str, u64)>,
     hash: String,
 }
 
 fn qemu() -> Result<Vec<Run>> {
     let folder = step::root().join("target/qemu");
     fs::create_dir_all(&folder)?;
-    let output = Command::new("qemu-system-arm")
-        .args(["-machine", "mps2-an386", "-nographic", "-icount", "shift=0"])
-        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-        .arg(arm::image(QEMU_BOARD))
+    let output = budget::qemu(&arm::image(QEMU_BOARD), &["-icount", "shift=0"])
         .current_dir(&folder)
         .output()
         .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
@@ -213,28 +179,20 @@ fn qemu() -> Result<Vec<Run>> {
     if !output.status.success() {
         bail!("QEMU: {}\n{text}{}", output.status, String::from_utf8_lossy(&output.stderr));
     }
-    let field = |line: &str, name: &str| {
-        line.split_whitespace()
-            .filter_map(|word| word.split_once('='))
-            .find(|(key, _)| *key == name)
-            .map(|(_, value)| value.to_owned())
-            .with_context(|| format!("QEMU printed no `{name}` in: {line}"))
-    };
-    let count = |line: &str, name: &str| {
-        field(line, name)?
-            .parse()
-            .with_context(|| format!("QEMU printed no whole number for `{name}` in: {line}"))
-    };
     text.lines()
         .map(|line| {
+            let (observe, control) = (number(line, "observe")?, number(line, "control")?);
+            let worst = number(line, "worst")?;
             Ok(Run {
-                method: field(line, "method")?,
-                ticks: field(line, "ticks")?,
-                instructions: Instructions {
-                    control: count(line, "control")?,
-                    observe: count(line, "observe")?,
-                },
-                hash: field(line, "hash")?,
+                method: field(line, "method")?.to_owned(),
+                ticks: field(line, "ticks")?.to_owned(),
+                instructions: vec![
+                    ("observe", observe),
+                    ("control", control),
+                    ("tick", observe + control),
+                    ("worst_tick", worst),
+                ],
+                hash: field(line, "hash")?.to_owned(),
             })
         })
         .collect()

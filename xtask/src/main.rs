@@ -9,7 +9,6 @@ mod firmware;
 mod semver;
 mod setup;
 mod step;
-mod table;
 mod test;
 
 use std::env;
@@ -24,8 +23,10 @@ Usage: cargo xtask <COMMAND>
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
   test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
-  firmware  Builds both images, runs one in QEMU, and compares its torques with the host's, and what the images take
-            with firmware/budget.toml. With SINEW_SHOW set, that show is performed, and the budget left out
+  firmware  Builds the boards' images, runs one in QEMU, and compares its torques with the host's. With SINEW_SHOW set,
+            that show is performed
+  budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
+            --accept, puts them there
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
@@ -42,11 +43,13 @@ fn main() -> ExitCode {
             Ok(())
         }
         ["setup"] => setup::run(),
+        ["budget"] => budget::run(false),
+        ["budget", "--accept"] => budget::run(true),
         ["test"] => test::run(),
         ["semver", revision] => semver::run(revision),
         ["audit"] => audit::run(),
         ["audit", "--self-test"] => audit::self_test(),
-        ["firmware"] => firmware::run(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
+        ["firmware"] => firmware::show(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
         other => {
             eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));
             return ExitCode::from(2);

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, features, firmware, setup, step};
+use crate::{audit, budget, features, firmware, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -22,7 +22,7 @@ pub(crate) fn run() -> Result<()> {
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
 
-    firmware::run(None)?;
+    budget::run(false)?;
     firmware::lint()?;
     audit::lint()?;
     audit::self_test()?;

@@ -51,7 +51,7 @@ fn perform() -> Result<(), &'static str> {
         let mut replay =
             Replay::<CAPACITY>::new(show, name).map_err(|_| "the show's rig is not usable")?;
         let mut hash = TorqueHash::default();
-        let (mut observe_counts, mut control_counts) = (0u64, 0u64);
+        let (mut observe_counts, mut control_counts, mut most_counts) = (0u64, 0u64, 0u64);
         for tick in 0..show.frame_count() {
             let start = SYST::get_current();
             replay.observe(tick).map_err(|_| "a measured state was refused")?;
@@ -59,8 +59,10 @@ fn perform() -> Result<(), &'static str> {
             let torques = replay.control();
             let end = SYST::get_current();
             // The counter runs down and wraps at 24 bits.
-            observe_counts += u64::from(start.wrapping_sub(observed) & COUNTER_MASK);
-            control_counts += u64::from(observed.wrapping_sub(end) & COUNTER_MASK);
+            let between = |start: u32, end: u32| u64::from(start.wrapping_sub(end) & COUNTER_MASK);
+            observe_counts += between(start, observed);
+            control_counts += between(observed, end);
+            most_counts = most_counts.max(between(start, end));
             hash.update(torques);
             let mut bytes = [0u8; CAPACITY * 24];
             let numbers = torques.iter().flat_map(|torque| components(&torque.value));
@@ -71,11 +73,12 @@ fn perform() -> Result<(), &'static str> {
         }
         let ticks = show.frame_count() as u64;
         hprintln!(
-            "method={} ticks={} control={} observe={} hash={:016x}",
+            "method={} ticks={} control={} observe={} worst={} hash={:016x}",
             name,
             ticks,
             control_counts * INSTRUCTIONS_PER_COUNT / ticks,
             observe_counts * INSTRUCTIONS_PER_COUNT / ticks,
+            most_counts * INSTRUCTIONS_PER_COUNT,
             hash.value()
         );
     }

@@ -1,0 +1,82 @@
+//! What was measured: numbers by section, row and column.
+
+use std::fmt;
+
+/// Where a number stands: `instructions.rnea_free_root.18`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// What it counts, with its unit.
+    pub(crate) section: String,
+    /// What was measured.
+    pub(crate) row: String,
+    /// Of what size, or which part.
+    pub(crate) column: String,
+}
+
+impl Place {
+    pub(crate) fn new(section: &str, row: &str, column: &str) -> Self {
+        Self { section: section.to_owned(), row: row.to_owned(), column: column.to_owned() }
+    }
+
+    /// Reads what [`Display`](fmt::Display) writes.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let [section, row, column] = text.split('.').collect::<Vec<_>>().try_into().ok()?;
+        Some(Self::new(section, row, column))
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}.{}", self.section, self.row, self.column)
+    }
+}
+
+/// Numbers in the order in which they were measured.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Figures(Vec<(Place, u64)>);
+
+impl Figures {
+    /// Adds a number to what stands at a place, if anything does.
+    pub(crate) fn add(&mut self, place: Place, number: u64) {
+        match self.0.iter_mut().find(|(known, _)| *known == place) {
+            Some((_, sum)) => *sum += number,
+            None => self.0.push((place, number)),
+        }
+    }
+
+    pub(crate) fn get(&self, place: &Place) -> Option<u64> {
+        self.0.iter().find(|(known, _)| known == place).map(|(_, number)| *number)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&Place, u64)> {
+        self.0.iter().map(|(place, number)| (place, *number))
+    }
+
+    /// Sections, or rows of one, or columns, each once, in order.
+    pub(crate) fn names<'a>(&'a self, name: impl Fn(&'a Place) -> Option<&'a str>) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        for name in self.0.iter().filter_map(|(place, _)| name(place)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+}
+
+impl Extend<(Place, u64)> for Figures {
+    fn extend<I: IntoIterator<Item = (Place, u64)>>(&mut self, more: I) {
+        for (place, number) in more {
+            self.add(place, number);
+        }
+    }
+}
+
+impl IntoIterator for Figures {
+    type Item = (Place, u64);
+    type IntoIter = std::vec::IntoIter<Self::Item>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}

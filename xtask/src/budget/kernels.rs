@@ -1,0 +1,202 @@
+//! What each kernel and each kind of tick takes, from the image `kernels`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use super::figures::{Figures, Place};
+use super::stack::{Depth, Frames, deepest};
+use super::trace::{Mix, Trace, qemu, trace};
+use crate::elf::Elf;
+
+/// Instructions of the whole kernel, the mean of its runs.
+const INSTRUCTIONS: &str = "instructions";
+
+/// The longest run of a tick.
+const WORST: &str = "worst_instructions";
+
+/// Cycles of the mean run.
+const CYCLES: &str = "estimated_cycles";
+
+const STATIC_STACK: &str = "static_stack_bytes";
+const PAINTED_STACK: &str = "painted_stack_bytes";
+const TYPES: &str = "type_bytes";
+
+/// What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
+const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
+
+/// The functions that whole ticks are called by: what they have on the stack is the tick's.
+const TICKS: [&str; 2] = ["core_tick", "app_tick"];
+
+/// The numbers of bodies that are measured.
+const SIZES: [&str; 3] = ["6", "18", "32"];
+
+/// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
+/// does not count.
+const CLOSURES_BYTES: u64 = 128;
+
+/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each of its
+/// readings is up to 40 off.
+const SYSTICK_TOLERANCE: u64 = 80;
+
+/// What was measured, and what it consists of.
+pub(crate) struct Kernels {
+    pub(crate) elf: Elf,
+    pub(crate) figures: Figures,
+    pub(crate) executed: Vec<Kernel>,
+    /// The deepest stack of each kind of tick.
+    pub(crate) stacks: Vec<(Place, Depth)>,
+}
+
+/// What the runs of a kernel executed.
+pub(crate) struct Kernel {
+    /// Of its instructions.
+    pub(crate) place: Place,
+    pub(crate) runs: u64,
+    /// All runs together, by function.
+    pub(crate) mixes: BTreeMap<usize, Mix>,
+    /// Instructions of the longest run.
+    worst: u64,
+}
+
+/// Runs the image twice: with a clock that counts instructions, and with a log of them.
+pub(crate) fn measure(image: &Path) -> Result<Kernels> {
+    let elf = Elf::load(image)?;
+    let counted = qemu(image, &["-icount", "shift=0"])
+        .output()
+        .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
+    let text = String::from_utf8_lossy(&counted.stdout);
+    let errors = String::from_utf8_lossy(&counted.stderr);
+    ensure!(counted.status.success(), "QEMU: {}\n{text}{errors}", counted.status);
+    let trace = trace(image, &elf, ["kernels::begin", "kernels::end"])?;
+
+    let executed = executed(&elf, &trace, &text)?;
+    let stacks = stacks(&elf, image)?;
+    let mut figures = Figures::default();
+    let at = |section, place: &Place| Place::new(section, &place.row, &place.column);
+    figures.extend(executed.iter().map(|kernel| (kernel.place.clone(), kernel.instructions())));
+    let ticks = executed.iter().filter(|kernel| is_tick(&kernel.place.row));
+    figures.extend(ticks.map(|tick| (at(WORST, &tick.place), tick.worst)));
+    figures.extend(executed.iter().map(|kernel| (at(CYCLES, &kernel.place), kernel.cycles())));
+    figures.extend(stacks.iter().map(|(place, depth)| (place.clone(), depth.bytes)));
+    figures.extend(printed(&text)?);
+    let measured = Kernels { elf, figures, executed, stacks };
+    measured.check_stacks()?;
+    Ok(measured)
+}
+
+/// What the runs of each kernel executed, checked against the counts of the other run.
+fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
+    let lines = |text: &str| -> Vec<String> {
+        text.lines().filter(|line| line.starts_with("kernel=")).map(str::to_owned).collect()
+    };
+    let (traced, counted) = (lines(&trace.output), lines(counted));
+    ensure!(traced.len() == counted.len(), "QEMU ran other kernels the second time");
+    let mut left = trace.runs.as_slice();
+    let mut kernels = Vec::new();
+    for (line, counted) in traced.iter().zip(&counted) {
+        let (name, bodies) = (field(line, "kernel")?, field(line, "bodies")?);
+        let runs = number(line, "runs")?;
+        let (these, others) = left
+            .split_at_checked(usize::try_from(runs)?)
+            .with_context(|| format!("QEMU's log has too few runs of {name}"))?;
+        left = others;
+        let kernel = Kernel {
+            place: Place::new(INSTRUCTIONS, name, bodies),
+            runs,
+            mixes: trace.mixes(elf, these)?,
+            worst: these.iter().map(|run| run.instructions).max().unwrap_or_default(),
+        };
+        let (by_log, by_clock) = (kernel.instructions(), number(counted, "instructions")?);
+        ensure!(
+            by_log.abs_diff(by_clock) <= SYSTICK_TOLERANCE,
+            "{name} of {bodies} bodies executes {by_log} instructions by QEMU's log, and {by_clock} by its clock"
+        );
+        kernels.push(kernel);
+    }
+    ensure!(left.is_empty(), "QEMU's log has {} runs that no kernel made", left.len());
+    Ok(kernels)
+}
+
+fn stacks(elf: &Elf, image: &Path) -> Result<Vec<(Place, Depth)>> {
+    let frames = Frames::load(image)?;
+    let mut stacks = Vec::new();
+    for tick in TICKS {
+        for bodies in SIZES {
+            let name = format!("kernels::{tick}::<{bodies}>");
+            let root = elf.named(&name).with_context(|| format!("the image has no `{name}`"))?;
+            let place = Place::new(STATIC_STACK, tick, bodies);
+            stacks.push((place, deepest(elf, &frames, root)?));
+        }
+    }
+    Ok(stacks)
+}
+
+/// What the image printed of stacks and types.
+fn printed(text: &str) -> Result<Figures> {
+    let (mut figures, mut state) = (Figures::default(), Figures::default());
+    for line in text.lines() {
+        let (what, section) = match line.split_once('=') {
+            Some(("kernel", _)) => continue,
+            Some(("stack", _)) => ("stack", PAINTED_STACK),
+            Some(("type", _)) => ("type", TYPES),
+            _ => bail!("QEMU printed: {line}"),
+        };
+        let (name, bodies) = (field(line, what)?, field(line, "bodies")?);
+        let bytes = number(line, "bytes")?;
+        figures.add(Place::new(section, name, bodies), bytes);
+        if section == TYPES && STATE_TYPES.contains(&name) {
+            state.add(Place::new(section, "state_and_workspace", bodies), bytes);
+        }
+    }
+    figures.extend(state);
+    Ok(figures)
+}
+
+impl Kernel {
+    /// Of one run, the mean.
+    fn instructions(&self) -> u64 {
+        Mix::sum(self.mixes.values()).instructions.div_ceil(self.runs)
+    }
+
+    /// The same of cycles.
+    fn cycles(&self) -> u64 {
+        Mix::sum(self.mixes.values()).cycles.div_ceil(self.runs)
+    }
+}
+
+impl Kernels {
+    /// That no tick was seen to take more stack than it can by the call graph.
+    fn check_stacks(&self) -> Result<()> {
+        for (place, painted) in self.figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
+            let tick = if place.row.starts_with("board_") { "app_tick" } else { "core_tick" };
+            let bound = self.figures.get(&Place::new(STATIC_STACK, tick, &place.column));
+            ensure!(
+                bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
+                "{place} is {painted} bytes, more than the frames of {tick} allow ({bound:?})"
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Whether these are whole ticks, of successive frames, and not the same work again and again.
+fn is_tick(kernel: &str) -> bool {
+    kernel.starts_with("tick_") || kernel.starts_with("board_")
+}
+
+/// What a line such as `kernel=rnea bodies=18` says of a name.
+pub(crate) fn field<'a>(line: &'a str, name: &str) -> Result<&'a str> {
+    line.split_whitespace()
+        .filter_map(|word| word.split_once('='))
+        .find(|(key, _)| *key == name)
+        .map(|(_, value)| value)
+        .with_context(|| format!("QEMU printed no `{name}` in: {line}"))
+}
+
+/// The same of a whole number.
+pub(crate) fn number(line: &str, name: &str) -> Result<u64> {
+    let number = field(line, name)?.parse();
+    number.with_context(|| format!("QEMU printed no whole number for `{name}` in: {line}"))
+}

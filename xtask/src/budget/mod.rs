@@ -1,0 +1,135 @@
+//! What the core and the images take, held against the committed file.
+
+mod cycles;
+mod figures;
+mod file;
+mod images;
+mod kernels;
+mod stack;
+mod tables;
+mod trace;
+
+use std::fs;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::elf::Elf;
+use crate::{arm, firmware, step};
+use file::{Budget, FILE};
+use kernels::{Kernel, Kernels};
+use trace::Mix;
+
+pub(crate) use figures::{Figures, Place};
+pub(crate) use images::{lint, size};
+pub(crate) use kernels::{field, number};
+pub(crate) use tables::{aligned, section};
+pub(crate) use trace::qemu;
+
+/// The rig that promises are about.
+const BODIES: &str = "18";
+
+/// Measures everything, and compares it with the committed file; or makes it the new one.
+pub(crate) fn run(accept: bool) -> Result<()> {
+    let path = step::root().join(FILE);
+    let text = fs::read_to_string(&path).with_context(|| FILE.to_owned())?;
+    let budget = Budget::parse(&text)?;
+    let toolchain = arm::toolchain()?;
+    ensure!(
+        !accept || toolchain == arm::Toolchain::Rustup,
+        "{FILE} has the figures of rustup's compiler, and this is {}",
+        toolchain.name()
+    );
+    let mut figures = firmware::run(None)?;
+    images::build()?;
+    let kernels = kernels::measure(&arm::image("kernels"))?;
+    figures.extend(kernels.figures.clone());
+    figures.extend(images::core_alone()?);
+
+    print(&figures, &budget, &kernels);
+    let verdicts = budget.verdicts(&figures)?;
+    println!("{}", tables::promises(&verdicts));
+    let mut problems = Vec::new();
+    for verdict in verdicts.iter().filter(|verdict| !verdict.holds()) {
+        explain(&verdict.place, &kernels)?;
+        problems.push(format!(
+            "{} is {}, at most {} is promised: {}",
+            verdict.place,
+            verdict.measured,
+            verdict.bound_text(),
+            verdict.reason()
+        ));
+    }
+    if accept {
+        fs::write(&path, file::accepting(&text, &figures)?)?;
+        println!("{FILE} has these figures now.");
+    } else {
+        for saving in budget.savings(&figures) {
+            println!("{saving}");
+        }
+        // Debian's compiler makes other programs.
+        if toolchain == arm::Toolchain::Rustup {
+            problems.extend(budget.changes(&figures));
+        }
+    }
+    ensure!(
+        problems.is_empty(),
+        "{FILE} does not hold:\n  {}\nIf a figure is to be as it is, run `cargo xtask budget --accept`; promises stay.",
+        problems.join("\n  ")
+    );
+    println!("All is within {FILE}.");
+    Ok(())
+}
+
+fn print(figures: &Figures, budget: &Budget, kernels: &Kernels) {
+    for section in figures.names(|place| Some(&place.section)) {
+        println!("{}", tables::section(figures, Some(budget), section));
+    }
+    for (place, depth) in kernels.stacks.iter().filter(|(place, _)| place.column == BODIES) {
+        println!("deepest stack of {} for {BODIES} bodies:", place.row);
+        for (function, bytes) in &depth.path {
+            println!("{bytes:>8}  {}", tables::short_name(&kernels.elf, *function));
+        }
+        println!();
+    }
+    let of_all: Vec<_> = kernels
+        .executed
+        .iter()
+        .filter(|kernel| kernel.place.column == BODIES)
+        .map(|kernel| (&kernel.place.row, kernel.runs, Mix::sum(kernel.mixes.values())))
+        .collect();
+    let title = format!("executed, {BODIES} bodies");
+    let rows = of_all.iter().map(|(name, runs, mix)| ((*name).clone(), *runs, mix));
+    println!("{}", tables::mixes(&title, rows));
+}
+
+/// How many functions are named that a promise was missed by.
+const LARGEST: usize = 25;
+
+/// Where what was promised less of goes, function by function: instructions of a kernel, or bytes of an image.
+fn explain(place: &Place, kernels: &Kernels) -> Result<()> {
+    let Place { section, row, column } = place;
+    if section == images::SECTION {
+        let elf = Elf::load(&arm::image(row))?;
+        let mut functions: Vec<_> = (0..elf.functions().len()).collect();
+        functions.sort_by_key(|function| std::cmp::Reverse(elf.functions()[*function].size));
+        let mut rows = vec![vec![format!("largest of {row}"), "bytes".to_owned()]];
+        rows.extend(functions.into_iter().take(LARGEST).map(|function| {
+            let bytes = elf.functions()[function].size.to_string();
+            vec![tables::short_name(&elf, function), bytes]
+        }));
+        println!("{}", tables::aligned(&rows));
+    }
+    let kernel = kernels
+        .executed
+        .iter()
+        .find(|known| known.place.row == *row && known.place.column == *column);
+    if let Some(Kernel { runs, mixes, .. }) = kernel {
+        let mut functions: Vec<_> = mixes.iter().collect();
+        functions.sort_by_key(|(_, mix)| std::cmp::Reverse(mix.instructions));
+        let rows = functions
+            .into_iter()
+            .map(|(function, mix)| (tables::short_name(&kernels.elf, *function), *runs, mix));
+        println!("{}", tables::mixes(&format!("{row}, {column} bodies, by function"), rows));
+    }
+    Ok(())
+}
