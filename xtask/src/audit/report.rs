@@ -106,8 +106,8 @@ fn way(elf: &Elf, parts: &[&str], function: usize) -> String {
 
 /// A file as seen from the workspace, from the library's sources, or from its crate's folder.
 fn short(file: &str) -> &str {
-    if let Some((_, in_library)) = file.rsplit_once("/library/") {
-        return in_library;
+    if let Some(start) = file.rfind("/library/") {
+        return &file[start + 1..];
     }
     if let Some((_, in_registry)) = file.rsplit_once("/registry/src/") {
         return in_registry.split_once('/').map_or(in_registry, |(_, in_crate)| in_crate);
