@@ -142,6 +142,7 @@ pub mod projection;
 mod serial;
 pub mod state;
 pub mod state_error;
+mod symmetric;
 pub mod trajectory;
 mod transform;
 mod tree;

@@ -1,11 +1,18 @@
 //! Dynamics of the tree.
 
+mod aba;
+mod articulated_inertia;
+mod body_axes;
+mod crba;
 pub(crate) mod least_constraint;
 mod reflected;
 mod resolved_acceleration;
+mod rigid_inertia;
 mod rnea;
 mod spatial_inertia;
 
+pub use aba::{ArticulatedBody, forward_dynamics};
+pub use crba::{CompositeBody, degrees_of_freedom, mass_matrix};
 pub use reflected::{OuterJoints, ReflectedInertia, reflected_inertia};
 pub use resolved_acceleration::{Resolved, resolved_acceleration};
 pub use rnea::{BodyMotion, inverse_dynamics};

@@ -1,0 +1,341 @@
+//! The articulated-body algorithm.
+
+use glam::{Mat3, Quat, Vec3};
+
+use super::articulated_inertia::{ArticulatedInertia, transposed_mul};
+use super::body_axes::in_body_axes;
+use super::rigid_inertia::RigidInertia;
+use crate::joint::JointKind;
+use crate::state::JointState;
+use crate::symmetric::{ROUNDING, Symmetric};
+use crate::transform::{Motion, Wrench};
+use crate::tree::Body;
+
+/// A body with all bodies that hang on it by their joints: workspace of [`forward_dynamics`].
+///
+/// Body axes, about the body's origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArticulatedBody {
+    to_parent: Mat3,
+    /// Axes in body axes.
+    joint: JointKind,
+    /// Absolute.
+    angular_velocity: Vec3,
+    /// Absolute, minus gravity, and classical; before the outward pass its part by velocities alone.
+    acceleration: Motion,
+    /// The joint must pass on `inertia · acceleration + wrench`; once the joint has given way this is in terms
+    /// of the acceleration that the body has without the joint's.
+    inertia: ArticulatedInertia,
+    wrench: Wrench,
+    response: Response,
+}
+
+/// How a joint gives way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Response {
+    /// Not at all.
+    Rigid,
+    /// Along one axis.
+    Axis(Along),
+    /// Along two.
+    Axes([Along; 2]),
+    /// In any turn.
+    Ball(Ball),
+    /// In any way: the acceleration of the origin is `linear`, and what is `held` of the carried one.
+    Free { ball: Ball, linear: Vec3, held: Option<Symmetric> },
+}
+
+/// Acceleration along an axis: `alone - per_acceleration · carried`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Along {
+    alone: f32,
+    per_acceleration: Wrench,
+}
+
+/// Absolute angular acceleration: `turn - per_way · (acceleration of the origin)`, and what is `held` of the
+/// carried one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    turn: Vec3,
+    per_way: Mat3,
+    held: Option<Symmetric>,
+}
+
+impl Default for ArticulatedBody {
+    /// Contents do not matter.
+    fn default() -> Self {
+        Self {
+            to_parent: Mat3::IDENTITY,
+            joint: JointKind::Fixed,
+            angular_velocity: Vec3::ZERO,
+            acceleration: Motion::ZERO,
+            inertia: ArticulatedInertia::ZERO,
+            wrench: Wrench::ZERO,
+            response: Response::Rigid,
+        }
+    }
+}
+
+/// Accelerations that the given joint wrenches make: the articulated-body algorithm (Featherstone, *Rigid
+/// Body Dynamics Algorithms*, 2008, ch. 7), for joints of any kind and a fixed or a free root. O(n).
+///
+/// It is the inverse of [`inverse_dynamics`](super::inverse_dynamics), with the same conventions:
+/// - `joints`: states relative to the parent, body axes.
+/// - `wrenches`: of joint i on body i about the origin of body i, in body axes. Only the part along the
+///   joint's motion subspace counts, its drive's: the bearings carry what they must.
+/// - `gravity_m_s2`: in world axes.
+/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
+///   tree, or empty.
+/// - `workspace`: contents do not matter.
+/// - `out`: acceleration of each joint, relative to the parent, body axes: the derivative of the components
+///   of the angular velocity, and the second derivative of the position turned to body axes.
+///
+/// If a slice is shorter than the tree, the bodies beyond it are left out, as if they were not there.
+///
+/// # Freedoms without inertia
+/// Where a joint's drive meets no resistance (massless bodies, a point mass on a ball joint turning about its
+/// arm), or less than a millionth of what it meets in other directions, so that it cannot be told from
+/// rounding, no acceleration follows from the forces. That freedom is then held for the instant, as if it were
+/// welded: the body keeps its speed along it, and the drive's force there goes nowhere. In turns of a ball
+/// joint and motions of a free one the direction is found whichever way it points.
+///
+/// No NaN arises from finite numbers as long as no product of them is beyond the range of f32.
+///
+/// ```
+/// use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, Motion, RotationalInertia, Transform, Tree, Wrench};
+/// use sinew_core::glam::Vec3;
+/// // A 2 kg weight on a 0.5 m arm, let go from level: the weight falls freely, so the arm turns at 9.81 / 0.5.
+/// let arm = Body {
+///     parent: None,
+///     joint: JointKind::Revolute { axis: Vec3::Z },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia {
+///         mass_kg: 2.0,
+///         center_of_mass_m: Vec3::new(0.5, 0.0, 0.0),
+///         rotational_kg_m2: RotationalInertia::default(),
+///     },
+/// };
+/// let tree = Tree::<1>::from_bodies(&[arm])?;
+/// let joints = JointStates::rest(&tree);
+/// let (mut workspace, mut out) = ([ArticulatedBody::default()], [Motion::ZERO]);
+/// let gravity = Vec3::new(0.0, -9.81, 0.0);
+/// let passive = [Wrench::ZERO];
+/// forward_dynamics(tree.bodies(), joints.as_slice(), &passive, gravity, &[], &mut workspace, &mut out);
+/// assert!((out[0].angular.z + 19.62).abs() < 1e-5);
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
+pub fn forward_dynamics(
+    bodies: &[Body],
+    joints: &[JointState],
+    wrenches: &[Wrench],
+    gravity_m_s2: Vec3,
+    external: &[Wrench],
+    workspace: &mut [ArticulatedBody],
+    out: &mut [Motion],
+) {
+    // What one of the slices does not have is no part of the tree.
+    let count = [joints.len(), wrenches.len(), workspace.len(), out.len()]
+        .into_iter()
+        .fold(bodies.len(), usize::min);
+    let rig = || bodies.iter().zip(joints).take(count).enumerate();
+
+    // Outward: velocities, and each body by itself.
+    let mut external = external.iter();
+    for (index, (body, joint)) in rig() {
+        let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
+        let parent = body.parent.and_then(|parent| inner.get(parent));
+        let carried = parent.map_or(Vec3::ZERO, |parent| parent.angular_velocity);
+        let from_outside = external.next().copied().unwrap_or(Wrench::ZERO);
+        this.start(body, joint, carried, from_outside);
+    }
+
+    // Inward: what each joint passes on to its parent, whatever that does.
+    for ((index, (body, joint)), drive) in rig().zip(wrenches).rev() {
+        let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
+        this.give_way(drive);
+        if let Some(parent) = body.parent.and_then(|parent| inner.get_mut(parent)) {
+            parent.carry(this, joint.pose.translation_m);
+        }
+    }
+
+    // Outward: what it does.
+    let world = Motion::new(Vec3::ZERO, -gravity_m_s2);
+    for ((index, (body, joint)), slot) in rig().zip(out) {
+        let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
+        let parent = body.parent.and_then(|parent| inner.get(parent));
+        *slot = this.follow(parent.map_or(world, |parent| parent.acceleration), joint);
+    }
+}
+
+impl ArticulatedBody {
+    /// The body by itself: Newton's and Euler's laws about its origin.
+    #[inline]
+    fn start(&mut self, body: &Body, joint: &JointState, of_parent: Vec3, external: Wrench) {
+        self.to_parent = Mat3::from_quat(joint.pose.rotation);
+        self.joint = in_body_axes(body, &self.to_parent);
+        let arm = joint.pose.translation_m;
+        let carried = transposed_mul(&self.to_parent, of_parent);
+        let centripetal = of_parent.cross(of_parent.cross(arm));
+        let along_axes = self.joint.bias_acceleration(Quat::IDENTITY, joint.velocity);
+        self.acceleration = Motion {
+            angular: carried.cross(joint.velocity.angular) + along_axes.angular,
+            linear: transposed_mul(&self.to_parent, centripetal)
+                + carried.cross(joint.velocity.linear) * 2.0,
+        };
+        let w = carried + joint.velocity.angular;
+        self.angular_velocity = w;
+        let rigid = RigidInertia::of(&body.inertia);
+        self.inertia = ArticulatedInertia::from(&rigid);
+        self.wrench = Wrench {
+            moment_nm: w.cross(rigid.rotational_kg_m2 * w) - external.moment_nm,
+            force_n: w.cross(w.cross(rigid.first_moment_kg_m)) - external.force_n,
+        };
+    }
+
+    /// Lets the joint give way to the forces.
+    #[inline]
+    fn give_way(&mut self, drive: &Wrench) {
+        self.response = match self.joint {
+            JointKind::Fixed => Response::Rigid,
+            JointKind::Revolute { axis } => Response::Axis(self.turn(axis, drive)),
+            JointKind::Prismatic { axis } => Response::Axis(self.slide(axis, drive)),
+            JointKind::Universal { first, second } => {
+                let first = self.turn(first, drive);
+                Response::Axes([first, self.turn(second, drive)])
+            }
+            JointKind::Spherical => Response::Ball(self.turn_any_way(drive)),
+            JointKind::Free => self.move_any_way(drive),
+        };
+    }
+
+    fn turn(&mut self, axis: Vec3, drive: &Wrench) -> Along {
+        let wrench = self.inertia.of_turn(axis);
+        let resistance = axis.dot(wrench.moment_nm);
+        let force = axis.dot(drive.moment_nm - self.wrench.moment_nm);
+        self.move_along(&wrench, resistance, self.inertia.angular.trace(), force)
+    }
+
+    fn slide(&mut self, axis: Vec3, drive: &Wrench) -> Along {
+        let wrench = self.inertia.of_slide(axis);
+        let resistance = axis.dot(wrench.force_n);
+        let force = axis.dot(drive.force_n - self.wrench.force_n);
+        self.move_along(&wrench, resistance, self.inertia.linear.trace(), force)
+    }
+
+    /// Lets an axis give way to a force, from the wrench and the force that it resists with per acceleration,
+    /// and from what that is in all directions together.
+    #[inline]
+    fn move_along(&mut self, wrench: &Wrench, resistance: f32, in_all: f32, force: f32) -> Along {
+        let resists = resistance > f32::MIN_POSITIVE && resistance > ROUNDING * in_all;
+        let per_force = if resists { 1.0 / resistance } else { 0.0 };
+        let alone = force * per_force;
+        self.inertia.give_way(wrench, per_force);
+        self.wrench = self.wrench + scaled(wrench, alone);
+        Along { alone, per_acceleration: scaled(wrench, per_force) }
+    }
+
+    /// Lets all turns give way: nothing is left but the resistance of the origin.
+    #[inline]
+    fn turn_any_way(&mut self, drive: &Wrench) -> Ball {
+        let inverse = self.inertia.angular.inverse();
+        let free = drive.moment_nm - self.wrench.moment_nm;
+        let turn = inverse.mul_vec3(free);
+        let per_way = inverse.mul_mat3(&self.inertia.coupling);
+        let back = self.inertia.coupling.transpose();
+        let held = inverse.null();
+        self.inertia.linear = self.inertia.linear - Symmetric::from_product(&back, &per_way);
+        self.wrench = Wrench {
+            moment_nm: drive.moment_nm - held_part(held, free),
+            force_n: self.wrench.force_n + back * turn,
+        };
+        Ball { turn, per_way, held }
+    }
+
+    fn move_any_way(&mut self, drive: &Wrench) -> Response {
+        let ball = self.turn_any_way(drive);
+        let inverse = self.inertia.linear.inverse();
+        let free = drive.force_n - self.wrench.force_n;
+        let held = inverse.null();
+        self.wrench.force_n = drive.force_n - held_part(held, free);
+        Response::Free { ball, linear: inverse.mul_vec3(free), held }
+    }
+
+    /// Adds what a child's joint passes on, `arm_m` away from this body's origin.
+    #[inline]
+    fn carry(&mut self, child: &Self, arm_m: Vec3) {
+        let mut wrench = child.wrench;
+        match child.joint {
+            JointKind::Free => {}
+            JointKind::Spherical => {
+                wrench.force_n += child.inertia.linear * child.acceleration.linear;
+                self.inertia.add_linear(&child.inertia.linear, &child.to_parent, arm_m);
+            }
+            _ => {
+                wrench = wrench + child.inertia.wrench(child.acceleration);
+                self.inertia.add(&child.inertia, &child.to_parent, arm_m);
+            }
+        }
+        let force_n = child.to_parent * wrench.force_n;
+        let moment_nm = child.to_parent * wrench.moment_nm + arm_m.cross(force_n);
+        self.wrench = self.wrench + Wrench { moment_nm, force_n };
+    }
+
+    /// Moves the body with its parent and its joint; returns the joint's acceleration.
+    #[inline]
+    fn follow(&mut self, parent: Motion, joint: &JointState) -> Motion {
+        let at_joint = parent.linear + parent.angular.cross(joint.pose.translation_m);
+        let carried = Motion {
+            angular: self.acceleration.angular + transposed_mul(&self.to_parent, parent.angular),
+            linear: self.acceleration.linear + transposed_mul(&self.to_parent, at_joint),
+        };
+        self.acceleration = match (&self.response, self.joint) {
+            (Response::Axis(along), JointKind::Revolute { axis }) => along.turned(axis, carried),
+            (Response::Axis(along), JointKind::Prismatic { axis }) => {
+                let step = along.of(carried);
+                Motion { linear: carried.linear + axis * step, ..carried }
+            }
+            // The one that gave way last is the first that nothing else stands open for.
+            (Response::Axes([one, two]), JointKind::Universal { first, second }) => {
+                one.turned(first, two.turned(second, carried))
+            }
+            (Response::Ball(ball), _) => ball.turned(carried),
+            (Response::Free { ball, linear, held }, _) => {
+                let linear = *linear + held_part(*held, carried.linear);
+                ball.turned(Motion { linear, ..carried })
+            }
+            _ => carried,
+        };
+        self.joint.bias_acceleration(Quat::IDENTITY, joint.velocity) + (self.acceleration - carried)
+    }
+}
+
+impl Along {
+    #[inline]
+    fn of(&self, carried: Motion) -> f32 {
+        self.alone - self.per_acceleration.power_w(carried)
+    }
+
+    #[inline]
+    fn turned(&self, axis: Vec3, carried: Motion) -> Motion {
+        Motion { angular: carried.angular + axis * self.of(carried), ..carried }
+    }
+}
+
+impl Ball {
+    #[inline]
+    fn turned(&self, carried: Motion) -> Motion {
+        let held = held_part(self.held, carried.angular);
+        Motion { angular: self.turn - self.per_way * carried.linear + held, ..carried }
+    }
+}
+
+#[inline]
+fn held_part(held: Option<Symmetric>, v: Vec3) -> Vec3 {
+    held.map_or(Vec3::ZERO, |held| held * v)
+}
+
+#[inline]
+fn scaled(wrench: &Wrench, factor: f32) -> Wrench {
+    Wrench { moment_nm: wrench.moment_nm * factor, force_n: wrench.force_n * factor }
+}

@@ -1,0 +1,120 @@
+//! The inertia of a body with all that hangs on it by joints, in 21 numbers.
+
+use glam::{Mat3, Vec3};
+
+use super::rigid_inertia::RigidInertia;
+use crate::matrix::{cross_matrix, outer};
+use crate::symmetric::Symmetric;
+use crate::transform::{Motion, Wrench};
+
+/// Wrench per acceleration of a body, both at its origin and in one frame's axes: a symmetric 6 x 6 matrix.
+///
+/// [`SpatialInertia`](super::SpatialInertia) is the same in 27 numbers, whose two triangles are rounded each
+/// by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ArticulatedInertia {
+    /// Moment per angular acceleration.
+    pub(crate) angular: Symmetric,
+    /// Moment per linear acceleration; its transpose is force per angular acceleration.
+    pub(crate) coupling: Mat3,
+    /// Force per linear acceleration.
+    pub(crate) linear: Symmetric,
+}
+
+impl ArticulatedInertia {
+    pub(crate) const ZERO: Self =
+        Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
+
+    #[inline]
+    pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
+        let (turn, slide) = (self.of_turn(acceleration.angular), self.of_slide(acceleration.linear));
+        turn + slide
+    }
+
+    /// Wrench per angular acceleration along an axis.
+    #[inline]
+    pub(crate) fn of_turn(&self, axis: Vec3) -> Wrench {
+        Wrench { moment_nm: self.angular * axis, force_n: transposed_mul(&self.coupling, axis) }
+    }
+
+    /// Wrench per linear acceleration along an axis.
+    #[inline]
+    pub(crate) fn of_slide(&self, axis: Vec3) -> Wrench {
+        Wrench { moment_nm: self.coupling * axis, force_n: self.linear * axis }
+    }
+
+    /// Takes a freedom out that gives way, by its wrench per acceleration, and the acceleration along it per
+    /// force along it.
+    #[inline]
+    pub(crate) fn give_way(&mut self, wrench: &Wrench, per_force: f32) {
+        let Wrench { moment_nm, force_n } = *wrench;
+        self.angular += Symmetric::from_outer(moment_nm, moment_nm * (-0.5 * per_force));
+        self.coupling -= outer(moment_nm * per_force, force_n);
+        self.linear += Symmetric::from_outer(force_n, force_n * (-0.5 * per_force));
+    }
+
+    /// Adds that of a child, whose axes `rotation` turns to this body's, `arm_m` away from this body's origin.
+    #[inline]
+    pub(crate) fn add(&mut self, child: &Self, rotation: &Mat3, arm_m: Vec3) {
+        let coupling = *rotation * child.coupling * rotation.transpose();
+        let linear = child.linear.turned(rotation);
+        let by_arm = arm_times(arm_m, &linear);
+        // [p] Bᵀ - B [p] - [p] M [p] is Z + Zᵀ with Z = [p] (B + ½ [p] M)ᵀ.
+        let halfway = (coupling + by_arm * 0.5).transpose();
+        let z = Mat3::from_cols(
+            arm_m.cross(halfway.x_axis),
+            arm_m.cross(halfway.y_axis),
+            arm_m.cross(halfway.z_axis),
+        );
+        self.angular += child.angular.turned(rotation) + twice_symmetric_part(&z);
+        self.coupling += coupling + by_arm;
+        self.linear += linear;
+    }
+
+    /// As [`Self::add`], of a child that resists only the acceleration of its origin.
+    #[inline]
+    pub(crate) fn add_linear(&mut self, child: &Symmetric, rotation: &Mat3, arm_m: Vec3) {
+        let linear = child.turned(rotation);
+        let by_arm = arm_times(arm_m, &linear);
+        // -[p] M [p]
+        self.angular += Symmetric::from_product(&cross_matrix(arm_m), &by_arm.transpose());
+        self.coupling += by_arm;
+        self.linear += linear;
+    }
+}
+
+impl From<&RigidInertia> for ArticulatedInertia {
+    #[inline]
+    fn from(rigid: &RigidInertia) -> Self {
+        Self {
+            angular: rigid.rotational_kg_m2,
+            coupling: cross_matrix(rigid.first_moment_kg_m),
+            linear: Symmetric::diagonal(rigid.mass_kg),
+        }
+    }
+}
+
+/// `Mᵀ v`.
+#[inline]
+pub(crate) fn transposed_mul(m: &Mat3, v: Vec3) -> Vec3 {
+    Vec3::new(m.x_axis.dot(v), m.y_axis.dot(v), m.z_axis.dot(v))
+}
+
+/// `[p] M`.
+#[inline]
+fn arm_times(arm_m: Vec3, m: &Symmetric) -> Mat3 {
+    Mat3::from_cols(arm_m.cross(m.x_axis()), arm_m.cross(m.y_axis()), arm_m.cross(m.z_axis()))
+}
+
+/// `Z + Zᵀ`.
+#[inline]
+fn twice_symmetric_part(z: &Mat3) -> Symmetric {
+    Symmetric {
+        xx: 2.0 * z.x_axis.x,
+        xy: z.x_axis.y + z.y_axis.x,
+        xz: z.x_axis.z + z.z_axis.x,
+        yy: 2.0 * z.y_axis.y,
+        yz: z.y_axis.z + z.z_axis.y,
+        zz: 2.0 * z.z_axis.z,
+    }
+}

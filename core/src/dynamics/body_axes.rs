@@ -1,0 +1,20 @@
+//! A joint as its body sees it.
+
+use glam::Mat3;
+
+use super::articulated_inertia::transposed_mul;
+use crate::joint::JointKind;
+use crate::tree::Body;
+
+/// The joint of a body with all its axes in body axes, as if the joint frame were there now: its functions
+/// take the identity for the rotation. `to_parent` turns body axes to the parent's.
+#[inline]
+pub(super) fn in_body_axes(body: &Body, to_parent: &Mat3) -> JointKind {
+    match body.joint {
+        JointKind::Universal { first, second } => {
+            let in_parent = body.placement.rotation * first;
+            JointKind::Universal { first: transposed_mul(to_parent, in_parent), second }
+        }
+        other => other,
+    }
+}

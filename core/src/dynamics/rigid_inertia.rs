@@ -1,0 +1,74 @@
+//! The inertia of a rigid body about its origin, in ten numbers.
+
+use glam::{Mat3, Vec3};
+
+use crate::inertia::Inertia;
+use crate::symmetric::Symmetric;
+use crate::transform::{Motion, Wrench};
+
+/// Of a body, or of bodies that hold together, in one frame's axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct RigidInertia {
+    pub(crate) mass_kg: f32,
+    /// Mass times the way from the origin to the centre of mass.
+    pub(crate) first_moment_kg_m: Vec3,
+    /// About the origin.
+    pub(crate) rotational_kg_m2: Symmetric,
+}
+
+impl RigidInertia {
+    /// Of a body, about the origin of its frame.
+    #[inline]
+    pub(crate) fn of(inertia: &Inertia) -> Self {
+        Self {
+            mass_kg: inertia.mass_kg,
+            first_moment_kg_m: Vec3::ZERO,
+            rotational_kg_m2: Symmetric::from(&inertia.rotational_kg_m2),
+        }
+        .moved(inertia.center_of_mass_m)
+    }
+
+    /// The same at another origin that this one is `arm_m` away from, by the parallel axis theorem.
+    #[inline]
+    pub(crate) fn moved(&self, arm_m: Vec3) -> Self {
+        let Self { mass_kg, first_moment_kg_m, rotational_kg_m2 } = *self;
+        let way = arm_m * mass_kg;
+        // -[p][h] - [h][p] - m [p][p], with k = h + ½ m p: 2 (p · k) 1 - p kᵀ - k pᵀ.
+        let halfway = first_moment_kg_m + way * 0.5;
+        let about_arm = Symmetric::diagonal(2.0 * arm_m.dot(halfway));
+        Self {
+            mass_kg,
+            first_moment_kg_m: first_moment_kg_m + way,
+            rotational_kg_m2: rotational_kg_m2 + about_arm
+                - Symmetric::from_outer(arm_m, halfway),
+        }
+    }
+
+    /// The same in the axes that a rotation leads to.
+    #[inline]
+    pub(crate) fn turned(&self, rotation: &Mat3) -> Self {
+        Self {
+            mass_kg: self.mass_kg,
+            first_moment_kg_m: *rotation * self.first_moment_kg_m,
+            rotational_kg_m2: self.rotational_kg_m2.turned(rotation),
+        }
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass_kg: self.mass_kg + other.mass_kg,
+            first_moment_kg_m: self.first_moment_kg_m + other.first_moment_kg_m,
+            rotational_kg_m2: self.rotational_kg_m2 + other.rotational_kg_m2,
+        }
+    }
+
+    /// What gives it an acceleration from rest.
+    #[inline]
+    pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
+        let Motion { angular, linear } = acceleration;
+        Wrench {
+            moment_nm: self.rotational_kg_m2 * angular + self.first_moment_kg_m.cross(linear),
+            force_n: angular.cross(self.first_moment_kg_m) + linear * self.mass_kg,
+        }
+    }
+}
