@@ -162,7 +162,7 @@ pub fn joint_wrenches(rig: &Rig, gravity_m_s2: DVec3) -> Vec<WorldWrench> {
 }
 
 /// Kinetic and potential energy, J.
-fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
+pub fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
     let of_body = |m: &CenterMotion| {
         let turning = m.omega_rad_s.dot(m.inertia_kg_m2 * m.omega_rad_s);
         0.5 * (m.mass_kg * m.velocity_m_s.length_squared() + turning)
