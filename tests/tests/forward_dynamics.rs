@@ -348,7 +348,8 @@ fn a_slice_that_is_no_tree_is_no_trap() {
         center_of_mass_m: Vec3::X,
         rotational_kg_m2: RotationalInertia::diagonal(0.1, 0.1, 0.1),
     };
-    let bodies = [Some(1), Some(1), Some(7)].map(|parent| body(parent, JointKind::Spherical, solid));
+    let bodies =
+        [Some(1), Some(1), Some(7)].map(|parent| body(parent, JointKind::Spherical, solid));
     let joints = [at_rest(Quat::IDENTITY); 3];
     let got = forward(&bodies, &joints, &[Wrench::ZERO; 3], GRAVITY, &[]);
     let root = [body(None, JointKind::Spherical, solid)];

@@ -47,7 +47,12 @@ fn dot(a: Motion, b: &Motion) -> f32 {
     a.angular.dot(b.angular) + a.linear.dot(b.linear)
 }
 
-fn inverse(rig: &Rig, joints: &[JointState], accelerations: &[Motion], gravity: Vec3) -> Vec<Wrench> {
+fn inverse(
+    rig: &Rig,
+    joints: &[JointState],
+    accelerations: &[Motion],
+    gravity: Vec3,
+) -> Vec<Wrench> {
     let mut scratch = vec![BodyMotion::default(); rig.tree.len()];
     let mut out = vec![Wrench::ZERO; rig.tree.len()];
     let bodies = rig.tree.bodies();

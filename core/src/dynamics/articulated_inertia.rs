@@ -27,7 +27,8 @@ impl ArticulatedInertia {
 
     #[inline]
     pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
-        let (turn, slide) = (self.of_turn(acceleration.angular), self.of_slide(acceleration.linear));
+        let (turn, slide) =
+            (self.of_turn(acceleration.angular), self.of_slide(acceleration.linear));
         turn + slide
     }
 

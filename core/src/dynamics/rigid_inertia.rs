@@ -39,8 +39,7 @@ impl RigidInertia {
         Self {
             mass_kg,
             first_moment_kg_m: first_moment_kg_m + way,
-            rotational_kg_m2: rotational_kg_m2 + about_arm
-                - Symmetric::from_outer(arm_m, halfway),
+            rotational_kg_m2: rotational_kg_m2 + about_arm - Symmetric::from_outer(arm_m, halfway),
         }
     }
 

@@ -122,3 +122,7 @@ pub const SOLID: Limit = Limit::Relative(1e-14);
 /// f64's rounding times the condition of the mass matrix, which is some 1e4, trunk against hand; 3e-12 is
 /// reached with 32 bodies.
 pub const FORWARD: Limit = Limit::Relative(1e-11);
+
+/// Accelerations from torques by the core, relative to the largest of the case: f32's rounding of the torques
+/// and of the sums, times the condition of the mass matrix, which is some 1e4.
+pub const CORE_FORWARD: Limit = Limit::Relative(2e-3);

@@ -1,0 +1,50 @@
+//! Forward dynamics of the core: the accelerations that the files' torques make, and that their bias makes none.
+
+use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
+use sinew_core::glam::Vec3;
+use sinew_core::{JointState, Motion, Wrench};
+
+use super::{Case, State, accelerations, bias_accelerations};
+use crate::verify::figure::Tree;
+use crate::verify::golden::{Vector, largest};
+use crate::verify::tally::{Limit, Quantity, Tallies};
+use crate::verify::tolerance as limit;
+
+pub(super) fn check(
+    case: &Case,
+    tree: &Tree,
+    state: &State,
+    joints: &[JointState],
+    at: &str,
+    tallies: &mut Tallies,
+) {
+    let gravity = case.gravity.rounded();
+    let run = |torques: &[Vector], root_force_n: Vec3| {
+        let mut drives: Vec<_> =
+            torques.iter().map(|torque| Wrench::new(torque.rounded(), Vec3::ZERO)).collect();
+        drives[0].force_n = root_force_n;
+        let mut workspace = vec![ArticulatedBody::default(); tree.len()];
+        let mut out = vec![Motion::ZERO; tree.len()];
+        forward_dynamics(tree.bodies(), joints, &drives, gravity, &[], &mut workspace, &mut out);
+        out
+    };
+    let root_force = state.root_wrench.force_body.rounded();
+    let bias_force = state.root.map_or(Vec3::ZERO, |root| root.bias_root_force_body.rounded());
+    let of_torques = run(&state.tau, root_force);
+    let of_bias = run(&state.bias, bias_force);
+
+    // States of zero acceleration are compared on the scale of the others.
+    let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
+    for (of, got, expected) in [
+        ("joint acceleration", of_torques, accelerations(state)),
+        ("joint acceleration of bias", of_bias, bias_accelerations(state)),
+    ] {
+        let quantity = Quantity { name: of, limit: Limit::Relative(limit::CORE_FORWARD), scale };
+        for (body, (got, expected)) in got.iter().zip(&expected).enumerate() {
+            let at = format_args!("{at}, body {body}");
+            tallies.add(quantity, at, got.angular, expected.angular.as_dvec3());
+            // Zero but for a free root.
+            tallies.add(quantity, at, got.linear, expected.linear.as_dvec3());
+        }
+    }
+}
