@@ -150,9 +150,17 @@ pub fn forward_dynamics(
         this.start(body, joint, carried, from_outside);
     }
 
-    // Inward: what each joint passes on to its parent, whatever that does.
-    for ((index, (body, joint)), drive) in rig().zip(wrenches).rev() {
-        let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
+    // Inward: what each joint passes on to its parent, whatever that does. (Backwards by index: the way back
+    // through several iterators at once would hold a panic.)
+    for index in (0..count).rev() {
+        let (Some(body), Some(joint), Some(drive), Some((inner, [this, ..]))) = (
+            bodies.get(index),
+            joints.get(index),
+            wrenches.get(index),
+            workspace.split_at_mut_checked(index),
+        ) else {
+            return;
+        };
         this.give_way(drive);
         if let Some(parent) = body.parent.and_then(|parent| inner.get_mut(parent)) {
             parent.carry(this, joint.pose.translation_m);

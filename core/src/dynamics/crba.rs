@@ -110,10 +110,14 @@ pub fn mass_matrix(
     let mut matrix = Square { elements: out, size };
     matrix.clear();
 
-    // Inward: a body is whole when all beyond it have been added.
-    let rig = bodies.iter().zip(joints).take(count);
-    for (index, (body, joint)) in (0..count).zip(rig).rev() {
-        let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { continue };
+    // Inward: a body is whole when all beyond it have been added. (Backwards by index: the way back through
+    // several iterators at once would hold a panic.)
+    for index in (0..count).rev() {
+        let (Some(body), Some(joint), Some((inner, [this, ..]))) =
+            (bodies.get(index), joints.get(index), scratch.split_at_mut_checked(index))
+        else {
+            break;
+        };
         let parent = body.parent.and_then(|parent| inner.get_mut(parent));
         if let Some(parent) = parent {
             let in_parent = this.inertia.turned(&this.to_parent).moved(joint.pose.translation_m);
@@ -121,7 +125,7 @@ pub fn mass_matrix(
         }
         let columns = this.joint.motion_subspace(Quat::IDENTITY);
         let (first, inertia) = (this.first, this.inertia);
-        for (row, column) in (first..).zip(&columns) {
+        for (row, column) in (first..size).zip(&columns) {
             matrix.set_row(row, inertia.wrench(*column), index, bodies, joints, scratch);
         }
     }
@@ -177,7 +181,7 @@ impl Square<'_> {
 
     /// Sets elements of a row from column `first` on, and their mirror images.
     fn set(&mut self, row: usize, first: usize, values: &[f32]) {
-        for (column, value) in (first..).zip(values) {
+        for (column, value) in (first..self.size).zip(values) {
             for (row, column) in [(row, column), (column, row)] {
                 let index = row.saturating_mul(self.size).saturating_add(column);
                 if let Some(slot) = self.elements.get_mut(index) {

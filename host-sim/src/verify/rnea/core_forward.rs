@@ -7,7 +7,7 @@ use sinew_core::{JointState, Motion, Wrench};
 use super::{Case, State, accelerations, bias_accelerations};
 use crate::verify::figure::Tree;
 use crate::verify::golden::{Vector, largest};
-use crate::verify::tally::{Limit, Quantity, Tallies};
+use crate::verify::tally::{Quantity, Tallies};
 use crate::verify::tolerance as limit;
 
 pub(super) fn check(
@@ -39,7 +39,7 @@ pub(super) fn check(
         ("joint acceleration", of_torques, accelerations(state)),
         ("joint acceleration of bias", of_bias, bias_accelerations(state)),
     ] {
-        let quantity = Quantity { name: of, limit: Limit::Relative(limit::CORE_FORWARD), scale };
+        let quantity = Quantity { name: of, limit: limit::CORE_FORWARD, scale };
         for (body, (got, expected)) in got.iter().zip(&expected).enumerate() {
             let at = format_args!("{at}, body {body}");
             tallies.add(quantity, at, got.angular, expected.angular.as_dvec3());
