@@ -67,7 +67,7 @@ pub struct BodyWeights<const N: usize> {
 }
 
 impl<const N: usize> BodyWeights<N> {
-    /// Weights by body.
+    /// Weights by body. O(n).
     ///
     /// # Errors
     /// [`BodyWeightsError`] if there is not a weight for each body, a rotation weight is not from 1 cm to 100 m (without

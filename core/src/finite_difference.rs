@@ -45,7 +45,7 @@ impl Scheme {
 /// The derivative of order `order` of evenly spaced samples, in their unit over s^order.
 ///
 /// Order 0 is the sample itself. A central difference of odd order is the mean of the two half a step to
-/// either side.
+/// either side. O(order).
 ///
 /// # Errors
 /// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite,
@@ -72,7 +72,7 @@ pub fn of_vectors(
 
 /// The derivative of order `order` (1: angular velocity, 2: angular acceleration, ...) of evenly spaced
 /// orientations, in rad/s^order, as components in the axes of the turning body: the differences of the
-/// components of `Log(R_kᵀ R_k+1) / dt`. Signs of the quaternions do not matter.
+/// components of `Log(R_kᵀ R_k+1) / dt`. Signs of the quaternions do not matter. O(order).
 ///
 /// For world axes use [`of_rotations_in_world`].
 ///
@@ -99,6 +99,16 @@ pub fn of_rotations(
 ///
 /// # Errors
 /// As [`of_rotations`].
+///
+/// ```
+/// use sinew_core::{finite_difference::{Scheme, of_rotations_in_world}, glam::Vec3, math};
+/// // A body that was tipped over turns about its own y axis, which now points along z of the world.
+/// let lying = math::exp(Vec3::X * core::f32::consts::FRAC_PI_2);
+/// let turned = [lying, lying * math::exp(Vec3::Y * 0.02)];
+/// let velocity = of_rotations_in_world(Scheme::Forward, 1, &turned, 0.01)?;
+/// assert!((velocity - Vec3::Z * 2.0).length() < 1e-4);
+/// # Ok::<(), sinew_core::finite_difference::DifferenceError>(())
+/// ```
 pub fn of_rotations_in_world(
     scheme: Scheme,
     order: usize,

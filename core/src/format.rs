@@ -6,7 +6,7 @@
 use defmt::{Format, Formatter, write};
 
 use crate::controller::{Controller, Workspace};
-use crate::dynamics::{BodyMotion, Resolved};
+use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, Resolved};
 use crate::observer::Observer;
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
@@ -164,6 +164,20 @@ impl<const N: usize> Format for ProjectionWorkspace<N> {
 impl Format for BodyMotion {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "BodyMotion");
+    }
+}
+
+/// Scratch: its name only.
+impl Format for CompositeBody {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "CompositeBody");
+    }
+}
+
+/// Scratch: its name only.
+impl Format for ArticulatedBody {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "ArticulatedBody");
     }
 }
 

@@ -39,7 +39,7 @@ pub struct References<const N: usize> {
 }
 
 impl<const N: usize> References<N> {
-    /// Reference bodies by joint.
+    /// Reference bodies by joint. O(n).
     ///
     /// # Errors
     /// [`ReferencesError`] if there is not one for each joint, or one is not an ancestor.
@@ -70,7 +70,7 @@ impl<const N: usize> References<N> {
 
     /// Every body as the one `count` generations above it sees it, the world where that is beyond the root:
     /// from 1, the parents and so the local error, to the depth of the tree, the world error. A body is no
-    /// reference of itself, so 0 is taken as 1.
+    /// reference of itself, so 0 is taken as 1. O(n · count).
     pub fn generations(tree: &Tree<N>, count: usize) -> Self {
         let above = |joint| (0..count.max(1)).try_fold(joint, |body, _| tree.parent(body));
         Self { bodies: fixed::collect((0..tree.len()).map(above)) }

@@ -38,7 +38,7 @@ pub struct Aims<const N: usize> {
 }
 
 impl<const N: usize> Aims<N> {
-    /// Aims by body.
+    /// Aims by body. O(n).
     ///
     /// # Errors
     /// [`AimsError`] if there is not one for each body, one aims at what is not its child, or a point is
@@ -114,7 +114,7 @@ impl<const N: usize> Aims<N> {
 
     /// Every body aims at all its children, by least squares.
     ///
-    /// What has one child aims at that one, just as with [`Self::heaviest_child`].
+    /// What has one child aims at that one, just as with [`Self::heaviest_child`]. O(n).
     ///
     /// ```
     /// use sinew_core::{Body, BodySet, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};
