@@ -1,9 +1,9 @@
 //! One rig and its tick, from poses to torques, as an application would call the core.
 
 use sinew_core::control::Limited;
-use sinew_core::trajectory::{backward_states, forward_targets_of_bodies};
+use sinew_core::trajectory::backward_states;
 use sinew_core::{
-    Controller, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
+    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
 };
 
 /// Time from one frame to the next, s.
@@ -13,24 +13,36 @@ pub const DT_S: f32 = 0.01;
 #[derive(Debug)]
 pub struct Rig<const N: usize> {
     controller: Controller<N>,
+    differences: ForwardDifferences<N>,
     targets: JointTargets<N>,
     measured: JointStates<N>,
-    workspace: Workspace<N>,
+    workspace: Workspace<N, N>,
 }
 
 impl<const N: usize> Rig<N> {
-    /// A controller's rig at rest.
-    pub fn new(controller: Controller<N>) -> Self {
+    /// A controller's rig, and the first two frames of the performance.
+    ///
+    /// # Errors
+    /// [`StateInputError`] if a pose is missing, not finite or not unit.
+    pub fn new(
+        controller: Controller<N>,
+        desired: [&[Transform]; 2],
+    ) -> Result<Self, StateInputError> {
         let tree = controller.tree();
-        Self {
-            targets: JointTargets::rest(tree),
+        let [first, second] = desired;
+        let (mut differences, mut targets) = (ForwardDifferences::new(), JointTargets::rest(tree));
+        differences.restart(tree, DT_S, first)?;
+        differences.advance(tree, second, &mut targets)?;
+        Ok(Self {
+            differences,
+            targets,
             measured: JointStates::rest(tree),
             controller,
-            workspace: Workspace::new(),
-        }
+            workspace: Workspace::resolving(),
+        })
     }
 
-    /// Torques for the poses of the performance now, next and after that, and those measured before and now.
+    /// Torques for the next frame of the performance, and the poses measured before and now.
     ///
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
@@ -38,11 +50,11 @@ impl<const N: usize> Rig<N> {
     #[inline(never)]
     pub fn tick(
         &mut self,
-        desired: [&[Transform]; 3],
+        desired: &[Transform],
         measured: [&[Transform]; 2],
     ) -> Result<&[Limited<Wrench>], StateInputError> {
-        forward_targets_of_bodies(self.controller.tree(), desired, DT_S, &mut self.targets)?;
+        self.differences.advance(self.controller.tree(), desired, &mut self.targets)?;
         backward_states(measured, DT_S, &mut self.measured)?;
-        Ok(self.controller.tick(&self.targets, &self.measured, &[], &mut self.workspace))
+        Ok(self.controller.tick(&mut self.targets, &self.measured, &[], &mut self.workspace))
     }
 }

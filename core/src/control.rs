@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 use crate::math;
 use crate::state::JointState;
@@ -184,31 +184,24 @@ pub enum ControlLaw {
     ProportionalDerivative,
     /// `τ = H (θ̈ + kp e + kv ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics
     /// the torque for it.
+    ///
+    /// The angular feed-forward θ̈ is used as it is, component by component; the linear one is a vector of the
+    /// parent's frame and goes through it. The world error of a body is put on its own joint as a whole, not minus
+    /// the parent's: accumulation is the point of the method.
     #[default]
     InverseDynamics,
 }
 
-/// Acceleration that eq. (11) asks of a joint, relative to its parent, in measured body axes.
-///
-/// `feedforward` is the desired acceleration as [`JointTargets`](crate::JointTargets) has it, `correction`
-/// is `kp e + kv ė` in the axes of the error's reference frame, and `to_body` turns those to measured body
-/// axes. The angular feed-forward is used as it is, component by component; the linear one is a vector of
-/// the parent's frame and goes through it. The world error of a body is put on its own joint as a whole, not
-/// minus the parent's: accumulation is the point of the method.
-pub fn commanded_acceleration(
+/// Linear acceleration of a joint that [`JointTargets`](crate::JointTargets) has in desired body axes, in measured ones:
+/// the same vector of the parent's frame.
+#[inline]
+pub(crate) fn through_parent(
     desired: &JointState,
     measured: &JointState,
-    feedforward: Motion,
-    correction: Motion,
-    to_body: Quat,
-) -> Motion {
-    let correction = correction.rotated(to_body);
-    let through_parent =
-        measured.pose.rotation.conjugate() * (desired.pose.rotation * feedforward.linear);
-    Motion {
-        angular: feedforward.angular + correction.angular,
-        linear: through_parent + correction.linear,
-    }
+    linear_m_s2: Vec3,
+) -> Vec3 {
+    let in_parent = math::rotate(desired.pose.rotation, linear_m_s2);
+    math::rotate(measured.pose.rotation.conjugate(), in_parent)
 }
 
 /// The most that the drive of a joint may be asked for.
@@ -268,6 +261,16 @@ impl TorqueLimit {
     /// # Ok::<(), sinew_core::control::LimitError>(())
     /// ```
     pub fn apply(self, wanted: Wrench) -> Limited<Wrench> {
+        // Written so that NaN and what overflows fail; at most of a bound, a square is as good as a length.
+        let within = |wanted: Vec3, bound: f32| wanted.dot(wanted) < bound * bound;
+        if within(wanted.moment_nm, self.moment_nm) && within(wanted.force_n, self.force_n) {
+            return Limited { value: wanted, reason: None };
+        }
+        self.cut(wanted)
+    }
+
+    /// What of a wrench may be asked for that is not well within the bounds.
+    fn cut(self, wanted: Wrench) -> Limited<Wrench> {
         if !wanted.is_finite() {
             // Before any comparison: NaN passes a clamp.
             return Limited { value: Wrench::ZERO, reason: Some(LimitReason::NotFinite) };
@@ -324,6 +327,18 @@ pub struct Limited<T> {
     pub value: T,
     /// What limited it, if anything did.
     pub reason: Option<LimitReason>,
+}
+
+impl<T> AsRef<T> for Limited<T> {
+    fn as_ref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T> AsMut<T> for Limited<T> {
+    fn as_mut(&mut self) -> &mut T {
+        &mut self.value
+    }
 }
 
 /// What limited a value.

@@ -6,12 +6,14 @@ use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use crate::body_weight::{BodyWeights, BodyWeightsError};
-use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, commanded_acceleration};
+use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, through_parent};
 use crate::dynamics::{
     BodyMotion, ReflectedInertia, Resolved, inverse_dynamics, resolved_acceleration,
 };
 use crate::fixed;
+use crate::joint::JointKind;
 use crate::kinematics;
+use crate::math;
 use crate::state::{BodyState, JointState, JointStates, JointTargets};
 use crate::state_error::{
     self, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
@@ -46,7 +48,7 @@ use crate::tree::Tree;
 ///
 /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::World)?;
 /// let mut workspace = Workspace::new();
-/// let torques = controller.tick(&target, &measured, &[], &mut workspace);
+/// let torques = controller.tick(&mut target, &measured, &[], &mut workspace);
 /// // Inertia 1 kg * (0.4 m)², accelerated by kp * 0.1 rad = 20 rad/s².
 /// assert!((torques[0].value.moment_nm.z - 3.2).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -208,63 +210,84 @@ impl<const N: usize> Controller<N> {
     /// Cannot fail: the inputs are finite by their types, and what would overflow all the same is returned
     /// as zero with a reason. `external` is the wrench on each body from outside (see
     /// [`inverse_dynamics`]); empty for none. Targets and measurements must be of this controller's tree:
-    /// joints that they do not have get no torque and are not in the result.
-    pub fn tick<'w>(
+    /// joints that they do not have get no torque and are not in the result. Nor are those that a workspace has no
+    /// room for: resolved acceleration needs [`Workspace::resolving`].
+    pub fn tick<'w, const R: usize>(
         &self,
-        targets: &JointTargets<N>,
+        targets: &mut JointTargets<N>,
         measured: &JointStates<N>,
         external: &[Wrench],
-        workspace: &'w mut Workspace<N>,
+        workspace: &'w mut Workspace<N, R>,
     ) -> &'w [Limited<Wrench>] {
         let bodies = self.tree.bodies();
-        let (desired, measured) = (targets.states(), measured.as_slice());
-        let count = bodies.len().min(desired.len()).min(measured.len());
+        let measured = measured.as_slice();
+        let room = match &self.method {
+            Method::ResolvedAcceleration { .. } => R,
+            _ => N,
+        };
+        let count = bodies.len().min(targets.states().len()).min(measured.len()).min(room);
         let w = workspace;
 
         // Local errors need no world states: they are the joints' own.
         if !matches!(self.method, Method::Local) {
             kinematics::body_states(bodies, measured, &mut w.measured);
-            kinematics::body_states(bodies, desired, &mut w.desired);
+            targets.complete(bodies);
         }
-        match &self.method {
-            Method::Local => state_error::local(desired, measured, &mut w.errors),
-            Method::World | Method::ResolvedAcceleration { .. } => {
-                state_error::world(&w.desired, &w.measured, &mut w.errors);
-            }
-            Method::Accumulated(references) => state_error::accumulated(
-                references.as_slice(),
-                &w.desired,
-                &w.measured,
-                &mut w.errors,
-            ),
-            Method::LinearCompensation { aims, settings } => state_error::linear_compensation(
-                aims.as_slice(),
-                *settings,
-                &w.desired,
-                &w.measured,
-                &mut w.errors,
-                &mut w.aim_status,
-            ),
-        }
-
         match &self.method {
             Method::ResolvedAcceleration { weights } => {
                 self.resolved_commands(targets, measured, weights, w);
             }
-            _ => self.direct_commands(targets, measured, w),
+            // A loop for each of the others, and none that asks for the method body by body.
+            Method::Local => self.direct_commands(targets, measured, w, |at| {
+                let to_body = at.measured.pose.rotation.conjugate();
+                (state_error::of_joint(at.desired, at.measured), to_body)
+            }),
+            Method::World => self.direct_commands(targets, measured, w, |at| {
+                let error = StateError::between(at.desired_body, at.measured_body);
+                (error, at.measured_body.pose.rotation.conjugate())
+            }),
+            Method::Accumulated(references) => {
+                self.direct_commands(targets, measured, w, |at| {
+                    let reference = references.as_slice().get(at.body).copied().flatten();
+                    let reference = reference.and_then(|body| at.bodies(body));
+                    let (of_desired, of_measured) =
+                        reference.unwrap_or((&BodyState::WORLD, &BodyState::WORLD));
+                    let error = StateError::between(
+                        &at.desired_body.seen_from(of_desired),
+                        &at.measured_body.seen_from(of_measured),
+                    );
+                    let to_body =
+                        at.measured_body.pose.rotation.conjugate() * of_measured.pose.rotation;
+                    (error, to_body)
+                });
+            }
+            Method::LinearCompensation { aims, settings } => {
+                self.direct_commands(targets, measured, w, |at| {
+                    let aim = aims.as_slice().get(at.body).copied().unwrap_or_default();
+                    let (error, status) = state_error::aimed(
+                        aim,
+                        *settings,
+                        at.desired_bodies,
+                        at.desired_body,
+                        at.measured_body,
+                    );
+                    *at.aim_status = status;
+                    (error, at.measured_body.pose.rotation.conjugate())
+                });
+            }
         }
 
         match self.law {
             ControlLaw::ProportionalDerivative if self.inertias.is_empty() => {
-                for (command, wrench) in w.commands.iter().zip(&mut w.wrenches) {
-                    *wrench = Wrench::new(command.angular, command.linear);
+                for (command, torque) in w.commands.iter().zip(&mut w.torques) {
+                    torque.value = Wrench::new(command.angular, command.linear);
                 }
             }
             ControlLaw::ProportionalDerivative => {
-                for ((command, inertia), wrench) in
-                    w.commands.iter().zip(&self.inertias).zip(&mut w.wrenches)
+                for ((command, inertia), torque) in
+                    w.commands.iter().zip(&self.inertias).zip(&mut w.torques)
                 {
-                    *wrench = inertia.wrench(*command);
+                    torque.value = inertia.wrench(*command);
                 }
             }
             ControlLaw::InverseDynamics => inverse_dynamics(
@@ -274,135 +297,164 @@ impl<const N: usize> Controller<N> {
                 self.gravity_m_s2,
                 external,
                 &mut w.scratch,
-                &mut w.wrenches,
+                &mut w.torques,
             ),
         }
 
-        for ((((body, measured), wrench), limit), torque) in
-            bodies.iter().zip(measured).zip(&w.wrenches).zip(&self.limits).zip(&mut w.torques)
+        for (((body, measured), limit), torque) in
+            bodies.iter().zip(measured).zip(&self.limits).zip(&mut w.torques)
         {
-            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
-            *torque = limit.apply(body.joint.project_wrench(in_joint, *wrench));
+            let in_joint = body.rotation_in_joint(measured.pose.rotation);
+            *torque = limit.apply(body.joint.project_wrench(in_joint, torque.value));
         }
         w.torques.get(..count).unwrap_or_default()
     }
 
-    /// Feeds every error to its own joint, as it is: eq. (11).
-    fn direct_commands(
+    /// Feeds every error to its own joint, as it is: eq. (11). `error` gives it in the axes of the method's reference
+    /// frame, with the rotation from those to measured body axes.
+    fn direct_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
         measured: &[JointState],
-        w: &mut Workspace<N>,
+        w: &mut Workspace<N, R>,
+        error: impl Fn(At<'_>) -> (StateError, Quat),
     ) {
-        for (joint, ((((body, desired), measured), feedforward), ((error, gains), command))) in self
+        let desired_bodies = targets.bodies();
+        for (body, (((of_tree, gains), (desired, feedforward)), (measured, out))) in self
             .tree
             .bodies()
             .iter()
-            .zip(targets.states())
-            .zip(measured)
-            .zip(targets.accelerations())
-            .zip(w.errors.iter().zip(&self.gains).zip(&mut w.commands))
+            .zip(&self.gains)
+            .zip(targets.states().iter().zip(targets.accelerations()))
+            .zip(measured.iter().zip(w.commands.iter_mut().zip(&mut w.aim_status)))
             .enumerate()
         {
-            let correction = gains.apply(error);
-            let to_body = self.error_axes_to_body(joint, measured.pose.rotation, &w.measured);
-            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
+            let (Some(desired_body), Some(measured_body)) =
+                (desired_bodies.get(body), w.measured.get(body))
+            else {
+                break;
+            };
+            let (command, aim_status) = out;
+            let (error, to_body) = error(At {
+                body,
+                desired,
+                measured,
+                desired_body,
+                measured_body,
+                desired_bodies,
+                measured_bodies: &w.measured,
+                aim_status,
+            });
+            let joint = of_tree.joint;
+            let correction = gains.apply(&error);
+            let mut wanted = Motion::new(math::rotate(to_body, correction.angular), Vec3::ZERO);
+            if joint.slides() {
+                wanted.linear = math::rotate(to_body, correction.linear);
+            }
+            let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
             *command = match self.law {
-                ControlLaw::ProportionalDerivative => {
-                    body.joint.project_motion(in_joint, correction.rotated(to_body))
-                }
+                ControlLaw::ProportionalDerivative => joint.project_motion(in_joint, wanted),
                 ControlLaw::InverseDynamics => {
-                    let wanted = commanded_acceleration(
-                        desired,
-                        measured,
-                        *feedforward,
-                        correction,
-                        to_body,
-                    );
-                    body.joint.project_motion(in_joint, wanted)
-                        + body.joint.bias_acceleration(in_joint, measured.velocity)
+                    wanted.angular += feedforward.angular;
+                    if joint.slides() {
+                        wanted.linear += through_parent(desired, measured, feedforward.linear);
+                    }
+                    let mut allowed = joint.project_motion(in_joint, wanted);
+                    if matches!(joint, JointKind::Universal { .. }) {
+                        let bias = joint.bias_acceleration(in_joint, measured.velocity);
+                        allowed = allowed + bias;
+                    }
+                    allowed
                 }
             };
         }
     }
 
     /// Feeds every error to its body's acceleration, and asks of the joints what that takes.
-    fn resolved_commands(
+    fn resolved_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
         measured: &[JointState],
         weights: &BodyWeights<N>,
-        w: &mut Workspace<N>,
+        w: &mut Workspace<N, R>,
     ) {
         let bodies = self.tree.bodies();
         let of_joints = targets.accelerations();
-        kinematics::body_accelerations(bodies, &w.desired, of_joints, &mut w.commands);
-        for (command, (gains, error)) in w.commands.iter_mut().zip(self.gains.iter().zip(&w.errors))
+        kinematics::body_accelerations(bodies, targets.bodies(), of_joints, &mut w.commands);
+        for (command, (gains, (desired, measured))) in w
+            .commands
+            .iter_mut()
+            .zip(self.gains.iter().zip(targets.bodies().iter().zip(&w.measured)))
         {
-            *command = *command + gains.apply(error);
+            *command = *command + gains.apply(&StateError::between(desired, measured));
         }
         let (world, scratch) = (&w.measured, &mut w.resolved);
         resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
         kinematics::joint_accelerations(bodies, world, &mut w.commands);
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
             // Without what rounding has left across the joint's freedoms.
-            let in_joint = body.placement.rotation.conjugate() * measured.pose.rotation;
+            let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *command = body.joint.project_motion(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
         }
     }
+}
 
-    /// Rotation from the axes of a joint's state error to measured body axes: `R_m,iᵀ R_m,l`.
-    fn error_axes_to_body(&self, joint: usize, relative: Quat, measured: &[BodyState]) -> Quat {
-        let rotation =
-            |body: usize| measured.get(body).map_or(Quat::IDENTITY, |state| state.pose.rotation);
-        match &self.method {
-            Method::Local => relative.conjugate(),
-            Method::World
-            | Method::LinearCompensation { .. }
-            | Method::ResolvedAcceleration { .. } => rotation(joint).conjugate(),
-            Method::Accumulated(references) => {
-                let reference = references.as_slice().get(joint).copied().flatten();
-                rotation(joint).conjugate() * reference.map_or(Quat::IDENTITY, rotation)
-            }
-        }
+/// What the state error of one body is made of.
+struct At<'a> {
+    body: usize,
+    desired: &'a JointState,
+    measured: &'a JointState,
+    desired_body: &'a BodyState,
+    measured_body: &'a BodyState,
+    desired_bodies: &'a [BodyState],
+    measured_bodies: &'a [BodyState],
+    aim_status: &'a mut AimStatus,
+}
+
+impl<'a> At<'a> {
+    /// Desired and measured state of another body.
+    fn bodies(&self, body: usize) -> Option<(&'a BodyState, &'a BodyState)> {
+        Some((self.desired_bodies.get(body)?, self.measured_bodies.get(body)?))
     }
 }
 
 /// Scratch memory of a [`Controller`], owned by the caller; it holds nothing from tick to tick, but the
 /// last tick's states and errors can be read from it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Workspace<const N: usize> {
-    desired: [BodyState; N],
+pub struct Workspace<const N: usize, const R: usize = 0> {
     measured: [BodyState; N],
-    errors: [StateError; N],
     aim_status: [AimStatus; N],
     commands: [Motion; N],
-    resolved: [Resolved; N],
+    resolved: [Resolved; R],
     scratch: [BodyMotion; N],
-    wrenches: [Wrench; N],
     torques: [Limited<Wrench>; N],
 }
 
 impl<const N: usize> Workspace<N> {
-    /// A workspace for trees of capacity `N`.
+    /// A workspace for trees of capacity `N`, for all methods but resolved acceleration.
     pub fn new() -> Self {
+        Self::with_room()
+    }
+}
+
+impl<const N: usize> Workspace<N, N> {
+    /// A workspace for trees of capacity `N`, for all methods: resolved acceleration takes 132 bytes for each body.
+    pub fn resolving() -> Self {
+        Self::with_room()
+    }
+}
+
+impl<const N: usize, const R: usize> Workspace<N, R> {
+    fn with_room() -> Self {
         Self {
-            desired: [BodyState::WORLD; N],
             measured: [BodyState::WORLD; N],
-            errors: [StateError::ZERO; N],
             aim_status: [AimStatus::Leaf; N],
             commands: [Motion::ZERO; N],
-            resolved: [Resolved::ZERO; N],
+            resolved: [Resolved::ZERO; R],
             scratch: [BodyMotion::default(); N],
-            wrenches: [Wrench::ZERO; N],
             torques: [Limited { value: Wrench::ZERO, reason: None }; N],
         }
-    }
-
-    /// State errors of the last tick, by body, in the axes of the method's reference frame.
-    pub fn errors(&self) -> &[StateError] {
-        &self.errors
     }
 
     /// What the last tick of Linear Compensation did with each body's aim.

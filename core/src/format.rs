@@ -132,12 +132,11 @@ impl<const N: usize> Format for Controller<N> {
 }
 
 /// What can be read from it.
-impl<const N: usize> Format for Workspace<N> {
+impl<const N: usize, const R: usize> Format for Workspace<N, R> {
     fn format(&self, f: Formatter<'_>) {
         write!(
             f,
-            "Workspace {{ errors: {}, aim_status: {}, commands: {}, torques: {} }}",
-            self.errors(),
+            "Workspace {{ aim_status: {}, commands: {}, torques: {} }}",
             self.aim_status(),
             self.commands(),
             self.torques(),

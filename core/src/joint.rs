@@ -76,6 +76,12 @@ impl JointKind {
         }
     }
 
+    /// Whether a drive of this joint can push as well as turn.
+    #[inline]
+    pub(crate) const fn slides(self) -> bool {
+        matches!(self, Self::Prismatic { .. } | Self::Free)
+    }
+
     /// Number of coordinates that [`Self::state`] takes: a quaternion has four for three freedoms.
     pub const fn coordinate_count(self) -> usize {
         match self {
@@ -101,7 +107,9 @@ impl JointKind {
             Self::Revolute { axis } => [turn(axis)].into_iter().collect(),
             Self::Prismatic { axis } => [slide(axis)].into_iter().collect(),
             Self::Universal { first, second } => {
-                [turn(rotation.conjugate() * first), turn(second)].into_iter().collect()
+                [turn(math::rotate(rotation.conjugate(), first)), turn(second)]
+                    .into_iter()
+                    .collect()
             }
             Self::Spherical => axes.map(turn).into_iter().collect(),
             Self::Free => axes.map(turn).into_iter().chain(axes.map(slide)).collect(),
@@ -117,9 +125,16 @@ impl JointKind {
     /// let possible = knee.project_motion(Quat::IDENTITY, wanted);
     /// assert_eq!(possible, Motion::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
     /// ```
+    #[inline]
     pub fn project_motion(self, rotation: Quat, motion: Motion) -> Motion {
-        let (angular, linear) = self.project(rotation, motion.angular, motion.linear);
-        Motion { angular, linear }
+        match self {
+            Self::Free => motion,
+            Self::Spherical => Motion { linear: Vec3::ZERO, ..motion },
+            _ => {
+                let (angular, linear) = self.on_axes(rotation, motion.angular, motion.linear);
+                Motion { angular, linear }
+            }
+        }
     }
 
     /// S Sᵀ `wrench`: what a drive of this joint has to deliver; the bearings carry the rest. Body axes.
@@ -131,18 +146,27 @@ impl JointKind {
     /// let of_drive = knee.project_wrench(Quat::IDENTITY, at_joint);
     /// assert_eq!(of_drive, Wrench::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
     /// ```
+    #[inline]
     pub fn project_wrench(self, rotation: Quat, wrench: Wrench) -> Wrench {
-        let (moment_nm, force_n) = self.project(rotation, wrench.moment_nm, wrench.force_n);
-        Wrench { moment_nm, force_n }
+        match self {
+            Self::Free => wrench,
+            Self::Spherical => Wrench { force_n: Vec3::ZERO, ..wrench },
+            _ => {
+                let (moment_nm, force_n) = self.on_axes(rotation, wrench.moment_nm, wrench.force_n);
+                Wrench { moment_nm, force_n }
+            }
+        }
     }
 
-    fn project(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
+    /// What a joint of at most two axes lets through. Apart from the other kinds, which have nothing to compute and are
+    /// most of a figure's.
+    fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Fixed => (Vec3::ZERO, Vec3::ZERO),
             Self::Revolute { axis } => (axis * axis.dot(angular), Vec3::ZERO),
             Self::Prismatic { axis } => (Vec3::ZERO, axis * axis.dot(linear)),
             Self::Universal { first, second } => {
-                let first = rotation.conjugate() * first;
+                let first = math::rotate(rotation.conjugate(), first);
                 (first * first.dot(angular) + second * second.dot(angular), Vec3::ZERO)
             }
             Self::Spherical => (angular, Vec3::ZERO),
@@ -161,10 +185,11 @@ impl JointKind {
     /// let bias = wrist.bias_acceleration(Quat::IDENTITY, velocity);
     /// assert_eq!(bias, Motion::new(Vec3::Z * 6.0, Vec3::ZERO));
     /// ```
+    #[inline]
     pub fn bias_acceleration(self, rotation: Quat, velocity: Motion) -> Motion {
         match self {
             Self::Universal { first, second } => {
-                let first = rotation.conjugate() * first;
+                let first = math::rotate(rotation.conjugate(), first);
                 let speeds = first.dot(velocity.angular) * second.dot(velocity.angular);
                 Motion::new(first.cross(second) * speeds, Vec3::ZERO)
             }
@@ -185,7 +210,7 @@ impl JointKind {
             Self::Revolute { axis } => [turn_about(axis, in_joint.rotation), 0.0],
             Self::Prismatic { axis } => [axis.dot(in_joint.translation_m), 0.0],
             Self::Universal { first, second } => {
-                let turned = in_joint.rotation * second;
+                let turned = math::rotate(in_joint.rotation, second);
                 let angle = math::atan2(first.cross(second).dot(turned), second.dot(turned));
                 let rest = math::exp(first * -angle) * in_joint.rotation;
                 [angle, turn_about(second, rest)]

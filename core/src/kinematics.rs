@@ -24,9 +24,9 @@ use crate::tree::Body;
 /// ```
 pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]) {
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate() {
-        let parent = of_parent(body, out, BodyState::WORLD);
+        let state = of_parent(body, out, &BodyState::WORLD).child(joint);
         let Some(slot) = out.get_mut(index) else { return };
-        *slot = parent.child(joint);
+        *slot = state;
     }
 }
 
@@ -34,7 +34,7 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
 /// O(n).
 pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]) {
     for ((body, state), slot) in bodies.iter().zip(world).zip(out) {
-        *slot = state.joint_state(&of_parent(body, world, BodyState::WORLD));
+        *slot = state.joint_state(of_parent(body, world, &BodyState::WORLD));
     }
 }
 
@@ -51,9 +51,9 @@ pub fn body_accelerations(
     for (index, ((body, state), acceleration)) in
         bodies.iter().zip(world).zip(accelerations).enumerate()
     {
-        let parent = of_parent(body, world, BodyState::WORLD);
-        let carried = carried(of_parent(body, out, Motion::ZERO), &parent, state);
-        let moving = velocity_products(&parent, state);
+        let parent = of_parent(body, world, &BodyState::WORLD);
+        let carried = carried(*of_parent(body, out, &Motion::ZERO), parent, state);
+        let moving = velocity_products(parent, state);
         let Some(slot) = out.get_mut(index) else { return };
         *slot = carried + moving + acceleration.rotated(state.pose.rotation);
     }
@@ -63,9 +63,9 @@ pub fn body_accelerations(
 pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: &mut [Motion]) {
     // From the leaves inwards: a parent's is still that in the world.
     for (index, (body, state)) in bodies.iter().zip(world).enumerate().rev() {
-        let parent = of_parent(body, world, BodyState::WORLD);
-        let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
-        let moving = velocity_products(&parent, state);
+        let parent = of_parent(body, world, &BodyState::WORLD);
+        let carried = carried(*of_parent(body, accelerations, &Motion::ZERO), parent, state);
+        let moving = velocity_products(parent, state);
         let Some(slot) = accelerations.get_mut(index) else { continue };
         *slot = (*slot - (carried + moving)).rotated(state.pose.rotation.conjugate());
     }
@@ -91,6 +91,7 @@ pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Motion 
 }
 
 /// The item of a body's parent in a slice by body; `world` for the root.
-pub(crate) fn of_parent<T: Copy>(body: &Body, items: &[T], world: T) -> T {
-    body.parent.and_then(|parent| items.get(parent)).copied().unwrap_or(world)
+#[inline]
+pub(crate) fn of_parent<'a, T>(body: &Body, items: &'a [T], world: &'a T) -> &'a T {
+    body.parent.and_then(|parent| items.get(parent)).unwrap_or(world)
 }

@@ -131,6 +131,7 @@ pub mod finite_difference;
 mod fixed;
 #[cfg(feature = "defmt")]
 mod format;
+mod forward_differences;
 mod inertia;
 mod joint;
 pub mod kinematics;
@@ -149,6 +150,7 @@ mod tree;
 
 pub use body_set::BodySet;
 pub use controller::{Controller, ControllerError, Workspace};
+pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};
 pub use joint::{JointCoordinatesError, JointError, JointKind};
 pub use state::{BodyState, JointState, JointStates, JointTargets, StateInputError};

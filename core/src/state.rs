@@ -2,10 +2,12 @@
 
 use core::fmt;
 
+use glam::Quat;
 use heapless::Vec;
 
 use crate::fixed;
 use crate::joint::UNIT_TOLERANCE;
+use crate::kinematics;
 use crate::math;
 use crate::transform::{Motion, Transform};
 use crate::tree::{Body, Tree};
@@ -28,17 +30,42 @@ pub struct JointState {
     pub velocity: Motion,
 }
 
+/// The farthest that a pose's position may be where differences are taken, m. A square of it is far from
+/// overflow, and so is what follows from two such positions over [`SHORTEST_STEP_S`].
+const FARTHEST_M: f32 = 1e6;
+
+/// The shortest time step that differences are taken over, s.
+pub(crate) const SHORTEST_STEP_S: f32 = 1e-9;
+
+/// Whether differences of this pose are numbers: its rotation a unit quaternion, its position not beyond
+/// [`FARTHEST_M`].
+#[inline]
+pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
+    let position = pose.translation_m;
+    // Written so that NaN fails.
+    if !(position.dot(position) <= FARTHEST_M * FARTHEST_M) {
+        return Err(StateInputError::NonFinite);
+    }
+    check_rotation(pose.rotation)
+}
+
+#[inline]
+fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
+    // Written so that NaN fails.
+    if (rotation.dot(rotation) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE {
+        Ok(())
+    } else {
+        Err(StateInputError::RotationNotUnit)
+    }
+}
+
 impl JointState {
     /// Whether every component is a number and the rotation is a unit quaternion.
     fn check(&self) -> Result<(), StateInputError> {
         if !self.pose.is_finite() || !self.velocity.is_finite() {
             return Err(StateInputError::NonFinite);
         }
-        let squared = self.pose.rotation.dot(self.pose.rotation);
-        if (squared - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
-            return Err(StateInputError::RotationNotUnit);
-        }
-        Ok(())
+        check_rotation(self.pose.rotation)
     }
 
     fn with_unit_rotation(mut self) -> Self {
@@ -85,10 +112,19 @@ impl BodyState {
         let arm = self.pose.translation_m - reference.pose.translation_m;
         let carried = reference.velocity.angular.cross(arm);
         Self {
-            pose: Transform::new(to_reference * self.pose.rotation, to_reference * arm),
+            pose: Transform::new(
+                to_reference * self.pose.rotation,
+                math::rotate(to_reference, arm),
+            ),
             velocity: Motion {
-                angular: to_reference * (self.velocity.angular - reference.velocity.angular),
-                linear: to_reference * (self.velocity.linear - reference.velocity.linear - carried),
+                angular: math::rotate(
+                    to_reference,
+                    self.velocity.angular - reference.velocity.angular,
+                ),
+                linear: math::rotate(
+                    to_reference,
+                    self.velocity.linear - reference.velocity.linear - carried,
+                ),
             },
         }
     }
@@ -103,10 +139,22 @@ impl BodyState {
         }
     }
 
+    /// Velocity of the joint between `parent` and this body, in body axes: that of [`Self::joint_state`].
+    #[inline]
+    pub(crate) fn velocity_from(&self, parent: &Self) -> Motion {
+        let arm = self.pose.translation_m - parent.pose.translation_m;
+        let carried = parent.velocity.linear + parent.velocity.angular.cross(arm);
+        Motion {
+            angular: self.velocity.angular - parent.velocity.angular,
+            linear: self.velocity.linear - carried,
+        }
+        .rotated(self.pose.rotation.conjugate())
+    }
+
     /// State of a body hung on this one by a joint: the inverse of [`Self::joint_state`].
     #[must_use]
     pub fn child(&self, joint: &JointState) -> Self {
-        let arm = self.pose.rotation * joint.pose.translation_m;
+        let arm = math::rotate(self.pose.rotation, joint.pose.translation_m);
         let rotation = self.pose.rotation * joint.pose.rotation;
         let relative = joint.velocity.rotated(rotation);
         Self {
@@ -160,6 +208,12 @@ impl<const N: usize> JointStates<N> {
     /// the rotation not unit.
     pub fn set(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
         state.check()?;
+        self.put(joint, state)
+    }
+
+    /// Sets the state of one joint to what is known to be finite, with a rotation that [`check_pose`] has passed.
+    #[inline]
+    pub(crate) fn put(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
         *slot = state.with_unit_rotation();
         Ok(())
@@ -174,11 +228,21 @@ impl<const N: usize> JointStates<N> {
 /// Where all joints of a tree should be, how fast, and with what acceleration.
 ///
 /// An entrance like [`JointStates`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Motion, N>,
+    /// The world states of the bodies that follow from `states`, once somebody knows them.
+    bodies: Vec<BodyState, N>,
+    knows_bodies: bool,
+}
+
+/// Equal if the joints' targets are: the bodies' follow from them.
+impl<const N: usize> PartialEq for JointTargets<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.states == other.states && self.accelerations == other.accelerations
+    }
 }
 
 impl<const N: usize> JointTargets<N> {
@@ -186,7 +250,8 @@ impl<const N: usize> JointTargets<N> {
     pub fn rest(tree: &Tree<N>) -> Self {
         let states: Vec<JointState, N> = JointStates::rest(tree).states;
         let accelerations = fixed::collect(states.iter().map(|_| Motion::ZERO));
-        Self { states, accelerations }
+        let bodies = fixed::collect(states.iter().map(|_| BodyState::WORLD));
+        Self { states, accelerations, bodies, knows_bodies: false }
     }
 
     /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
@@ -206,6 +271,18 @@ impl<const N: usize> JointTargets<N> {
         if !acceleration.is_finite() {
             return Err(StateInputError::NonFinite);
         }
+        self.put(joint, state, acceleration)
+    }
+
+    /// Sets state and acceleration of one joint to what is known to be finite, with a rotation that [`check_pose`]
+    /// has passed.
+    #[inline]
+    pub(crate) fn put(
+        &mut self,
+        joint: usize,
+        state: JointState,
+        acceleration: Motion,
+    ) -> Result<(), StateInputError> {
         let (Some(slot), Some(acceleration_slot)) =
             (self.states.get_mut(joint), self.accelerations.get_mut(joint))
         else {
@@ -213,6 +290,7 @@ impl<const N: usize> JointTargets<N> {
         };
         *slot = state.with_unit_rotation();
         *acceleration_slot = acceleration;
+        self.knows_bodies = false;
         Ok(())
     }
 
@@ -227,7 +305,28 @@ impl<const N: usize> JointTargets<N> {
         }
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
         slot.velocity = velocity;
+        self.knows_bodies = false;
         Ok(())
+    }
+
+    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them,
+    /// which count as known from here on. Finite, and with unit rotations.
+    pub(crate) fn whole(&mut self) -> (&mut [JointState], &mut [Motion], &mut [BodyState]) {
+        self.knows_bodies = true;
+        (&mut self.states, &mut self.accelerations, &mut self.bodies)
+    }
+
+    /// World states of the bodies, found from those of the joints if nobody has yet.
+    pub(crate) fn complete(&mut self, bodies: &[Body]) {
+        if !self.knows_bodies {
+            kinematics::body_states(bodies, &self.states, &mut self.bodies);
+            self.knows_bodies = true;
+        }
+    }
+
+    /// World states of the bodies after [`Self::complete`].
+    pub(crate) fn bodies(&self) -> &[BodyState] {
+        &self.bodies
     }
 
     /// Adds to the acceleration of one joint what is finite of a sum.

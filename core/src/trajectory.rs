@@ -4,15 +4,12 @@ use core::fmt;
 
 use glam::Vec3;
 
-use crate::finite_difference::{
-    DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
-};
 use crate::joint::UNIT_TOLERANCE;
-use crate::kinematics;
 use crate::math;
-use crate::state::{BodyState, JointState, JointStates, JointTargets, StateInputError};
+use crate::state::{
+    JointState, JointStates, JointTargets, SHORTEST_STEP_S, StateInputError, check_pose,
+};
 use crate::transform::{Motion, Transform};
-use crate::tree::Tree;
 
 /// Evenly spaced frames of the poses of all joints, each in its parent's frame.
 ///
@@ -212,13 +209,10 @@ pub fn forward_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
+    let rate_hz = rate(dt_s)?;
     for (joint, ((now, next), after)) in now.iter().zip(next).zip(after).enumerate() {
-        let difference = |order: usize, window: &[&Transform]| {
-            joint_difference(Scheme::Forward, order, window, now, dt_s).map_err(refusal)
-        };
-        let velocity = difference(1, &[now, next])?;
-        let acceleration = difference(2, &[now, next, after])?;
-        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+        let [first, second] = steps([now, next, after], rate_hz)?;
+        put_difference(out, joint, now, first, (second - first) * rate_hz)?;
     }
     Ok(())
 }
@@ -259,31 +253,11 @@ pub fn aligned_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
-    if !(dt_s.is_finite() && dt_s > 0.0) {
-        return Err(StateInputError::TimeStep);
-    }
-    let unit = |pose: &Transform| {
-        let squared = pose.rotation.dot(pose.rotation);
-        (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
-    };
     let [before, now, next] = window;
+    let rate_hz = rate(dt_s)?;
     for (joint, ((before, now), next)) in before.iter().zip(now).zip(next).enumerate() {
-        if !(unit(before) && unit(next)) {
-            return Err(StateInputError::RotationNotUnit);
-        }
-        // The one difference that runs on every tick of a board: each step is taken once, and serves both orders.
-        let to_body = now.rotation.conjugate();
-        let step = |from: &Transform, to: &Transform| Motion {
-            angular: math::log(from.rotation.conjugate() * to.rotation) / dt_s,
-            linear: (to.translation_m - from.translation_m) / dt_s,
-        };
-        let (led_here, leads_on) = (step(before, now), step(now, next));
-        let velocity = Motion { linear: to_body * led_here.linear, ..led_here };
-        let acceleration = Motion {
-            angular: (leads_on.angular - led_here.angular) / dt_s,
-            linear: to_body * ((leads_on.linear - led_here.linear) / dt_s),
-        };
-        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
+        let [first, second] = steps([before, now, next], rate_hz)?;
+        put_difference(out, joint, now, first, (second - first) * rate_hz)?;
     }
     Ok(())
 }
@@ -300,55 +274,10 @@ pub fn live_targets<const N: usize>(
     dt_s: f32,
     out: &mut JointTargets<N>,
 ) -> Result<(), StateInputError> {
+    let rate_hz = rate(dt_s)?;
     for (joint, ((earlier, before), now)) in earlier.iter().zip(before).zip(now).enumerate() {
-        let difference = |order: usize, window: &[&Transform]| {
-            joint_difference(Scheme::Backward, order, window, now, dt_s).map_err(refusal)
-        };
-        let velocity = difference(1, &[before, now])?;
-        let acceleration = difference(2, &[earlier, before, now])?;
-        out.set(joint, JointState { pose: *now, velocity }, acceleration)?;
-    }
-    Ok(())
-}
-
-/// As [`forward_targets`], but with the velocities of the *bodies* differenced: the world states that
-/// follow from these targets move with the forward differences (13) of the bodies' world poses. O(n).
-///
-/// That is the velocity that the world errors (4) and (10) compare. Velocities composed of differences of
-/// joint poses are not quite it: they miss `h/2 ω_parent × ω_joint` (and the like of the positions), since
-/// the parent turns during the step too.
-///
-/// # Errors
-/// As [`forward_targets`].
-pub fn forward_targets_of_bodies<const N: usize>(
-    tree: &Tree<N>,
-    window: [&[Transform]; 3],
-    dt_s: f32,
-    out: &mut JointTargets<N>,
-) -> Result<(), StateInputError> {
-    forward_targets(window, dt_s, out)?;
-    let mut now = [BodyState::WORLD; N];
-    kinematics::body_states(tree.bodies(), out.states(), &mut now);
-
-    let [_, next_joints, _] = window;
-    let mut next = [Transform::IDENTITY; N];
-    for (index, ((body, joint), state)) in
-        tree.bodies().iter().zip(next_joints).zip(&mut now).enumerate()
-    {
-        let pose = kinematics::of_parent(body, &next, Transform::IDENTITY) * *joint;
-        let Some(slot) = next.get_mut(index) else { break };
-        *slot = pose;
-        let rotations = [state.pose.rotation, pose.rotation];
-        let positions = [state.pose.translation_m, pose.translation_m];
-        state.velocity = Motion {
-            angular: of_rotations_in_world(Scheme::Forward, 1, &rotations, dt_s)
-                .map_err(refusal)?,
-            linear: of_vectors(Scheme::Forward, 1, &positions, dt_s).map_err(refusal)?,
-        };
-    }
-    for (index, (body, state)) in tree.bodies().iter().zip(&now).enumerate() {
-        let parent = kinematics::of_parent(body, &now, BodyState::WORLD);
-        out.set_velocity(index, state.joint_state(&parent).velocity)?;
+        let [first, second] = steps([earlier, before, now], rate_hz)?;
+        put_difference(out, joint, now, second, (second - first) * rate_hz)?;
     }
     Ok(())
 }
@@ -364,44 +293,64 @@ pub fn backward_states<const N: usize>(
     dt_s: f32,
     out: &mut JointStates<N>,
 ) -> Result<(), StateInputError> {
+    let rate_hz = rate(dt_s)?;
     for (joint, (before, now)) in before.iter().zip(now).enumerate() {
-        let velocity =
-            joint_difference(Scheme::Backward, 1, &[before, now], now, dt_s).map_err(refusal)?;
-        out.set(joint, JointState { pose: *now, velocity })?;
+        check_pose(before)?;
+        check_pose(now)?;
+        let velocity = in_axes_of(now, step(before, now, rate_hz));
+        out.put(joint, JointState { pose: *now, velocity })?;
     }
     Ok(())
 }
 
-/// What a difference that cannot be taken says of the states it was for: the number of samples is ours.
-fn refusal(error: DifferenceError) -> StateInputError {
-    match error {
-        DifferenceError::TimeStep => StateInputError::TimeStep,
-        _ => StateInputError::NonFinite,
+/// The steps in a second.
+pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
+    // Written so that NaN fails.
+    if dt_s >= SHORTEST_STEP_S && dt_s.is_finite() {
+        Ok(1.0 / dt_s)
+    } else {
+        Err(StateInputError::TimeStep)
     }
 }
 
-/// Difference of a joint's poses in the axes of the body at pose `at`.
-fn joint_difference(
-    scheme: Scheme,
-    order: usize,
-    window: &[&Transform],
-    at: &Transform,
-    dt_s: f32,
-) -> Result<Motion, DifferenceError> {
-    // Three frames are the most that orders 1 and 2 of these schemes need.
-    let mut rotations = [at.rotation; 3];
-    let mut positions = [at.translation_m; 3];
-    for ((pose, rotation), position) in window.iter().zip(&mut rotations).zip(&mut positions) {
-        *rotation = pose.rotation;
-        *position = pose.translation_m;
+/// The two steps between three poses that are checked.
+#[inline]
+fn steps(
+    [first, second, third]: [&Transform; 3],
+    rate_hz: f32,
+) -> Result<[Motion; 2], StateInputError> {
+    check_pose(first)?;
+    check_pose(second)?;
+    check_pose(third)?;
+    Ok([step(first, second, rate_hz), step(second, third, rate_hz)])
+}
+
+/// The mean velocity on the way from one pose to the other: the angular part in body axes (the turn's own axis is
+/// the same in both), the linear part in the parent's.
+#[inline]
+pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Motion {
+    Motion {
+        angular: math::log(from.rotation.conjugate() * to.rotation) * rate_hz,
+        linear: (to.translation_m - from.translation_m) * rate_hz,
     }
-    let rotations = rotations.get(..window.len()).unwrap_or_default();
-    let positions = positions.get(..window.len()).unwrap_or_default();
-    let linear_in_parent = of_vectors(scheme, order, positions, dt_s)?;
-    Ok(Motion {
-        angular: of_rotations(scheme, order, rotations, dt_s)?,
-        linear: at.rotation.conjugate() * linear_in_parent,
-    })
+}
+
+/// A motion whose linear part is in the parent's axes, all in those of the body.
+#[inline]
+fn in_axes_of(pose: &Transform, motion: Motion) -> Motion {
+    Motion { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
+}
+
+#[inline]
+fn put_difference<const N: usize>(
+    out: &mut JointTargets<N>,
+    joint: usize,
+    pose: &Transform,
+    velocity: Motion,
+    acceleration: Motion,
+) -> Result<(), StateInputError> {
+    let state = JointState { pose: *pose, velocity: in_axes_of(pose, velocity) };
+    out.put(joint, state, in_axes_of(pose, acceleration))
 }
 
 /// Why frames were refused.
@@ -485,53 +434,6 @@ mod tests {
                 Err(StateInputError::TimeStep)
             );
         }
-    }
-
-    #[test]
-    fn targets_of_bodies_move_as_the_bodies_do() {
-        let body = |parent| Body {
-            parent,
-            joint: if parent.is_none() { JointKind::Free } else { JointKind::Spherical },
-            placement: Transform::IDENTITY,
-            inertia: Inertia::default(),
-        };
-        let tree = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).unwrap();
-        let joint = |turn: Vec3| Transform::new(math::exp(turn), Vec3::new(0.3, -0.1, 0.0));
-        let frame = |t: f32| {
-            [
-                Vec3::new(0.2, 4.0 * t, 0.0),
-                Vec3::new(-7.0 * t, 0.3, 0.0),
-                Vec3::new(0.1, 0.0, 9.0 * t),
-            ]
-            .map(joint)
-        };
-        let h = 0.01;
-        let frames = [0.0, h, 2.0 * h].map(frame);
-        let window = frames.each_ref().map(<[Transform; 3]>::as_slice);
-        let mut targets = JointTargets::rest(&tree);
-        forward_targets_of_bodies(&tree, window, h, &mut targets).unwrap();
-
-        let [now, next] = [frames[0], frames[1]].map(|joints| {
-            let mut pose = Transform::IDENTITY;
-            joints.map(|joint| {
-                pose = pose * joint;
-                pose
-            })
-        });
-        let mut states = [BodyState::WORLD; 3];
-        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
-        for (state, (now, next)) in states.iter().zip(now.iter().zip(&next)) {
-            let angular = math::log(next.rotation * now.rotation.conjugate()) / h;
-            let linear = (next.translation_m - now.translation_m) / h;
-            // f32 rounding of a quaternion and of a position of some 0.5 m, over h, a few times.
-            assert!((state.velocity.angular - angular).length() < 1e-4);
-            assert!((state.velocity.linear - linear).length() < 1e-4);
-        }
-        // Differences of the joints' poses compose to something else: the reason for this function.
-        forward_targets(window, h, &mut targets).unwrap();
-        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
-        let angular = math::log(next[2].rotation * now[2].rotation.conjugate()) / h;
-        assert!((states[2].velocity.angular - angular).length() > 0.1);
     }
 
     #[test]

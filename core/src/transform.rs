@@ -4,6 +4,8 @@ use core::ops::{Add, Mul, Sub};
 
 use glam::{Quat, Vec3};
 
+use crate::math;
+
 /// Pose of one frame in another: `p_outer = rotation p_inner + translation_m`.
 ///
 /// ```
@@ -44,14 +46,14 @@ impl Transform {
 
     /// A point of the inner frame, in the outer frame.
     pub fn transform_point(self, point_m: Vec3) -> Vec3 {
-        self.rotation * point_m + self.translation_m
+        math::rotate(self.rotation, point_m) + self.translation_m
     }
 
     /// Pose of the outer frame in the inner one.
     #[must_use]
     pub fn inverse(self) -> Self {
         let rotation = self.rotation.conjugate();
-        Self { rotation, translation_m: -(rotation * self.translation_m) }
+        Self { rotation, translation_m: -math::rotate(rotation, self.translation_m) }
     }
 
     /// Whether every component is a number.
@@ -113,7 +115,10 @@ impl Motion {
     /// The same motion in the axes that `rotation` leads to.
     #[must_use]
     pub fn rotated(self, rotation: Quat) -> Self {
-        Self { angular: rotation * self.angular, linear: rotation * self.linear }
+        Self {
+            angular: math::rotate(rotation, self.angular),
+            linear: math::rotate(rotation, self.linear),
+        }
     }
 }
 
@@ -122,6 +127,14 @@ impl Add for Motion {
 
     fn add(self, other: Self) -> Self {
         Self { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+}
+
+impl Mul<f32> for Motion {
+    type Output = Self;
+
+    fn mul(self, factor: f32) -> Self {
+        Self { angular: self.angular * factor, linear: self.linear * factor }
     }
 }
 
@@ -168,6 +181,18 @@ impl Wrench {
     /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
     pub fn power_w(self, velocity: Motion) -> f32 {
         self.moment_nm.dot(velocity.angular) + self.force_n.dot(velocity.linear)
+    }
+}
+
+impl AsRef<Self> for Wrench {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl AsMut<Self> for Wrench {
+    fn as_mut(&mut self) -> &mut Self {
+        self
     }
 }
 

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use glam::Quat;
 use heapless::Vec;
 
 use crate::body_set::BodySet;
@@ -28,6 +29,19 @@ pub struct Body {
     pub placement: Transform,
     /// Mass properties in the body frame.
     pub inertia: Inertia,
+}
+
+impl Body {
+    /// Rotation of the body in the joint frame, as far as the motion subspace depends on it: of no kind of joint but the
+    /// universal one. `rotation`: of the body in its parent's frame.
+    #[inline]
+    pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
+        if matches!(self.joint, JointKind::Universal { .. }) {
+            self.placement.rotation.conjugate() * rotation
+        } else {
+            Quat::IDENTITY
+        }
+    }
 }
 
 /// A tree of at most `N` bodies (`N` up to 128), immutable once built.
@@ -266,7 +280,7 @@ impl core::error::Error for TreeError {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Quat, Vec3};
+    use glam::Vec3;
 
     fn body(parent: Option<usize>) -> Body {
         Body {

@@ -1,13 +1,16 @@
 //! The control tick as the boards run it: a show's frame and measured joints in, limited torques out.
 
 use sinew_core::control::Limited;
-use sinew_core::trajectory::{backward_states, forward_targets_of_bodies};
+use sinew_core::trajectory::backward_states;
 use sinew_core::{
-    Controller, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
+    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
 };
 
 use crate::recommended::Recommended;
 use crate::show::Show;
+
+/// How many frames beyond a tick's own forward differences take.
+const FRAMES_AHEAD: usize = 2;
 
 /// All that a tick needs, in one place of fixed size: put it in a static.
 ///
@@ -44,7 +47,10 @@ pub struct App<'a, const N: usize> {
     measured: JointStates<N>,
     workspace: Workspace<N>,
     recommended: Option<Recommended<N>>,
-    window: [[Transform; N]; 3],
+    differences: ForwardDifferences<N>,
+    /// The frame that the differences took last, and its number; none before the first.
+    frame: [Transform; N],
+    newest: Option<usize>,
     previous: [Transform; N],
     /// Ticks since `previous` was measured; zero before anything was.
     age_ticks: u16,
@@ -60,7 +66,9 @@ impl<'a, const N: usize> App<'a, N> {
             controller,
             workspace: Workspace::new(),
             recommended: None,
-            window: [[Transform::IDENTITY; N]; 3],
+            differences: ForwardDifferences::new(),
+            frame: [Transform::IDENTITY; N],
+            newest: None,
             previous: [Transform::IDENTITY; N],
             age_ticks: 0,
         }
@@ -89,12 +97,19 @@ impl<'a, const N: usize> App<'a, N> {
         if let Some(recommended) = &mut self.recommended {
             recommended.targets(&self.show, tree, index, &mut self.targets)?;
         } else {
-            for (ahead, frame) in self.window.iter_mut().enumerate() {
-                self.show.frame(index.saturating_add(ahead), frame);
+            // From one tick to the next one frame is taken, after a jump three.
+            let newest = index.saturating_add(FRAMES_AHEAD);
+            let follows = self.newest.and_then(|newest| newest.checked_add(1)) == Some(newest);
+            for index in if follows { newest } else { index }..=newest {
+                self.show.frame(index, &mut self.frame);
+                let frame = self.frame.get(..bodies).unwrap_or_default();
+                if !follows && index.saturating_add(FRAMES_AHEAD) == newest {
+                    self.differences.restart(tree, dt_s, frame)?;
+                } else {
+                    self.differences.advance(tree, frame, &mut self.targets)?;
+                }
             }
-            let window =
-                self.window.each_ref().map(|frame| frame.get(..bodies).unwrap_or_default());
-            forward_targets_of_bodies(tree, window, dt_s, &mut self.targets)?;
+            self.newest = Some(newest);
         }
         let age_ticks = self.age_ticks;
         let previous = match age_ticks {
@@ -122,10 +137,10 @@ impl<'a, const N: usize> App<'a, N> {
     /// The torques for what was observed last, see [`Controller::tick`].
     pub fn control(&mut self) -> &[Limited<Wrench>] {
         let Some(recommended) = &mut self.recommended else {
-            return self.controller.tick(&self.targets, &self.measured, &[], &mut self.workspace);
+            return self.controller.tick(&mut self.targets, &self.measured, &[], &mut self.workspace);
         };
         let (states, w) = (recommended.states(), &mut self.workspace);
-        self.controller.tick(&self.targets, states, &[], w);
+        self.controller.tick(&mut self.targets, states, &[], w);
         let count = self.controller.tree().len();
         let torques = w.torques().get(..count).unwrap_or_default();
         recommended.sent(w.commands(), torques);

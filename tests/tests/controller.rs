@@ -110,11 +110,11 @@ proptest! {
                     .and_then(|controller| controller.with_law(law))
                     .expect("good settings");
                 let limited = free.clone().with_limits(&limits).expect("one for each");
-                let mut workspace = Workspace::new();
-                let wanted = free.tick(&targets, &measured, &[], &mut workspace).to_vec();
+                let mut workspace = Workspace::resolving();
+                let wanted = free.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
                 prop_assert!(finite(&wanted), "{wanted:?}");
-                let mut workspace = Workspace::new();
-                let got = limited.tick(&targets, &measured, &[], &mut workspace);
+                let mut workspace = Workspace::resolving();
+                let got = limited.tick(&mut targets, &measured, &[], &mut workspace);
                 prop_assert!(finite(got), "{got:?}");
                 for (got, wanted) in got.iter().zip(&wanted) {
                     // In units of the largest component: a square of a subnormal would vanish.
@@ -143,8 +143,8 @@ proptest! {
             .map(|w| Wrench::new(Vec3::new(w[0], w[1], w[2]), Vec3::new(w[3], w[4], w[5])))
             .collect();
         let controller = Controller::new(rig.tree.clone(), gains(), Method::World).expect("good settings");
-        let mut workspace = Workspace::new();
-        prop_assert!(finite(controller.tick(&targets(&rig), &rig.states(), &external, &mut workspace)));
+        let mut workspace = Workspace::resolving();
+        prop_assert!(finite(controller.tick(&mut targets(&rig), &rig.states(), &external, &mut workspace)));
     }
 
     #[test]
@@ -158,10 +158,10 @@ proptest! {
         }
         for method in methods_of_inverse_dynamics(&desired.tree) {
             let controller = Controller::new(desired.tree.clone(), gains(), method).expect("good settings");
-            let (mut one, mut other) = (Workspace::new(), Workspace::new());
+            let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
             let targets = targets(&desired);
-            let torques = controller.tick(&targets, &states, &[], &mut one);
-            prop_assert_eq!(controller.tick(&targets, &negated, &[], &mut other), torques);
+            let torques = controller.tick(&mut targets, &states, &[], &mut one);
+            prop_assert_eq!(controller.tick(&mut targets, &negated, &[], &mut other), torques);
         }
     }
 
@@ -189,8 +189,8 @@ proptest! {
         let allowed = 1e-5 * largest + 200.0 * 1.2e-7 * inertia;
         for method in methods_of_inverse_dynamics(&rig.tree) {
             let controller = Controller::new(rig.tree.clone(), gains(), method).expect("good settings");
-            let mut workspace = Workspace::new();
-            let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+            let mut workspace = Workspace::resolving();
+            let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
             prop_assert_eq!(torques.len(), count);
             for ((torque, wrench), (body, state)) in
                 torques.iter().zip(&wrenches).zip(bodies.iter().zip(measured.as_slice()))
@@ -225,7 +225,7 @@ proptest! {
                 if let Some(gains) = by_joint {
                     controller = controller.with_joint_gains(gains).expect("one for each");
                 }
-                controller.tick(&targets, &states, &[], &mut Workspace::new()).to_vec()
+                controller.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec()
             };
             let (of_even, of_odd) = (tick(gains(), None), tick(odd, None));
             prop_assert_eq!(&tick(odd, Some(&same)), &of_even);
@@ -240,7 +240,7 @@ proptest! {
         let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
         let tick = |method| {
             let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
-            controller.tick(&targets, &states, &[], &mut Workspace::new()).to_vec()
+            controller.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec()
         };
         let generations = |count| tick(Method::Accumulated(References::generations(tree, count)));
         prop_assert_eq!(generations(tree.len()), tick(Method::World));
@@ -266,9 +266,9 @@ proptest! {
         for joint in 0..tree.len() {
             targets.set_velocity(joint, Motion::ZERO).expect("a joint of the tree");
         }
-        let mut workspace = Workspace::new();
+        let mut workspace = Workspace::resolving();
         let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
-        controller.tick(&targets, &states, &[], &mut workspace);
+        controller.tick(&mut targets, &states, &[], &mut workspace);
         for (error, state) in workspace.errors().iter().zip(&measured.world()) {
             prop_assert_eq!(error.angular_rate_rad_s, -state.velocity.angular);
             prop_assert_eq!(error.linear_rate_m_s, -state.velocity.linear);
@@ -295,9 +295,9 @@ proptest! {
             let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY>| {
                 let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
                 let controller = controller.with_law(law).expect("a law for every method");
-                controller.tick(&targets, &states, &[], workspace).to_vec()
+                controller.tick(&mut targets, &states, &[], workspace).to_vec()
             };
-            let (mut one, mut other) = (Workspace::new(), Workspace::new());
+            let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
             let (held, driven) = (tick(&fixed, on_fixed, &mut one), tick(free, on_free, &mut other));
             prop_assert_eq!(&held[0], &Limited { value: Wrench::ZERO, reason: None });
             prop_assert_eq!(one.commands()[0], Motion::ZERO);
@@ -327,9 +327,9 @@ proptest! {
         for method in methods(tree) {
             let new = || Controller::new(tree.clone(), gains(), method.clone()).expect("good settings");
             let plain = new().with_law(ControlLaw::ProportionalDerivative).expect("for any law");
-            let asked = plain.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
+            let asked = plain.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec();
             let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
-            let got = weighted.tick(&targets, &states, &[], &mut Workspace::new()).to_vec();
+            let got = weighted.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec();
             for ((got, asked), inertia) in got.iter().zip(&asked).zip(&inertias) {
                 let asked = Motion::new(asked.value.moment_nm, asked.value.force_n);
                 prop_assert_eq!(got.value, inertia.wrench(asked));
@@ -341,14 +341,14 @@ proptest! {
     fn linear_gains_are_of_the_linear_error_alone((desired, measured) in figures(6, 0.6)) {
         let (targets, states) = (targets(&desired), measured.states());
         let weak = gains().with_linear(3.0, 0.5).expect("good gains");
-        let (mut one, mut other) = (Workspace::new(), Workspace::new());
+        let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
         let new = |gains| {
             Controller::new(desired.tree.clone(), gains, Method::World)
                 .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
                 .expect("good settings")
         };
-        let both = new(gains()).tick(&targets, &states, &[], &mut one).to_vec();
-        let got = new(weak).tick(&targets, &states, &[], &mut other).to_vec();
+        let both = new(gains()).tick(&mut targets, &states, &[], &mut one).to_vec();
+        let got = new(weak).tick(&mut targets, &states, &[], &mut other).to_vec();
         let error = one.errors()[0];
         prop_assert_eq!(got[0].value.moment_nm, both[0].value.moment_nm);
         let force = measured.world()[0].pose.rotation.conjugate()
@@ -369,8 +369,8 @@ fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
         .into_iter()
         .flat_map(|method| {
             let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
-            let mut workspace = Workspace::new();
-            let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+            let mut workspace = Workspace::resolving();
+            let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
             let bits = torques.iter().map(|torque| {
                 let (m, f) = (torque.value.moment_nm, torque.value.force_n);
                 [m.x, m.y, m.z, f.x, f.y, f.z].map(f32::to_bits)

@@ -298,8 +298,8 @@ fn every_method_runs<const N: usize>(bodies: &[Body]) {
         Method::LinearCompensation { aims: Aims::all_children(&tree), settings },
     ] {
         let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
-        let mut workspace = Workspace::new();
-        let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+        let mut workspace = Workspace::resolving();
+        let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
         assert_eq!(torques.len(), bodies.len());
         assert!(torques.iter().all(|t| t.reason.is_none() && t.value.is_finite()));
         assert!(torques[last].value.moment_nm.x > 1.0, "{:?}", torques[last]);

@@ -77,7 +77,7 @@ fn drive(
     measured: &JointStates<CAPACITY>,
     poses: &[Pose],
 ) -> Drive {
-    let mut workspace = Workspace::new();
+    let mut workspace = Workspace::resolving();
     let torques = controller.tick(targets, measured, &[], &mut workspace);
     let torque_nm = torques
         .iter()

@@ -72,10 +72,10 @@ pub fn resolved_acceleration<const N: usize>(
 
     // Inward: what every joint should do, whatever its parent does.
     for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
-        let parent = of_parent(body, world, BodyState::WORLD);
+        let parent = of_parent(body, world, &BodyState::WORLD);
         let Some(Resolved(demand)) = scratch.get_mut(index) else { continue };
         // What velocities do is done; the joint is asked for the rest.
-        let moving = by_velocities(body, &parent, state, joint);
+        let moving = by_velocities(body, parent, state, joint);
         demand.wrench = demand.wrench - demand.inertia.wrench(moving);
         let mut passed_on = *demand;
         passed_on.eliminate(&freedoms(body, joint, state), 0.0);
@@ -94,10 +94,10 @@ pub fn resolved_acceleration<const N: usize>(
     for (index, (((body, joint), state), Resolved(demand))) in
         bodies.iter().zip(joints).zip(world).zip(scratch.iter()).enumerate()
     {
-        let parent = of_parent(body, world, BodyState::WORLD);
-        let carried = carried(of_parent(body, accelerations, Motion::ZERO), &parent, state);
+        let parent = of_parent(body, world, &BodyState::WORLD);
+        let carried = carried(*of_parent(body, accelerations, &Motion::ZERO), parent, state);
         let response = demand.response(&freedoms(body, joint, state));
-        let moving = by_velocities(body, &parent, state, joint);
+        let moving = by_velocities(body, parent, state, joint);
         let Some(slot) = accelerations.get_mut(index) else { return };
         *slot = response.motion(carried, |_, step| step) + moving;
     }

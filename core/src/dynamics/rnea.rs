@@ -28,7 +28,8 @@ pub struct BodyMotion {
 ///   tree, or empty.
 /// - `scratch`: contents do not matter.
 /// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to
-///   deliver its part along the motion subspace; the power of joint i is `out[i] · velocity[i]`.
+///   deliver its part along the motion subspace; the power of joint i is `out[i] · velocity[i]`. Wrenches, or what holds
+///   one, such as [`Limited`](crate::control::Limited).
 ///
 /// If a slice is shorter than the tree, the bodies beyond it are left out.
 ///
@@ -57,14 +58,14 @@ pub struct BodyMotion {
 /// assert!((out[0].moment_nm.z - 9.81).abs() < 1e-5);
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```
-pub fn inverse_dynamics(
+pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     bodies: &[Body],
     joints: &[JointState],
     accelerations: &[Motion],
     gravity_m_s2: Vec3,
     external: &[Wrench],
     scratch: &mut [BodyMotion],
-    out: &mut [Wrench],
+    out: &mut [W],
 ) {
     // What one of the slices does not have is no part of the tree.
     let count = [joints.len(), accelerations.len(), scratch.len(), out.len()]
@@ -79,7 +80,7 @@ pub fn inverse_dynamics(
         bodies.iter().zip(joints).zip(accelerations).enumerate()
     {
         let to_body = Mat3::from_quat(joint.pose.rotation.conjugate());
-        let motion = outward(&of_parent(body, scratch, world), to_body, joint, acceleration);
+        let motion = outward(of_parent(body, scratch, &world), to_body, joint, acceleration);
         let (Some(scratch_slot), Some(out_slot)) = (scratch.get_mut(index), out.get_mut(index))
         else {
             return;
@@ -87,7 +88,7 @@ pub fn inverse_dynamics(
         *scratch_slot = motion;
         let own = newton_euler(body, &motion);
         let from_outside = external.next().copied().unwrap_or(Wrench::ZERO);
-        *out_slot = Wrench {
+        *out_slot.as_mut() = Wrench {
             moment_nm: own.moment_nm - from_outside.moment_nm,
             force_n: own.force_n - from_outside.force_n,
         };
@@ -96,12 +97,12 @@ pub fn inverse_dynamics(
     // Inward: each joint carries what its body needs and what the joints beyond it ask for.
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
         let Some(parent) = body.parent else { continue };
-        let Some(wrench) = out.get(index).copied() else { continue };
+        let Some(wrench) = out.get(index).map(|out| *out.as_ref()) else { continue };
         let to_parent = Mat3::from_quat(joint.pose.rotation);
         let force_n = to_parent * wrench.force_n;
         let moment_nm = to_parent * wrench.moment_nm + joint.pose.translation_m.cross(force_n);
-        if let Some(slot) = out.get_mut(parent) {
-            *slot = *slot + Wrench { moment_nm, force_n };
+        if let Some(of_parent) = out.get_mut(parent).map(W::as_mut) {
+            *of_parent = *of_parent + Wrench { moment_nm, force_n };
         }
     }
 }

@@ -19,8 +19,14 @@ use crate::state::{BodyState, JointState};
 /// ```
 pub fn local(desired: &[JointState], measured: &[JointState], out: &mut [StateError]) {
     for ((desired, measured), error) in desired.iter().zip(measured).zip(out) {
-        *error = StateError::between(&in_parent(desired), &in_parent(measured));
+        *error = of_joint(desired, measured);
     }
+}
+
+/// Error of one joint, in the axes of the parent's frame.
+#[inline]
+pub(crate) fn of_joint(desired: &JointState, measured: &JointState) -> StateError {
+    StateError::between(&in_parent(desired), &in_parent(measured))
 }
 
 /// A joint's state with its velocity in the parent's axes.

@@ -17,11 +17,13 @@ mod local;
 mod world;
 
 pub use accumulated::{References, ReferencesError, accumulated};
+pub(crate) use linear_compensation::aimed;
 pub use linear_compensation::{
     Aim, AimStatus, Aims, AimsError, Compensation, RateTerm, compensate, compensate_all,
     linear_compensation,
 };
 pub use local::local;
+pub(crate) use local::of_joint;
 pub use world::world;
 
 use glam::Vec3;
@@ -75,6 +77,7 @@ impl StateError {
     /// assert!((error.angular_rad.y - 0.2).abs() < 1e-6);
     /// assert_eq!(error.linear_m, Vec3::X);
     /// ```
+    #[inline]
     pub fn between(desired: &BodyState, measured: &BodyState) -> Self {
         Self {
             angular_rad: math::log(desired.pose.rotation * measured.pose.rotation.conjugate()),

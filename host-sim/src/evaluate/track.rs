@@ -6,9 +6,11 @@ use glam::DVec3;
 use sinew_core::control::LimitReason;
 use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
 use sinew_core::trajectory::{
-    aligned_targets, forward_targets, forward_targets_of_bodies, live_targets,
+    aligned_targets, forward_targets, live_targets,
 };
-use sinew_core::{BodyState, Controller, JointTargets, Motion, Transform, Workspace};
+use sinew_core::{
+    BodyState, Controller, ForwardDifferences, JointTargets, Motion, Transform, Workspace,
+};
 
 use super::controller::{ControllerSettings, DesiredVelocity, DifferencesName, narrow};
 use super::disturbance::{DelayLine, Sensors, Wanted};
@@ -102,7 +104,7 @@ pub fn track(
     let looks_ahead = setup.effective_controller().observer.predict;
     let ahead = if looks_ahead { setup.disturbance.latency_steps } else { 0 };
     let mut desired = Desired::new(performance, &controller, setup, ahead)?;
-    let mut workspace = Workspace::new();
+    let mut workspace = Workspace::resolving();
 
     let start = performance.start(&model.offset_m);
     let mechanism = Mechanism {
@@ -156,6 +158,7 @@ struct Desired<'a> {
     controller: &'a Controller<BODY_COUNT>,
     projection: Option<(ManifoldProjection<BODY_COUNT>, ProjectionWorkspace<BODY_COUNT>)>,
     targets: JointTargets<BODY_COUNT>,
+    of_bodies: ForwardDifferences<BODY_COUNT>,
     /// Joint poses of three frames: the last one is that of the tick and as many farther as the differences
     /// look ahead.
     window: [[Transform; BODY_COUNT]; 3],
@@ -178,6 +181,7 @@ impl<'a> Desired<'a> {
             controller,
             projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
             targets: JointTargets::rest(controller.tree()),
+            of_bodies: ForwardDifferences::new(),
             window: [[Transform::IDENTITY; BODY_COUNT]; 3],
         };
         let newest = first + desired.frames_ahead();
@@ -188,6 +192,13 @@ impl<'a> Desired<'a> {
             };
             desired.take_in(&poses)?;
         }
+        let (tree, dt_s) = (controller.tree(), desired.dt_s);
+        let [_, second, third] = &desired.window;
+        desired
+            .of_bodies
+            .restart(tree, dt_s, second)
+            .and_then(|()| desired.of_bodies.advance(tree, third, &mut desired.targets))
+            .map_err(|source| RunError::State { frame: first, source })?;
         Ok(desired)
     }
 
@@ -221,7 +232,7 @@ impl<'a> Desired<'a> {
             (DifferencesName::Aligned, _) => aligned_targets(window, dt_s, targets),
             (DifferencesName::Live, _) => live_targets(window, dt_s, targets),
             (DifferencesName::Forward, DesiredVelocity::Bodies) => {
-                forward_targets_of_bodies(tree, window, dt_s, targets)
+                self.of_bodies.advance(tree, window[2], targets)
             }
             (DifferencesName::Forward, _) => forward_targets(window, dt_s, targets),
         }

@@ -110,8 +110,8 @@ fn check_method(
         .map_err(|error| CaseError::new("gravity", error))?;
     let targets = targets(case, tree)?;
     let measured = measured(case, tree)?;
-    let mut workspace = Workspace::new();
-    let torques = controller.tick(&targets, &measured, &[], &mut workspace).to_vec();
+    let mut workspace = Workspace::resolving();
+    let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
     let commands = workspace.commands();
 
     let mut add = |name: &str, limit, scale, at: &str, got: Vec3, expected: &Vector| {

@@ -29,9 +29,9 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
-use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets_of_bodies};
+use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, JointState, JointStates, JointTargets, Motion, StateInputError,
+    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion, StateInputError,
     Transform, Tree, Workspace, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
@@ -127,7 +127,7 @@ fn count_tick<const N: usize>(
 #[inline(never)]
 fn core_tick<const N: usize>(
     rig: &mut Rig<N>,
-    desired: [&[Transform]; 3],
+    desired: &[Transform],
     measured: [&[Transform]; 2],
 ) -> Result<(), StateInputError> {
     rig.tick(desired, measured).map(|torques| _ = black_box(torques))
@@ -246,9 +246,11 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]; FRAMES]
     let [now, next, after, ..] = frames.each_ref().map(|frame| &frame[..]);
     let mut targets = JointTargets::rest(tree);
     let mut measured = JointStates::rest(tree);
-    count::<N>("forward_targets_of_bodies", |_| {
-        let window = black_box([now, next, after]);
-        black_box(forward_targets_of_bodies(tree, window, DT_S, &mut targets).is_ok());
+    let mut differences = ForwardDifferences::new();
+    black_box(differences.restart(tree, DT_S, now).is_ok());
+    count::<N>("forward_differences", |run| {
+        let frame = black_box(&frames[run + 1]);
+        black_box(differences.advance(tree, frame, &mut targets).is_ok());
     });
     count::<N>("aligned_targets", |_| {
         black_box(aligned_targets(black_box([now, next, after]), DT_S, &mut targets).is_ok());
@@ -339,11 +341,12 @@ fn ticks_of_core<const N: usize>(
         ),
         ("tick_resolved_acceleration", Method::ResolvedAcceleration { weights }),
     ] {
-        let mut rig = Rig::new(controller(tree, method, false)?);
         let frame = |index: usize| &frames[index][..];
+        let first = [LAG_FRAMES, LAG_FRAMES + 1].map(frame);
+        let mut rig =
+            Rig::new(controller(tree, method, false)?, first).map_err(|_| "a frame is refused")?;
         count_tick::<N>(name, |run| {
-            let desired = [run + LAG_FRAMES, run + LAG_FRAMES + 1, run + LAG_FRAMES + 2];
-            core_tick(&mut rig, desired.map(frame), [run, run + 1].map(frame))
+            core_tick(&mut rig, frame(run + LAG_FRAMES + 2), [run, run + 1].map(frame))
         })?;
     }
     Ok(())

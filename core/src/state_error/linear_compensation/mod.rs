@@ -11,6 +11,7 @@ pub use one_goal::compensate;
 use glam::{Quat, Vec3};
 
 use super::StateError;
+use crate::math;
 use crate::state::BodyState;
 use crate::transform::Transform;
 
@@ -124,24 +125,35 @@ pub fn linear_compensation(
     for ((((aim, of_desired), of_measured), error), status) in
         aims.iter().zip(desired).zip(measured).zip(out).zip(status)
     {
-        // z - p_d of eq. (6): the goal is where the *desired* figure has the child. Only then is the
-        // child's own linear error what is minimised, whatever the model's dimensions.
-        let arm_to = |child: usize| {
-            let child = desired.get(child)?;
-            Some(child.pose.translation_m - of_desired.pose.translation_m)
-        };
-        let goal_arm = match *aim {
-            Aim::None => None,
-            Aim::Child(child) => arm_to(child),
-            Aim::Point(point) => Some(of_desired.pose.rotation * point),
-            Aim::Children(children) => {
-                let arms = children.iter().filter_map(arm_to);
-                (*error, *status) = compensate_all(arms, settings, of_desired, of_measured);
-                continue;
-            }
-        };
-        (*error, *status) = compensate(goal_arm, settings, of_desired, of_measured);
+        (*error, *status) = aimed(*aim, settings, desired, of_desired, of_measured);
     }
+}
+
+/// Linear Compensation Error of one body, in world axes.
+#[inline]
+pub(crate) fn aimed(
+    aim: Aim,
+    settings: Compensation,
+    desired: &[BodyState],
+    of_desired: &BodyState,
+    of_measured: &BodyState,
+) -> (StateError, AimStatus) {
+    // z - p_d of eq. (6): the goal is where the *desired* figure has the child. Only then is the child's own linear
+    // error what is minimised, whatever the model's dimensions.
+    let arm_to = |child: usize| {
+        let child = desired.get(child)?;
+        Some(child.pose.translation_m - of_desired.pose.translation_m)
+    };
+    let goal_arm = match aim {
+        Aim::None => None,
+        Aim::Child(child) => arm_to(child),
+        Aim::Point(point) => Some(math::rotate(of_desired.pose.rotation, point)),
+        Aim::Children(children) => {
+            let arms = children.iter().filter_map(arm_to);
+            return compensate_all(arms, settings, of_desired, of_measured);
+        }
+    };
+    compensate(goal_arm, settings, of_desired, of_measured)
 }
 
 /// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted

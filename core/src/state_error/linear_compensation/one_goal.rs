@@ -38,35 +38,63 @@ pub fn compensate(
     desired: &BodyState,
     measured: &BodyState,
 ) -> (StateError, AimStatus) {
-    let world = StateError::between(desired, measured);
-    let Some(arm) = goal_arm_m else { return (world, AimStatus::Leaf) };
+    let linear_m = desired.pose.translation_m - measured.pose.translation_m;
+    let turn = match goal_arm_m {
+        None => Err(AimStatus::Leaf),
+        Some(arm) => turn_to_goal(arm, linear_m, settings.beta),
+    };
+    // One logarithm, whatever became of the aim.
+    let (turn, status) = match turn {
+        Ok((turn, status)) => (turn, status),
+        Err(status) => return (StateError::between(desired, measured), status),
+    };
+    let arm = goal_arm_m.unwrap_or_default();
+    let rate = arm.cross(desired.velocity.linear - measured.velocity.linear)
+        * (settings.beta / arm.dot(arm));
+    (with_turn(turn, rate, settings.rate_term, desired, measured), status)
+}
+
+/// The turn of a body whose origin is `linear_m` from where it should be, that brings what is `arm` from there to
+/// its goal; or why there is none.
+#[inline]
+fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus), AimStatus> {
     let distance = math::length(arm);
     if distance < SHORTEST_AIM_M {
-        return (world, AimStatus::ZeroAim);
+        return Err(AimStatus::ZeroAim);
     }
     // z - p_m; the difference of the origins first, so that its rounding does not grow with the distance
     // from the world's origin, and a figure without error is not turned.
-    let way = world.linear_m + arm;
+    let way = linear_m + arm;
     let way_length = math::length(way);
     if way_length < SHORTEST_AIM_M {
-        return (world, AimStatus::Coincident);
+        return Err(AimStatus::Coincident);
     }
     if !(distance.is_finite() && way_length.is_finite()) {
-        return (world, AimStatus::NotFinite);
+        return Err(AimStatus::NotFinite);
     }
     let r_desired = arm * (1.0 / distance); // (7)
     let r_measured = way * (1.0 / way_length); // (8)
     let axis = r_desired.cross(r_measured);
     let (sine, cosine) = (math::length(axis), r_desired.dot(r_measured));
-
-    let (turn, status) = if sine >= SMALLEST_SINE {
-        let angle = math::atan2(sine, cosine);
-        (math::exp(axis * (settings.beta * angle / sine)), AimStatus::Compensated)
+    if sine >= SMALLEST_SINE {
+        Ok((turn_by_share(axis, sine, cosine, beta), AimStatus::Compensated))
     } else if cosine > 0.0 {
-        (Quat::IDENTITY, AimStatus::Parallel)
+        Ok((Quat::IDENTITY, AimStatus::Parallel))
     } else {
-        return (world, AimStatus::Antiparallel);
-    };
-    let rate = arm.cross(world.linear_rate_m_s) * (settings.beta / (distance * distance));
-    (with_turn(turn, rate, settings.rate_term, desired, measured), status)
+        Err(AimStatus::Antiparallel)
+    }
+}
+
+/// The turn about `axis`, whose length is `sine`, by a share of the angle that has this sine and cosine.
+#[inline]
+fn turn_by_share(axis: Vec3, sine: f32, cosine: f32, share: f32) -> Quat {
+    if share == 1.0 && cosine > 0.0 {
+        // The whole angle, as the paper has it, takes no arctangent: the sum of a direction's quaternion and the
+        // identity is half-way between them.
+        let twice_squared = 2.0 + 2.0 * cosine;
+        let half = math::sqrt(twice_squared);
+        let v = axis * (1.0 / half);
+        return Quat::from_xyzw(v.x, v.y, v.z, 0.5 * half);
+    }
+    math::exp(axis * (share * math::atan2(sine, cosine) / sine))
 }

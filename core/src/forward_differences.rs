@@ -1,0 +1,236 @@
+//! Targets by forward differences of the bodies, from frames that come one after the other.
+
+use glam::Vec3;
+
+use crate::kinematics::of_parent;
+use crate::math;
+use crate::state::{BodyState, JointState, JointTargets, StateInputError, check_pose};
+use crate::trajectory::{rate, step};
+use crate::transform::{Motion, Transform};
+use crate::tree::Tree;
+
+/// Targets of all joints at the first of three frames by forward differences (13), as
+/// [`forward_targets`](crate::trajectory::forward_targets) makes them, but with the velocities of the *bodies*
+/// differenced: they move with the forward differences of the bodies' world poses.
+///
+/// That is the velocity that the world errors (4) and (10) compare. Velocities composed of differences of
+/// joint poses are not quite it: they miss `h/2 ω_parent × ω_joint` (and the like of the positions), since
+/// the parent turns during the step too.
+///
+/// It remembers what two windows of frames have in common, so every step between frames is taken once.
+///
+/// ```
+/// use sinew_core::{Body, ForwardDifferences, Inertia, JointKind, JointTargets, StateInputError};
+/// use sinew_core::{Transform, Tree, glam::Vec3};
+/// let slide = Body {
+///     parent: None,
+///     joint: JointKind::Prismatic { axis: Vec3::X },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia::default(),
+/// };
+/// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
+/// let frames = [0.0, 1.0, 3.0, 6.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
+/// let mut targets = JointTargets::rest(&tree);
+/// let mut differences = ForwardDifferences::new();
+/// differences.restart(&tree, 1.0, &frames[0])?;
+/// // From the third frame on, the targets are those of the frame two before.
+/// differences.advance(&tree, &frames[1], &mut targets)?;
+/// for (frame, speed) in [(2, 1.0), (3, 2.0)] {
+///     differences.advance(&tree, &frames[frame], &mut targets)?;
+///     assert_eq!(targets.states()[0].velocity.linear.x, speed);
+///     assert_eq!(targets.accelerations()[0].linear.x, 1.0);
+/// }
+/// # Ok::<(), StateInputError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForwardDifferences<const N: usize> {
+    rate_hz: f32,
+    joints: [Remembered; N],
+}
+
+/// What is left of the two newest frames for the next windows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Remembered {
+    /// Pose of the joint at the older of them.
+    older: Transform,
+    /// At the newer.
+    newer: Transform,
+    /// Mean velocity of the joint from the older to the newer.
+    step: Motion,
+    /// World pose of the body at the older.
+    body: Transform,
+}
+
+impl Remembered {
+    const NOTHING: Self = Self {
+        older: Transform::IDENTITY,
+        newer: Transform::IDENTITY,
+        step: Motion::ZERO,
+        body: Transform::IDENTITY,
+    };
+}
+
+impl<const N: usize> ForwardDifferences<N> {
+    /// At rest in no particular pose: begin with [`Self::restart`].
+    pub const fn new() -> Self {
+        Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
+    }
+
+    /// Begins with a frame of those that are `dt_s` seconds apart, as if the performance had stood there until now. O(n).
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if the time step is not a positive number (from 1e-9 s), or the frame
+    /// has fewer poses than the tree has joints or one that is not finite or unit.
+    pub fn restart(
+        &mut self,
+        tree: &Tree<N>,
+        dt_s: f32,
+        frame: &[Transform],
+    ) -> Result<(), StateInputError> {
+        let (frame, rate_hz) = (checked(tree, frame)?, rate(dt_s)?);
+        self.rate_hz = rate_hz;
+        for (index, (body, pose)) in tree.bodies().iter().zip(frame).enumerate() {
+            let pose = with_unit_rotation(pose);
+            let parent = of_parent(body, &self.joints, &Remembered::NOTHING).body;
+            let Some(joint) = self.joints.get_mut(index) else { break };
+            let body = parent * pose;
+            *joint = Remembered { older: pose, newer: pose, step: Motion::ZERO, body };
+        }
+        Ok(())
+    }
+
+    /// Takes the next frame, and gives the targets of the frame two before it. O(n).
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that is
+    /// not finite or unit, or if the targets are for fewer joints.
+    pub fn advance(
+        &mut self,
+        tree: &Tree<N>,
+        frame: &[Transform],
+        out: &mut JointTargets<N>,
+    ) -> Result<(), StateInputError> {
+        let frame = checked(tree, frame)?;
+        if out.states().len() < tree.len() {
+            return Err(StateInputError::NoSuchJoint);
+        }
+        let rate_hz = self.rate_hz;
+        let (states, accelerations, bodies) = out.whole();
+        for (index, ((body, newest), (state, acceleration))) in
+            tree.bodies().iter().zip(frame).zip(states.iter_mut().zip(accelerations)).enumerate()
+        {
+            // The parent's has moved on to the newer frame already.
+            let parent_after = of_parent(body, &self.joints, &Remembered::NOTHING).body;
+            let Some(joint) = self.joints.get_mut(index) else { break };
+            let after = parent_after * joint.newer;
+            let now = joint.body;
+            joint.body = after;
+
+            let of_body = BodyState {
+                pose: now,
+                velocity: Motion {
+                    angular: math::log(after.rotation * now.rotation.conjugate()) * rate_hz,
+                    linear: (after.translation_m - now.translation_m) * rate_hz,
+                },
+            };
+            let velocity = of_body.velocity_from(of_parent(body, bodies, &BodyState::WORLD));
+            *state = JointState { pose: joint.older, velocity };
+            let Some(slot) = bodies.get_mut(index) else { break };
+            *slot = of_body;
+
+            let newest = with_unit_rotation(newest);
+            let leads = step(&joint.newer, &newest, rate_hz);
+            let change = (leads - joint.step) * rate_hz;
+            acceleration.angular = change.angular;
+            acceleration.linear = if body.joint.slides() {
+                math::rotate(joint.older.rotation.conjugate(), change.linear)
+            } else {
+                Vec3::ZERO
+            };
+            joint.older = joint.newer;
+            joint.newer = newest;
+            joint.step = leads;
+        }
+        Ok(())
+    }
+}
+
+impl<const N: usize> Default for ForwardDifferences<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The poses of the tree's joints, which a frame must have at least.
+#[inline]
+fn checked<'f, const N: usize>(
+    tree: &Tree<N>,
+    frame: &'f [Transform],
+) -> Result<&'f [Transform], StateInputError> {
+    let frame = frame.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?;
+    frame.iter().try_for_each(check_pose)?;
+    Ok(frame)
+}
+
+#[inline]
+fn with_unit_rotation(pose: &Transform) -> Transform {
+    Transform { rotation: math::unit(pose.rotation), ..*pose }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::forward_targets;
+    use crate::{Body, Inertia, JointKind, kinematics};
+
+    #[test]
+    fn targets_of_bodies_move_as_the_bodies_do() {
+        let body = |parent| Body {
+            parent,
+            joint: if parent.is_none() { JointKind::Free } else { JointKind::Spherical },
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        };
+        let tree = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).unwrap();
+        let joint = |turn: Vec3| Transform::new(math::exp(turn), Vec3::new(0.3, -0.1, 0.0));
+        let frame = |t: f32| {
+            [
+                Vec3::new(0.2, 4.0 * t, 0.0),
+                Vec3::new(-7.0 * t, 0.3, 0.0),
+                Vec3::new(0.1, 0.0, 9.0 * t),
+            ]
+            .map(joint)
+        };
+        let h = 0.01;
+        let frames = [0.0, h, 2.0 * h].map(frame);
+        let window = frames.each_ref().map(<[Transform; 3]>::as_slice);
+        let mut targets = JointTargets::rest(&tree);
+        let mut differences = ForwardDifferences::new();
+        differences.restart(&tree, h, window[0]).unwrap();
+        for frame in &window[1..] {
+            differences.advance(&tree, frame, &mut targets).unwrap();
+        }
+
+        let [now, next] = [frames[0], frames[1]].map(|joints| {
+            let mut pose = Transform::IDENTITY;
+            joints.map(|joint| {
+                pose = pose * joint;
+                pose
+            })
+        });
+        let mut states = [BodyState::WORLD; 3];
+        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
+        for (state, (now, next)) in states.iter().zip(now.iter().zip(&next)) {
+            let angular = math::log(next.rotation * now.rotation.conjugate()) / h;
+            let linear = (next.translation_m - now.translation_m) / h;
+            // f32 rounding of a quaternion and of a position of some 0.5 m, over h, a few times.
+            assert!((state.velocity.angular - angular).length() < 1e-4);
+            assert!((state.velocity.linear - linear).length() < 1e-4);
+        }
+        // Differences of the joints' poses compose to something else: the reason for this function.
+        forward_targets(window, h, &mut targets).unwrap();
+        kinematics::body_states(tree.bodies(), targets.states(), &mut states);
+        let angular = math::log(next[2].rotation * now[2].rotation.conjugate()) / h;
+        assert!((states[2].velocity.angular - angular).length() > 0.1);
+    }
+}
