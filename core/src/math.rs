@@ -124,8 +124,18 @@ pub fn length(v: Vec3) -> f32 {
 pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     // v + w t + a × t with t = 2 a × v, a the vector part.
     let a = Vec3::new(q.x, q.y, q.z);
-    let t = a.cross(v) * 2.0;
-    v + t * q.w + a.cross(t)
+    let t = a.cross(v + v);
+    plus_cross(v + t * q.w, a, t)
+}
+
+/// `sum + a × b`, added up one product after the other: each is one instruction where there is multiply-add.
+#[inline]
+pub(crate) fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(
+        sum.x + a.y * b.z - a.z * b.y,
+        sum.y + a.z * b.x - a.x * b.z,
+        sum.z + a.x * b.y - a.y * b.x,
+    )
 }
 
 /// The unit quaternion in the direction of `q`; the identity if `q` has none that f32 can tell: if its squared length

@@ -143,7 +143,7 @@ impl BodyState {
     #[inline]
     pub(crate) fn velocity_from(&self, parent: &Self) -> Motion {
         let arm = self.pose.translation_m - parent.pose.translation_m;
-        let carried = parent.velocity.linear + parent.velocity.angular.cross(arm);
+        let carried = math::plus_cross(parent.velocity.linear, parent.velocity.angular, arm);
         Motion {
             angular: self.velocity.angular - parent.velocity.angular,
             linear: self.velocity.linear - carried,
@@ -161,7 +161,8 @@ impl BodyState {
             pose: Transform::new(rotation, self.pose.translation_m + arm),
             velocity: Motion {
                 angular: self.velocity.angular + relative.angular,
-                linear: self.velocity.linear + self.velocity.angular.cross(arm) + relative.linear,
+                linear: math::plus_cross(self.velocity.linear, self.velocity.angular, arm)
+                    + relative.linear,
             },
         }
     }

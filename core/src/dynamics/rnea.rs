@@ -3,6 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use crate::kinematics::of_parent;
+use crate::math::{plus_cross, rotate};
 use crate::state::JointState;
 use crate::transform::{Motion, Wrench};
 use crate::tree::Body;
@@ -73,7 +74,6 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         .fold(bodies.len(), usize::min);
     let bodies = bodies.get(..count).unwrap_or_default();
     let world = BodyMotion { linear_acceleration: -gravity_m_s2, ..BodyMotion::default() };
-    let mut external = external.iter();
 
     // Outward: motions from the root to the leaves, and the wrench each body needs by itself.
     for (index, ((body, joint), acceleration)) in
@@ -86,21 +86,24 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
             return;
         };
         *scratch_slot = motion;
-        let own = newton_euler(body, &motion);
-        let from_outside = external.next().copied().unwrap_or(Wrench::ZERO);
-        *out_slot.as_mut() = Wrench {
-            moment_nm: own.moment_nm - from_outside.moment_nm,
-            force_n: own.force_n - from_outside.force_n,
-        };
+        let mut needed = newton_euler(body, &motion);
+        if let Some(from_outside) = external.get(index) {
+            needed.moment_nm -= from_outside.moment_nm;
+            needed.force_n -= from_outside.force_n;
+        }
+        *out_slot.as_mut() = needed;
     }
 
     // Inward: each joint carries what its body needs and what the joints beyond it ask for.
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
         let Some(parent) = body.parent else { continue };
-        let Some(wrench) = out.get(index).map(|out| *out.as_ref()) else { continue };
-        let to_parent = Mat3::from_quat(joint.pose.rotation);
-        let force_n = to_parent * wrench.force_n;
-        let moment_nm = to_parent * wrench.moment_nm + joint.pose.translation_m.cross(force_n);
+        let Some(out_i) = out.get(index) else { continue };
+        let wrench = *out_i.as_ref();
+        // Of two vectors the quaternion costs less than its matrix, which is not kept: of three, more.
+        let to_parent = joint.pose.rotation;
+        let force_n = rotate(to_parent, wrench.force_n);
+        let moment_nm =
+            plus_cross(rotate(to_parent, wrench.moment_nm), joint.pose.translation_m, force_n);
         if let Some(of_parent) = out.get_mut(parent).map(W::as_mut) {
             *of_parent = *of_parent + Wrench { moment_nm, force_n };
         }
@@ -116,18 +119,26 @@ fn outward(
     acceleration: &Motion,
 ) -> BodyMotion {
     let arm = joint.pose.translation_m;
+    let (w, v) = (joint.velocity.angular, joint.velocity.linear);
     let carried_velocity = to_body * parent.angular_velocity;
-    let carried_acceleration = parent.linear_acceleration
-        + parent.angular_acceleration.cross(arm)
-        + parent.angular_velocity.cross(parent.angular_velocity.cross(arm));
+    let turning = parent.angular_velocity.cross(arm);
+    let carried_acceleration = plus_cross(
+        plus_cross(parent.linear_acceleration, parent.angular_acceleration, arm),
+        parent.angular_velocity,
+        turning,
+    );
     BodyMotion {
-        angular_velocity: carried_velocity + joint.velocity.angular,
-        angular_acceleration: to_body * parent.angular_acceleration
-            + carried_velocity.cross(joint.velocity.angular)
-            + acceleration.angular,
-        linear_acceleration: to_body * carried_acceleration
-            + carried_velocity.cross(joint.velocity.linear) * 2.0
-            + acceleration.linear,
+        angular_velocity: carried_velocity + w,
+        angular_acceleration: plus_cross(
+            to_body * parent.angular_acceleration + acceleration.angular,
+            carried_velocity,
+            w,
+        ),
+        linear_acceleration: plus_cross(
+            to_body * carried_acceleration + acceleration.linear,
+            carried_velocity,
+            v + v,
+        ),
     }
 }
 
@@ -137,11 +148,12 @@ fn newton_euler(body: &Body, motion: &BodyMotion) -> Wrench {
     let inertia = &body.inertia;
     let (w, alpha) = (motion.angular_velocity, motion.angular_acceleration);
     let to_center = inertia.center_of_mass_m;
-    let force_n =
-        (motion.linear_acceleration + alpha.cross(to_center) + w.cross(w.cross(to_center)))
-            * inertia.mass_kg;
+    let turning = w.cross(to_center);
+    let of_center =
+        plus_cross(plus_cross(motion.linear_acceleration, alpha, to_center), w, turning);
+    let force_n = of_center * inertia.mass_kg;
     let spin = inertia.rotational_kg_m2.mul_vec3(w);
-    let moment_nm =
-        inertia.rotational_kg_m2.mul_vec3(alpha) + w.cross(spin) + to_center.cross(force_n);
+    let about_center = plus_cross(inertia.rotational_kg_m2.mul_vec3(alpha), w, spin);
+    let moment_nm = plus_cross(about_center, to_center, force_n);
     Wrench { moment_nm, force_n }
 }

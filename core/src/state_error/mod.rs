@@ -26,7 +26,7 @@ pub use local::local;
 pub(crate) use local::of_joint;
 pub use world::world;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use crate::body_weight::BodyWeights;
 use crate::math;
@@ -79,8 +79,14 @@ impl StateError {
     /// ```
     #[inline]
     pub fn between(desired: &BodyState, measured: &BodyState) -> Self {
+        Self::to_rotation(desired.pose.rotation, desired, measured)
+    }
+
+    /// As [`Self::between`], with another desired rotation.
+    #[inline]
+    fn to_rotation(rotation: Quat, desired: &BodyState, measured: &BodyState) -> Self {
         Self {
-            angular_rad: math::log(desired.pose.rotation * measured.pose.rotation.conjugate()),
+            angular_rad: math::log(rotation * measured.pose.rotation.conjugate()),
             linear_m: desired.pose.translation_m - measured.pose.translation_m,
             angular_rate_rad_s: desired.velocity.angular - measured.velocity.angular,
             linear_rate_m_s: desired.velocity.linear - measured.velocity.linear,

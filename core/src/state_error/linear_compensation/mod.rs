@@ -13,7 +13,6 @@ use glam::{Quat, Vec3};
 use super::StateError;
 use crate::math;
 use crate::state::BodyState;
-use crate::transform::Transform;
 
 /// How strongly, and with which rate term, Linear Compensation acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,6 +157,7 @@ pub(crate) fn aimed(
 
 /// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted
 /// with β: eq. (9) and (10).
+#[inline]
 fn with_turn(
     turn: Quat,
     rate_rad_s: Vec3,
@@ -165,8 +165,7 @@ fn with_turn(
     desired: &BodyState,
     measured: &BodyState,
 ) -> StateError {
-    let turned = Transform { rotation: turn * desired.pose.rotation, ..desired.pose };
-    let mut error = StateError::between(&BodyState { pose: turned, ..*desired }, measured);
+    let mut error = StateError::to_rotation(turn * desired.pose.rotation, desired, measured);
     error.angular_rate_rad_s += match rate_term {
         RateTerm::Corrected => rate_rad_s,
         RateTerm::AsPrinted => -rate_rad_s,

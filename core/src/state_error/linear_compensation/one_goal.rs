@@ -39,62 +39,58 @@ pub fn compensate(
     measured: &BodyState,
 ) -> (StateError, AimStatus) {
     let linear_m = desired.pose.translation_m - measured.pose.translation_m;
-    let turn = match goal_arm_m {
-        None => Err(AimStatus::Leaf),
-        Some(arm) => turn_to_goal(arm, linear_m, settings.beta),
-    };
-    // One logarithm, whatever became of the aim.
-    let (turn, status) = match turn {
-        Ok((turn, status)) => (turn, status),
-        Err(status) => return (StateError::between(desired, measured), status),
-    };
-    let arm = goal_arm_m.unwrap_or_default();
-    let rate = arm.cross(desired.velocity.linear - measured.velocity.linear)
-        * (settings.beta / arm.dot(arm));
-    (with_turn(turn, rate, settings.rate_term, desired, measured), status)
+    let aimed = goal_arm_m.ok_or(AimStatus::Leaf).and_then(|arm| {
+        turn_to_goal(arm, linear_m, settings.beta).map(|(turn, status)| (arm, turn, status))
+    });
+    match aimed {
+        Ok((arm, turn, status)) => {
+            let linear_rate = desired.velocity.linear - measured.velocity.linear;
+            let rate = arm.cross(linear_rate) * (settings.beta / arm.dot(arm));
+            (with_turn(turn, rate, settings.rate_term, desired, measured), status)
+        }
+        Err(status) => (StateError::between(desired, measured), status),
+    }
 }
 
-/// The turn of a body whose origin is `linear_m` from where it should be, that brings what is `arm` from there to
-/// its goal; or why there is none.
+/// The turn that brings what is `arm` from where the body should be to its goal, its origin being `linear_m` from
+/// there; or why there is none.
 #[inline]
 fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus), AimStatus> {
-    let distance = math::length(arm);
-    if distance < SHORTEST_AIM_M {
+    // Lengths stay squares as far as they can: r_d of eq. (7) and r_m of (8) are `arm` and `way` over theirs.
+    let arm_squared = arm.dot(arm);
+    if arm_squared < SHORTEST_AIM_M * SHORTEST_AIM_M {
         return Err(AimStatus::ZeroAim);
     }
     // z - p_m; the difference of the origins first, so that its rounding does not grow with the distance
     // from the world's origin, and a figure without error is not turned.
     let way = linear_m + arm;
-    let way_length = math::length(way);
-    if way_length < SHORTEST_AIM_M {
+    let way_squared = way.dot(way);
+    if way_squared < SHORTEST_AIM_M * SHORTEST_AIM_M {
         return Err(AimStatus::Coincident);
     }
-    if !(distance.is_finite() && way_length.is_finite()) {
+    let lengths_squared = arm_squared * way_squared;
+    if !lengths_squared.is_finite() {
         return Err(AimStatus::NotFinite);
     }
-    let r_desired = arm * (1.0 / distance); // (7)
-    let r_measured = way * (1.0 / way_length); // (8)
-    let axis = r_desired.cross(r_measured);
-    let (sine, cosine) = (math::length(axis), r_desired.dot(r_measured));
-    if sine >= SMALLEST_SINE {
-        Ok((turn_by_share(axis, sine, cosine, beta), AimStatus::Compensated))
+    // Sine and cosine, times both lengths.
+    let axis = arm.cross(way);
+    let (sine_squared, cosine) = (axis.dot(axis), arm.dot(way));
+    if sine_squared >= SMALLEST_SINE * SMALLEST_SINE * lengths_squared {
+        let turn = if beta == 1.0 && cosine > 0.0 {
+            // The paper's whole turn takes no arctangent: half-way between no turn and twice the turn.
+            let lengths = math::sqrt(lengths_squared);
+            let w = lengths + cosine;
+            let share = 1.0 / math::sqrt(2.0 * lengths * w);
+            let v = axis * share;
+            Quat::from_xyzw(v.x, v.y, v.z, w * share)
+        } else {
+            let sine = math::sqrt(sine_squared);
+            math::exp(axis * (beta * math::atan2(sine, cosine) / sine))
+        };
+        Ok((turn, AimStatus::Compensated))
     } else if cosine > 0.0 {
         Ok((Quat::IDENTITY, AimStatus::Parallel))
     } else {
         Err(AimStatus::Antiparallel)
     }
-}
-
-/// The turn about `axis`, whose length is `sine`, by a share of the angle that has this sine and cosine.
-#[inline]
-fn turn_by_share(axis: Vec3, sine: f32, cosine: f32, share: f32) -> Quat {
-    if share == 1.0 && cosine > 0.0 {
-        // The whole angle, as the paper has it, takes no arctangent: the sum of a direction's quaternion and the
-        // identity is half-way between them.
-        let twice_squared = 2.0 + 2.0 * cosine;
-        let half = math::sqrt(twice_squared);
-        let v = axis * (1.0 / half);
-        return Quat::from_xyzw(v.x, v.y, v.z, 0.5 * half);
-    }
-    math::exp(axis * (share * math::atan2(sine, cosine) / sine))
 }
