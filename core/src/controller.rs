@@ -310,6 +310,36 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
+    /// State errors by body of the last tick, whose arguments these are, in the axes of the method's reference frame. O(n).
+    ///
+    /// Worked out anew: the tick does not keep what only an observer of it wants to know.
+    pub fn errors<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &JointStates<N>,
+        workspace: &mut Workspace<N, R>,
+        out: &mut [StateError],
+    ) {
+        let (desired, w) = (targets.bodies(), workspace);
+        match &self.method {
+            Method::Local => state_error::local(targets.states(), measured.as_slice(), out),
+            Method::World | Method::ResolvedAcceleration { .. } => {
+                state_error::world(desired, &w.measured, out);
+            }
+            Method::Accumulated(references) => {
+                state_error::accumulated(references.as_slice(), desired, &w.measured, out);
+            }
+            Method::LinearCompensation { aims, settings } => state_error::linear_compensation(
+                aims.as_slice(),
+                *settings,
+                desired,
+                &w.measured,
+                out,
+                &mut w.aim_status,
+            ),
+        }
+    }
+
     /// Feeds every error to its own joint, as it is: eq. (11). `error` gives it in the axes of the method's reference
     /// frame, with the rotation from those to measured body axes.
     fn direct_commands<const R: usize>(

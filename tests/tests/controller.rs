@@ -6,7 +6,7 @@ use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
 use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::projection::BodyWeights;
-use sinew_core::state_error::{Aims, Compensation, Method, References};
+use sinew_core::state_error::{Aims, Compensation, Method, References, StateError};
 use sinew_core::{
     Controller, JointKind, JointState, JointStates, JointTargets, Motion, Transform, Tree,
     Workspace, Wrench,
@@ -159,7 +159,7 @@ proptest! {
         for method in methods_of_inverse_dynamics(&desired.tree) {
             let controller = Controller::new(desired.tree.clone(), gains(), method).expect("good settings");
             let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
-            let targets = targets(&desired);
+            let mut targets = targets(&desired);
             let torques = controller.tick(&mut targets, &states, &[], &mut one);
             prop_assert_eq!(controller.tick(&mut targets, &negated, &[], &mut other), torques);
         }
@@ -167,7 +167,7 @@ proptest! {
 
     #[test]
     fn without_an_error_the_feedforward_is_what_the_motion_needs(rig in rigs(24, Joints::Mixed)) {
-        let (targets, measured) = (targets(&rig), rig.states());
+        let (mut targets, measured) = (targets(&rig), rig.states());
         let gravity = Vec3::new(0.0, -9.81, 0.0);
         let count = rig.tree.len();
         let (mut scratch, mut wrenches) =
@@ -225,7 +225,7 @@ proptest! {
                 if let Some(gains) = by_joint {
                     controller = controller.with_joint_gains(gains).expect("one for each");
                 }
-                controller.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec()
+                controller.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec()
             };
             let (of_even, of_odd) = (tick(gains(), None), tick(odd, None));
             prop_assert_eq!(&tick(odd, Some(&same)), &of_even);
@@ -240,7 +240,7 @@ proptest! {
         let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
         let tick = |method| {
             let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
-            controller.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec()
+            controller.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec()
         };
         let generations = |count| tick(Method::Accumulated(References::generations(tree, count)));
         prop_assert_eq!(generations(tree.len()), tick(Method::World));
@@ -269,7 +269,9 @@ proptest! {
         let mut workspace = Workspace::resolving();
         let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
         controller.tick(&mut targets, &states, &[], &mut workspace);
-        for (error, state) in workspace.errors().iter().zip(&measured.world()) {
+        let mut errors = vec![StateError::ZERO; tree.len()];
+        controller.errors(&targets, &states, &mut workspace, &mut errors);
+        for (error, state) in errors.iter().zip(&measured.world()) {
             prop_assert_eq!(error.angular_rate_rad_s, -state.velocity.angular);
             prop_assert_eq!(error.linear_rate_m_s, -state.velocity.linear);
         }
@@ -292,17 +294,22 @@ proptest! {
         states.set(0, root).expect("a good state");
         targets.set(0, root, Motion::ZERO).expect("a good state");
         for (on_fixed, on_free) in methods(&fixed).into_iter().zip(methods(free)) {
-            let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY>| {
+            let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY, CAPACITY>| {
                 let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
                 let controller = controller.with_law(law).expect("a law for every method");
-                controller.tick(&mut targets, &states, &[], workspace).to_vec()
+                let mut targets = targets.clone();
+                let torques = controller.tick(&mut targets, &states, &[], workspace).to_vec();
+                let mut errors = vec![StateError::ZERO; tree.len()];
+                controller.errors(&targets, &states, workspace, &mut errors);
+                (torques, errors)
             };
             let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
-            let (held, driven) = (tick(&fixed, on_fixed, &mut one), tick(free, on_free, &mut other));
+            let (held, errors) = tick(&fixed, on_fixed, &mut one);
+            let (driven, errors_of_free) = tick(free, on_free, &mut other);
             prop_assert_eq!(&held[0], &Limited { value: Wrench::ZERO, reason: None });
             prop_assert_eq!(one.commands()[0], Motion::ZERO);
-            prop_assert_eq!(one.errors(), other.errors());
-            prop_assert_eq!(one.errors()[0].linear_m, Vec3::ZERO);
+            prop_assert_eq!(&errors, &errors_of_free);
+            prop_assert_eq!(errors[0].linear_m, Vec3::ZERO);
             let mut expected: Vec<_> = driven.iter().map(|torque| torque.value).collect();
             if law == ControlLaw::InverseDynamics {
                 // A free root may follow what Linear Compensation turns it for; one that stays is fixed.
@@ -327,9 +334,9 @@ proptest! {
         for method in methods(tree) {
             let new = || Controller::new(tree.clone(), gains(), method.clone()).expect("good settings");
             let plain = new().with_law(ControlLaw::ProportionalDerivative).expect("for any law");
-            let asked = plain.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec();
+            let asked = plain.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec();
             let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
-            let got = weighted.tick(&mut targets, &states, &[], &mut Workspace::resolving()).to_vec();
+            let got = weighted.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec();
             for ((got, asked), inertia) in got.iter().zip(&asked).zip(&inertias) {
                 let asked = Motion::new(asked.value.moment_nm, asked.value.force_n);
                 prop_assert_eq!(got.value, inertia.wrench(asked));
@@ -339,17 +346,19 @@ proptest! {
 
     #[test]
     fn linear_gains_are_of_the_linear_error_alone((desired, measured) in figures(6, 0.6)) {
-        let (targets, states) = (targets(&desired), measured.states());
+        let (mut targets, states) = (targets(&desired), measured.states());
         let weak = gains().with_linear(3.0, 0.5).expect("good gains");
-        let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
         let new = |gains| {
             Controller::new(desired.tree.clone(), gains, Method::World)
                 .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
                 .expect("good settings")
         };
-        let both = new(gains()).tick(&mut targets, &states, &[], &mut one).to_vec();
-        let got = new(weak).tick(&mut targets, &states, &[], &mut other).to_vec();
-        let error = one.errors()[0];
+        let (controller, mut workspace) = (new(gains()), Workspace::new());
+        let both = controller.tick(&mut targets, &states, &[], &mut workspace).to_vec();
+        let mut errors = vec![StateError::ZERO; desired.tree.len()];
+        controller.errors(&targets, &states, &mut workspace, &mut errors);
+        let got = new(weak).tick(&mut targets, &states, &[], &mut workspace).to_vec();
+        let error = errors[0];
         prop_assert_eq!(got[0].value.moment_nm, both[0].value.moment_nm);
         let force = measured.world()[0].pose.rotation.conjugate()
             * (error.linear_m * 3.0 + error.linear_rate_m_s * 0.5);

@@ -5,7 +5,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use sinew_core::control::{
-    ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit, commanded_acceleration,
+    ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit,
 };
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::finite_difference::{
@@ -17,13 +17,14 @@ use sinew_core::projection::{
     BodyWeight, BodyWeights, JointRange, ManifoldProjection, ProjectionWorkspace,
 };
 use sinew_core::state_error::{
-    Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, compensate, compensate_all,
+    Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError, compensate,
+    compensate_all,
 };
 use sinew_core::trajectory::{
-    aligned_targets, backward_states, forward_targets, forward_targets_of_bodies, live_targets,
+    aligned_targets, backward_states, forward_targets, live_targets,
 };
 use sinew_core::{
-    Body, BodyState, Controller, ControllerError, Inertia, InertiaError, JointKind, JointState,
+    Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError, JointKind, JointState,
     JointStates, JointTargets, Motion, RotationalInertia, Trajectory, Transform, Tree, Workspace,
     Wrench, math,
 };
@@ -248,8 +249,12 @@ proptest! {
         prop_assert!(sound_targets(&targets));
         let _ = live_targets(window, dt_s, &mut targets);
         prop_assert!(sound_targets(&targets));
-        let _ = forward_targets_of_bodies(&scene.tree, window, dt_s, &mut targets);
-        prop_assert!(sound_targets(&targets));
+        let mut differences = ForwardDifferences::new();
+        let _ = differences.restart(&scene.tree, dt_s, window[0]);
+        for frame in window {
+            let _ = differences.advance(&scene.tree, frame, &mut targets);
+            prop_assert!(sound_targets(&targets));
+        }
         let mut measured = scene.measured;
         let _ = backward_states([window[0], window[1]], dt_s, &mut measured);
         prop_assert!(sound_states(&measured));
@@ -355,25 +360,17 @@ proptest! {
     }
 
     #[test]
-    fn commands_of_states(
-        (desired, measured) in ((extreme::pose(20), extreme::motion(20)), (extreme::pose(20), extreme::motion(20))),
-        (feedforward, correction) in (any_motion(), any_motion()),
+    fn limits_of_torques(
         wanted in any_motion(),
         (most_nm, most_n) in (any_number(), any_number()),
     ) {
-        let state = |(pose, velocity)| JointState { pose, velocity };
-        let command = commanded_acceleration(
-            &state(desired), &state(measured), feedforward, correction, Quat::IDENTITY,
-        );
-        for wanted in [command, wanted] {
-            let wanted = Wrench::new(wanted.angular, wanted.linear);
-            let limits = TorqueLimit::new(most_nm, most_n);
-            for limit in [limits, Ok(TorqueLimit::NONE)].into_iter().flatten() {
-                let torque = limit.apply(wanted);
-                prop_assert!(sound_torque(&torque), "{torque:?}");
-                let refused = torque.reason == Some(LimitReason::NotFinite);
-                prop_assert_eq!(refused, !wanted.is_finite());
-            }
+        let wanted = Wrench::new(wanted.angular, wanted.linear);
+        let limits = TorqueLimit::new(most_nm, most_n);
+        for limit in [limits, Ok(TorqueLimit::NONE)].into_iter().flatten() {
+            let torque = limit.apply(wanted);
+            prop_assert!(sound_torque(&torque), "{torque:?}");
+            let refused = torque.reason == Some(LimitReason::NotFinite);
+            prop_assert_eq!(refused, !wanted.is_finite());
         }
     }
 }
@@ -390,7 +387,7 @@ proptest! {
         (most_nm, most_n) in (any_number(), any_number()),
         dt_s in any_number(),
     ) {
-        let Scene { tree, targets, measured, external, .. } = scene;
+        let Scene { tree, mut targets, measured, external, .. } = scene;
         let joints = tree.len();
         let mut workspace = Workspace::new();
         for method in methods(&tree, beta, point) {
@@ -411,7 +408,7 @@ proptest! {
                 all.extend(controller.with_pd_of_inertia(&inertias));
             }
             for controller in all {
-                let torques = controller.tick(&targets, &measured, &external, &mut workspace);
+                let torques = controller.tick(&mut targets, &measured, &external, &mut workspace);
                 prop_assert_eq!(torques.len(), joints);
                 let bad = torques.iter().position(|torque| !sound_torque(torque));
                 prop_assert!(bad.is_none(), "{bad:?} {torques:?}");
@@ -617,14 +614,16 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
     let mut workspace = Workspace::new();
     for axis in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(0.6, -0.8, 0.0), -Vec3::Z] {
         let half = Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
-        let targets = targets_at(&tree, Transform::new(half, Vec3::ZERO));
+        let mut targets = targets_at(&tree, Transform::new(half, Vec3::ZERO));
         for method in methods(&tree, 1.0, Vec3::Y * 0.1) {
             // Aiming, the first body has to turn otherwise.
             let aims = matches!(method, Method::LinearCompensation { .. });
             let controller = Controller::new(tree.clone(), gains(), method).expect("a rig");
-            let torques = controller.tick(&targets, &measured, &[], &mut workspace).to_vec();
+            let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
             assert!(torques.iter().all(|t| sound_torque(t) && t.reason.is_none()), "{torques:?}");
-            let error = workspace.errors()[0].angular_rad;
+            let mut errors = [StateError::ZERO; 2];
+            controller.errors(&targets, &measured, &mut workspace, &mut errors);
+            let error = errors[0].angular_rad;
             assert!((math::length(error) - math::PI).abs() < 1e-6 || aims, "{error}");
             assert!((error - axis * math::PI).length() < 1e-6 || aims, "{error} about {axis}");
         }
@@ -654,17 +653,20 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
         (1e25, Vec3::Z * 0.1, AimStatus::NotFinite),
     ] {
         let tree = chain(JointKind::Free, height_m);
-        let (targets, measured) = (targets_at(&tree, turned), measured_at(&tree, at));
+        let (mut targets, measured) = (targets_at(&tree, turned), measured_at(&tree, at));
         let world = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
-        world.tick(&targets, &measured, &[], &mut workspace);
-        let of_world = workspace.errors()[0];
+        world.tick(&mut targets, &measured, &[], &mut workspace);
+        let mut errors = [StateError::ZERO; 2];
+        world.errors(&targets, &measured, &mut workspace, &mut errors);
+        let of_world = errors[0];
         let controller = compensating(&tree, Aims::heaviest_child(&tree));
-        let torques = controller.tick(&targets, &measured, &[], &mut workspace).to_vec();
+        let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
         assert_eq!(workspace.aim_status()[0], expected, "{height_m} {at}");
         assert_eq!(workspace.aim_status()[1], AimStatus::Leaf);
         assert!(torques.iter().all(sound_torque), "{torques:?}");
         if expected != AimStatus::Compensated {
-            assert_eq!(workspace.errors()[0], of_world, "{height_m} {at}");
+            controller.errors(&targets, &measured, &mut workspace, &mut errors);
+            assert_eq!(errors[0], of_world, "{height_m} {at}");
         }
     }
 }
@@ -694,9 +696,9 @@ fn several_goals_without_a_direction_are_said_to_be() {
         let mut measured = JointStates::rest(&tree);
         let pose = Transform::from_translation(shift);
         measured.set(0, JointState { pose, velocity: Motion::ZERO }).expect("a good pose");
-        let targets = JointTargets::rest(&tree);
+        let mut targets = JointTargets::rest(&tree);
         let controller = compensating(&tree, Aims::all_children(&tree));
-        let torques = controller.tick(&targets, &measured, &[], &mut workspace).to_vec();
+        let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
         assert_eq!(workspace.aim_status()[0], expected, "{offsets:?} {shift}");
         assert!(torques.iter().all(sound_torque), "{torques:?}");
     }
@@ -713,13 +715,13 @@ fn a_rig_of_nothing_asks_for_nothing() {
     };
     let tree = Tree::<N>::from_bodies(&[frame(None), frame(Some(0)), frame(Some(1))]);
     let tree = tree.expect("massless bodies are bodies");
-    let targets =
+    let mut targets =
         targets_at(&tree, Transform::new(Quat::from_xyzw(0.0, 1.0, 0.0, 0.0), Vec3::ZERO));
     let measured = JointStates::rest(&tree);
     let mut workspace = Workspace::new();
     for method in methods(&tree, 1.0, Vec3::ZERO) {
         let controller = Controller::new(tree.clone(), gains(), method).expect("a rig");
-        for torque in controller.tick(&targets, &measured, &[], &mut workspace) {
+        for torque in controller.tick(&mut targets, &measured, &[], &mut workspace) {
             assert_eq!(*torque, Limited { value: Wrench::ZERO, reason: None });
         }
     }
@@ -737,10 +739,10 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
             let state = JointState { velocity: spin, ..measured.as_slice()[joint] };
             measured.set(joint, state).expect("a finite speed");
         }
-        let targets = JointTargets::rest(&tree);
+        let mut targets = JointTargets::rest(&tree);
         let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
         let mut workspace = Workspace::new();
-        let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+        let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
         assert!(torques.iter().all(sound_torque));
         torques.iter().all(|torque| torque.reason.is_none())
     });
@@ -750,10 +752,10 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
         let inertia = Inertia { mass_kg, ..chain(JointKind::Free, 0.1).bodies()[0].inertia };
         let body = Body { inertia, ..chain(JointKind::Free, 0.1).bodies()[0] };
         let tree = Tree::<N>::from_bodies(&[body]).expect("a mass");
-        let (targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+        let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
         let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
         let mut workspace = Workspace::new();
-        let torque = controller.tick(&targets, &measured, &[], &mut workspace)[0];
+        let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
         let weight = mass_kg * 9.81;
         if weight.is_finite() {
             assert_eq!((torque.value.force_n.y, torque.reason), (weight, None), "{mass_kg}");
@@ -767,12 +769,12 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
 #[test]
 fn external_wrenches_that_are_no_numbers_stop_the_joints_that_bear_them() {
     let tree = chain(JointKind::Spherical, 0.1);
-    let (targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+    let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
     let mut workspace = Workspace::new();
     for bad in NOT_FINITE {
         let external = [Wrench::new(Vec3::X * bad, Vec3::ZERO), Wrench::ZERO];
-        let torques = controller.tick(&targets, &measured, &external, &mut workspace);
+        let torques = controller.tick(&mut targets, &measured, &external, &mut workspace);
         assert_eq!(torques[0].reason, Some(LimitReason::NotFinite), "{bad}");
         assert_eq!(torques[0].value, Wrench::ZERO);
         assert_eq!(torques[1].reason, None, "the outer joint bears nothing of it");

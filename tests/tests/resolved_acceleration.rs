@@ -78,7 +78,7 @@ fn drive(
     poses: &[Pose],
 ) -> Drive {
     let mut workspace = Workspace::resolving();
-    let torques = controller.tick(targets, measured, &[], &mut workspace);
+    let torques = controller.tick(&mut targets.clone(), measured, &[], &mut workspace);
     let torque_nm = torques
         .iter()
         .zip(poses)

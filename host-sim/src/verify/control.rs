@@ -108,7 +108,7 @@ fn check_method(
     let controller = Controller::new(tree.clone(), gains, method)
         .and_then(|controller| controller.with_gravity(case.gravity.rounded()))
         .map_err(|error| CaseError::new("gravity", error))?;
-    let targets = targets(case, tree)?;
+    let mut targets = targets(case, tree)?;
     let measured = measured(case, tree)?;
     let mut workspace = Workspace::resolving();
     let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use sinew_core::control::{Limited, TorqueLimit, commanded_acceleration};
+use sinew_core::control::{Limited, TorqueLimit};
 use sinew_core::dynamics::{inverse_dynamics, resolved_acceleration};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::projection::BodyWeights;
@@ -42,7 +42,10 @@ pub(crate) fn state_errors() {
 #[inline(never)]
 pub(crate) fn dynamics() {
     let gravity_m_s2 = black_box(Vec3::Y);
-    inverse_dynamics(slice(), slice(), slice(), gravity_m_s2, slice(), slice_mut(), slice_mut());
+    let wrenches = slice_mut::<Wrench>();
+    inverse_dynamics(slice(), slice(), slice(), gravity_m_s2, slice(), slice_mut(), wrenches);
+    let torques = slice_mut::<Limited<Wrench>>();
+    inverse_dynamics(slice(), slice(), slice(), gravity_m_s2, slice(), slice_mut(), torques);
     let Ok(weights) = BodyWeights::new(&tree(), slice()) else { return };
     let weights = black_box(weights);
     resolved_acceleration(slice(), slice(), slice(), &weights, slice_mut(), slice_mut());
@@ -50,7 +53,6 @@ pub(crate) fn dynamics() {
     let correction = gains.apply(&black_box(StateError::default()));
     let state = black_box(JointState::default());
     let (rotation, motion) = (black_box(Quat::IDENTITY), black_box(Motion::ZERO));
-    black_box(&commanded_acceleration(&state, &black_box(state), motion, correction, rotation));
     let (joint, wrench) = (black_box(JointKind::Free), black_box(Wrench::ZERO));
     black_box((joint.project_motion(rotation, motion), joint.project_wrench(rotation, wrench)));
     black_box(&joint.motion_subspace(rotation));

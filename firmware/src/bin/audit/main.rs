@@ -37,6 +37,7 @@ fn main() -> ! {
         targets::trajectories();
         targets::differences();
         tick::controller();
+        tick::controller_of_little_room();
         tick::app();
         tick::replay();
         kernels::kinematics();

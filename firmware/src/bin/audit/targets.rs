@@ -4,10 +4,10 @@ use core::hint::black_box;
 
 use sinew_core::finite_difference::{Scheme, of_rotations, of_rotations_in_world, of_vectors};
 use sinew_core::trajectory::{
-    aligned_targets, backward_states, forward_targets, forward_targets_of_bodies, interpolate,
+    aligned_targets, backward_states, forward_targets, interpolate,
     interpolate_smoothly, live_targets,
 };
-use sinew_core::{Trajectory, Transform};
+use sinew_core::{ForwardDifferences, Trajectory, Transform};
 
 use crate::{desired, measured, slice, slice_mut, tree};
 
@@ -31,7 +31,9 @@ pub(crate) fn differences() {
     black_box(&forward_targets(window, dt_s, &mut targets));
     black_box(&aligned_targets(window, dt_s, &mut targets));
     black_box(&live_targets(window, dt_s, &mut targets));
-    black_box(&forward_targets_of_bodies(&tree(), window, dt_s, &mut targets));
+    let mut differences = black_box(ForwardDifferences::new());
+    black_box(&differences.restart(&tree(), dt_s, slice()));
+    black_box(&differences.advance(&tree(), slice(), &mut targets));
     black_box(&backward_states([slice(), slice()], dt_s, &mut measured()));
     let (scheme, order) = (black_box(Scheme::Central), black_box(2));
     black_box(&of_vectors(scheme, order, slice(), dt_s));

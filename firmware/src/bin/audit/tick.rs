@@ -9,17 +9,26 @@ use sinew_firmware::recommended::Recommended;
 use sinew_firmware::replay::{Replay, TorqueHash, method};
 use sinew_firmware::show::Show;
 
-use crate::{N, construct, desired, measured, slice, tree};
+use crate::{N, construct, desired, measured, slice, slice_mut, tree};
 
 /// The tick with any method, law, gains, limits and external wrenches.
 #[inline(never)]
 pub(crate) fn controller() {
     let Some(controller) = construct::controller() else { return };
-    let mut workspace = black_box(Workspace::new());
-    black_box(controller.tick(&desired(), &measured(), slice(), &mut workspace));
-    black_box((workspace.errors(), workspace.aim_status()));
+    let (mut targets, mut workspace) = (desired(), black_box(Workspace::resolving()));
+    black_box(controller.tick(&mut targets, &measured(), slice(), &mut workspace));
+    controller.errors(&targets, &measured(), &mut workspace, slice_mut());
+    black_box(workspace.aim_status());
     black_box((workspace.torques(), workspace.commands()));
     black_box((controller.gains(), controller.method(), controller.law(), controller.limits()));
+}
+
+/// The tick without room for resolved acceleration.
+#[inline(never)]
+pub(crate) fn controller_of_little_room() {
+    let Some(controller) = construct::controller() else { return };
+    let mut workspace = black_box(Workspace::new());
+    black_box(controller.tick(&mut desired(), &measured(), slice(), &mut workspace));
 }
 
 /// The boards' tick, plain and in the setting for real rigs.
