@@ -81,7 +81,7 @@ mod counted {
         error_linear_compensation_all
         rnea
         resolved_acceleration
-        forward_targets_of_bodies
+        forward_differences
         aligned_targets
         backward_states
         projection

@@ -3,7 +3,8 @@
 use sinew_core::control::Limited;
 use sinew_core::trajectory::backward_states;
 use sinew_core::{
-    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
+    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
+    Workspace, Wrench,
 };
 
 /// Time from one frame to the next, s.

@@ -50,7 +50,7 @@
 //!     for (joint, state) in targets.states().iter().enumerate() {
 //!         measured.set(joint, *state)?;
 //!     }
-//!     let torques = controller.tick(&targets, &measured, &[], &mut workspace);
+//!     let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
 //!     assert!(torques.iter().all(|torque| torque.reason.is_none()));
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -3,7 +3,8 @@
 use sinew_core::control::Limited;
 use sinew_core::trajectory::backward_states;
 use sinew_core::{
-    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform, Workspace, Wrench,
+    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
+    Workspace, Wrench,
 };
 
 use crate::recommended::Recommended;
@@ -137,7 +138,12 @@ impl<'a, const N: usize> App<'a, N> {
     /// The torques for what was observed last, see [`Controller::tick`].
     pub fn control(&mut self) -> &[Limited<Wrench>] {
         let Some(recommended) = &mut self.recommended else {
-            return self.controller.tick(&mut self.targets, &self.measured, &[], &mut self.workspace);
+            return self.controller.tick(
+                &mut self.targets,
+                &self.measured,
+                &[],
+                &mut self.workspace,
+            );
         };
         let (states, w) = (recommended.states(), &mut self.workspace);
         self.controller.tick(&mut self.targets, states, &[], w);

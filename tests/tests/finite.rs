@@ -4,9 +4,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
-use sinew_core::control::{
-    ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit,
-};
+use sinew_core::control::{ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit};
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::finite_difference::{
     DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
@@ -20,13 +18,11 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError, compensate,
     compensate_all,
 };
-use sinew_core::trajectory::{
-    aligned_targets, backward_states, forward_targets, live_targets,
-};
+use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
-    Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError, JointKind, JointState,
-    JointStates, JointTargets, Motion, RotationalInertia, Trajectory, Transform, Tree, Workspace,
-    Wrench, math,
+    Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
+    JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia, Trajectory,
+    Transform, Tree, Workspace, Wrench, math,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::Recommended;

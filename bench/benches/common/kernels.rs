@@ -12,10 +12,10 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
-use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets_of_bodies};
+use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, JointState, JointStates, JointTargets, Motion, Transform, Tree, Wrench,
-    kinematics,
+    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion,
+    Transform, Tree, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{ROTATION_M, Recommended};
@@ -171,12 +171,16 @@ fn dynamics<const N: usize>(
 fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec<Kernel> {
     let window = || [frames[0], frames[1], frames[2]];
     let (mut targets, mut measured) = (JointTargets::rest(tree), JointStates::rest(tree));
-    let (rig, of_bodies, aligned, backward) = (tree.clone(), window(), window(), window());
+    let (rig, aligned, backward) = (tree.clone(), window(), window());
     let mut aligned_out = targets.clone();
+    let frames = frames.to_vec();
+    let mut index = (1..FRAMES).cycle();
+    let mut differences = ForwardDifferences::new();
+    done(differences.restart(&rig, DT_S, &frames[0]));
     vec![
-        kernel("forward_targets_of_bodies", move || {
-            let window = black_box(&of_bodies).each_ref().map(|frame| &frame[..]);
-            done(forward_targets_of_bodies(&rig, window, DT_S, &mut targets));
+        kernel("forward_differences", move || {
+            let now = index.next().unwrap_or_default();
+            done(differences.advance(&rig, black_box(&frames[now]), &mut targets));
         }),
         kernel("aligned_targets", move || {
             let window = black_box(&aligned).each_ref().map(|frame| &frame[..]);
@@ -220,15 +224,14 @@ fn ticks<const N: usize>(
         ("tick_linear_compensation", Method::LinearCompensation { aims, settings }),
         ("tick_resolved_acceleration", Method::ResolvedAcceleration { weights }),
     ] {
-        let mut rig = Rig::new(Controller::new(tree.clone(), gains, method)?);
         let frames = frames.to_vec();
+        let first = [&frames[LAG_FRAMES][..], &frames[LAG_FRAMES + 1][..]];
+        let mut rig = Rig::new(Controller::new(tree.clone(), gains, method)?, first)?;
         let mut index = (0..FRAMES - LAG_FRAMES - 2).cycle();
         kernels.push(kernel(name, move || {
             let now = index.next().unwrap_or_default();
             let frame = |index: usize| &frames[index][..];
-            let ahead = now + LAG_FRAMES;
-            let desired = [ahead, ahead + 1, ahead + 2].map(frame);
-            done(rig.tick(desired, [now, now + 1].map(frame)));
+            done(rig.tick(frame(now + LAG_FRAMES + 2), [now, now + 1].map(frame)));
         }));
     }
 

@@ -5,9 +5,7 @@ use std::array;
 use glam::DVec3;
 use sinew_core::control::LimitReason;
 use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
-use sinew_core::trajectory::{
-    aligned_targets, forward_targets, live_targets,
-};
+use sinew_core::trajectory::{aligned_targets, forward_targets, live_targets};
 use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointTargets, Motion, Transform, Workspace,
 };

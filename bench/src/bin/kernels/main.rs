@@ -31,8 +31,8 @@ use sinew_core::state_error::{
 };
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion, StateInputError,
-    Transform, Tree, Workspace, Wrench, kinematics,
+    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion,
+    StateInputError, Transform, Tree, Workspace, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{DELAY_MOST, ROTATION_M, Recommended};

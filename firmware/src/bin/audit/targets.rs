@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use sinew_core::finite_difference::{Scheme, of_rotations, of_rotations_in_world, of_vectors};
 use sinew_core::trajectory::{
-    aligned_targets, backward_states, forward_targets, interpolate,
-    interpolate_smoothly, live_targets,
+    aligned_targets, backward_states, forward_targets, interpolate, interpolate_smoothly,
+    live_targets,
 };
 use sinew_core::{ForwardDifferences, Trajectory, Transform};
 
