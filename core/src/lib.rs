@@ -64,6 +64,9 @@
 //! - The pose of joint `i` is the pose of body `i` in its parent's frame; velocities and accelerations
 //!   of a joint are those of body `i` relative to its parent, in **body axes**.
 //! - World velocities are those of the frame's origin, in **world axes**.
+//! - **Numbers**: what has a constructor or a setter holds finite numbers. Functions of plain slices and vectors
+//!   (kinematics, state errors, dynamics) take any: what is not finite, or too large for f32, comes out as not finite,
+//!   and never as a panic. [`Controller::tick`] makes nothing of that but a torque of zero with its reason.
 //! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
 //!   machines compute the same bits.
 //!

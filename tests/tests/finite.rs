@@ -495,6 +495,17 @@ fn chain(joint: JointKind, height_m: f32) -> Tree<N> {
     Tree::from_bodies(&[body(None, 0.0), body(Some(0), height_m)]).expect("a good tree")
 }
 
+/// A body, and around it others on joints of a kind, at these places times a length.
+fn star(joint: JointKind, offsets: &[Vec3], length_m: f32) -> Tree<N> {
+    let root = chain(joint, 0.0).bodies()[0];
+    let mut tree = Tree::from_bodies(&[root]).expect("a root");
+    for offset in offsets {
+        let placement = Transform::from_translation(*offset * length_m);
+        tree.push(Body { parent: Some(0), placement, ..root }).expect("a child");
+    }
+    tree
+}
+
 /// One number at a time, from the table: what is taken, and what is said of the rest.
 #[test]
 fn settings_take_the_numbers_that_they_should() {
@@ -670,15 +681,6 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
 /// Three children of one root, of no length, on one line, or evenly around it.
 #[test]
 fn several_goals_without_a_direction_are_said_to_be() {
-    let star = |offsets: [Vec3; 2]| {
-        let of = chain(JointKind::Free, 0.0).bodies()[0];
-        let mut tree = Tree::<N>::from_bodies(&[of]).expect("a root");
-        for offset in offsets {
-            let placement = Transform::from_translation(offset);
-            tree.push(Body { parent: Some(0), placement, ..of }).expect("a child");
-        }
-        tree
-    };
     let mut workspace = Workspace::new();
     for (offsets, shift, expected) in [
         ([Vec3::ZERO; 2], Vec3::X, AimStatus::ZeroAim),
@@ -688,7 +690,7 @@ fn several_goals_without_a_direction_are_said_to_be() {
         ([Vec3::X * 1e25, Vec3::Y], Vec3::Z, AimStatus::NotFinite),
         ([Vec3::X * 1e25, Vec3::X], Vec3::Z, AimStatus::NotFinite),
     ] {
-        let tree = star(offsets);
+        let tree = star(JointKind::Free, &offsets, 1.0);
         let mut measured = JointStates::rest(&tree);
         let pose = Transform::from_translation(shift);
         measured.set(0, JointState { pose, velocity: Motion::ZERO }).expect("a good pose");
@@ -759,6 +761,44 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
             assert_eq!((torque.value, torque.reason), (Wrench::ZERO, Some(LimitReason::NotFinite)));
         }
     }
+}
+
+/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not look
+/// as if nothing had to move.
+#[test]
+fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
+    let mut refused = 0;
+    // A row of two bodies, and three about one: then no axis of the first is easier than the others.
+    let row = [Vec3::Y].as_slice();
+    let around = [Vec3::X, Vec3::Y, Vec3::Z].as_slice();
+    for (kind, directions) in [
+        (JointKind::Spherical, row),
+        (JointKind::Free, row),
+        (JointKind::Revolute { axis: Vec3::X }, row),
+        (JointKind::Spherical, around),
+        (JointKind::Revolute { axis: Vec3::X }, around),
+    ] {
+        for exponent in 0..20 {
+            let tree = star(kind, directions, 10f32.powi(exponent));
+            let heavy = vec![BodyWeight::new(1e4, 1.0); tree.len()];
+            let weights = BodyWeights::new(&tree, &heavy).expect("weights in their range");
+            let method = Method::ResolvedAcceleration { weights };
+            let turned = Transform::new(math::exp(Vec3::X * 0.5), Vec3::ZERO);
+            let targets = targets_at(&tree, turned);
+            let measured = JointStates::rest(&tree);
+            let controller = Controller::new(tree, gains(), method).expect("a rig");
+            let mut workspace = Workspace::new();
+            let torques = controller.tick(&targets, &measured, &[], &mut workspace).to_vec();
+            assert!(torques.iter().all(sound_torque));
+            let command = workspace.commands()[0].angular;
+            if torques[0].reason == Some(LimitReason::NotFinite) {
+                refused += 1;
+            } else {
+                assert!(command.x > 1.0, "{kind:?} at 1e{exponent} m: {command}");
+            }
+        }
+    }
+    assert!(refused > 0);
 }
 
 /// What comes from outside is a slice of numbers that nobody has looked at.
