@@ -26,6 +26,7 @@ pub(crate) fn run() -> Result<()> {
     firmware::lint()?;
     audit::lint()?;
     audit::self_test()?;
+    audit::run()?;
     let (image, show) = firmware::qemu_image();
     let mut tests = step::cargo();
     tests
