@@ -21,7 +21,7 @@ const IMAGE: &str = "audit";
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 15] = [
+const PARTS: [&str; 16] = [
     "audit::decode::show",
     "audit::decode::coordinates",
     "audit::construct::trees",
@@ -31,6 +31,7 @@ const PARTS: [&str; 15] = [
     "audit::targets::trajectories",
     "audit::targets::differences",
     "audit::tick::controller",
+    "audit::tick::controller_of_little_room",
     "audit::tick::app",
     "audit::tick::replay",
     "audit::kernels::kinematics",
