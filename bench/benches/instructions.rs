@@ -80,6 +80,8 @@ mod counted {
         error_linear_compensation
         error_linear_compensation_all
         rnea
+        mass_matrix
+        forward_dynamics
         resolved_acceleration
         forward_differences
         aligned_targets

@@ -6,7 +6,10 @@ use std::hint::black_box;
 use sinew_bench::rig::{DT_S, Rig};
 use sinew_bench::{Root, figure, poses, states};
 use sinew_core::control::Gains;
-use sinew_core::dynamics::{BodyMotion, Resolved, inverse_dynamics, resolved_acceleration};
+use sinew_core::dynamics::{
+    ArticulatedBody, BodyMotion, CompositeBody, Resolved, degrees_of_freedom, forward_dynamics,
+    inverse_dynamics, mass_matrix, resolved_acceleration,
+};
 use sinew_core::glam::Vec3;
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{
@@ -153,6 +156,24 @@ fn dynamics<const N: usize>(
         black_box(&wrenches);
     });
 
+    let freedoms = degrees_of_freedom(tree.bodies());
+    let mut matrix = vec![0.0; freedoms * freedoms];
+    let (rig, mut scratch) = (tree.clone(), [CompositeBody::default(); N]);
+    let crba = kernel("mass_matrix", move || {
+        let (bodies, joints) = black_box((rig.bodies(), &joints));
+        black_box(mass_matrix(bodies, joints, &mut scratch, &mut matrix));
+        black_box(&matrix);
+    });
+
+    let (rig, mut scratch) = (tree.clone(), [ArticulatedBody::default(); N]);
+    let (passive, mut out) = ([Wrench::ZERO; N], [Motion::ZERO; N]);
+    let aba = kernel("forward_dynamics", move || {
+        let (bodies, joints, wrenches) = black_box((rig.bodies(), &joints, &passive));
+        let (scratch, out) = (&mut scratch, &mut out);
+        forward_dynamics(bodies, joints, wrenches, GRAVITY_M_S2, &[], scratch, out);
+        black_box(&out);
+    });
+
     let joints = at(tree, frames, 1)?;
     let mut world = [BodyState::WORLD; N];
     kinematics::body_states(tree.bodies(), joints.as_slice(), &mut world);
@@ -165,7 +186,7 @@ fn dynamics<const N: usize>(
         resolved_acceleration(bodies, joints, &world, &weights, &mut scratch, &mut out);
         black_box(&out);
     });
-    Ok(vec![rnea, resolved])
+    Ok(vec![rnea, crba, aba, resolved])
 }
 
 fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec<Kernel> {
