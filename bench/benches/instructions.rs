@@ -29,6 +29,10 @@ fn main() -> ExitCode {
                 return ExitCode::SUCCESS;
             }
         }
+        if let Some(name) = counted::forgotten() {
+            println!("instructions: {name} is not in the list of what is counted, add it");
+            return ExitCode::FAILURE;
+        }
     }
     counted::enter();
     ExitCode::SUCCESS
@@ -69,6 +73,8 @@ mod counted {
             )*
 
             library_benchmark_group!(name = of_kernels, benchmarks = [$($name),*]);
+
+            const NAMES: &[&str] = &[$(stringify!($name)),*];
         };
     }
 
@@ -103,5 +109,11 @@ mod counted {
 
     pub(super) fn enter() {
         main();
+    }
+
+    /// The first kernel that is not in the list above.
+    pub(super) fn forgotten() -> Option<&'static str> {
+        let kernels = of_size(1).expect("the rigs of the bench can be");
+        kernels.iter().map(|kernel| kernel.name).find(|name| !NAMES.contains(name))
     }
 }
