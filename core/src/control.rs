@@ -13,6 +13,17 @@ use crate::transform::{Motion, Wrench};
 ///
 /// With inverse dynamics they are a stiffness and a damping per unit of inertia, 1/s² and 1/s; without,
 /// N m/rad and N m s/rad (N/m and N s/m for what slides).
+///
+/// ```
+/// use sinew_core::control::{Gains, GainsError};
+/// use sinew_core::{glam::Vec3, state_error::StateError};
+/// let gains = Gains::new(100.0, 20.0)?.with_linear(30.0, 0.0)?;
+/// let error = StateError { angular_rad: Vec3::X * 0.1, linear_m: Vec3::Y * 0.2, ..StateError::ZERO };
+/// let asked = gains.apply(&error);
+/// assert_eq!((asked.angular, asked.linear), (Vec3::X * 10.0, Vec3::Y * 6.0));
+/// assert_eq!(Gains::new(100.0, f32::NAN), Err(GainsError::NonFinite("kv")));
+/// # Ok::<(), GainsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

@@ -67,7 +67,7 @@ pub struct Controller<const N: usize> {
 
 impl<const N: usize> Controller<N> {
     /// A controller with the same gains for all joints, inverse dynamics, gravity of 9.81 m/s² along -y and
-    /// no torque limits.
+    /// no torque limits. O(n).
     ///
     /// # Errors
     /// [`ControllerError`] if the tree is empty or the method was made for another tree.
@@ -137,6 +137,38 @@ impl<const N: usize> Controller<N> {
     ///
     /// # Errors
     /// [`ControllerError::Count`] if there is not one for each joint.
+    ///
+    /// ```
+    /// use sinew_core::control::{Gains, LimitReason, TorqueLimit};
+    /// use sinew_core::{Controller, ControllerError, JointStates, JointTargets, Workspace};
+    /// use sinew_core::{glam::Vec3, state_error::Method};
+    /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
+    /// # let inertia = Inertia {
+    /// #     mass_kg: 2.0,
+    /// #     center_of_mass_m: Vec3::X * 0.5,
+    /// #     rotational_kg_m2: RotationalInertia::default(),
+    /// # };
+    /// # let joint = JointKind::Revolute { axis: Vec3::Z };
+    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
+    /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+    /// // 2 kg on a level arm of 0.5 m need 9.81 N m; the drive has 6.
+    /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::World)?
+    ///     .with_limits(&[TorqueLimit::new(6.0, 0.0)?])?;
+    /// let mut workspace = Workspace::new();
+    /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
+    /// assert_eq!(torque.value.moment_nm, Vec3::Z * 6.0);
+    /// assert_eq!(torque.reason, Some(LimitReason::Torque));
+    /// // Without gravity nothing is asked for.
+    /// let controller = controller.with_gravity(Vec3::ZERO)?;
+    /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
+    /// assert_eq!((torque.value.moment_nm, torque.reason), (Vec3::ZERO, None));
+    /// assert_eq!(
+    ///     controller.with_limits(&[]),
+    ///     Err(ControllerError::Count { expected: 1, found: 0 })
+    /// );
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_limits(self, limits: &[TorqueLimit]) -> Result<Self, ControllerError> {
         if limits.len() != self.tree.len() {
             return Err(ControllerError::Count { expected: self.tree.len(), found: limits.len() });
@@ -154,6 +186,26 @@ impl<const N: usize> Controller<N> {
     /// # Errors
     /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::NonFinite`] if one
     /// is not finite, [`ControllerError::Law`] if the method needs inverse dynamics.
+    ///
+    /// ```
+    /// use sinew_core::dynamics::{OuterJoints, reflected_inertia};
+    /// use sinew_core::{Controller, JointStates, control::{ControlLaw, Gains}, state_error::Method};
+    /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree, glam::Vec3};
+    /// # let inertia = Inertia {
+    /// #     mass_kg: 2.0,
+    /// #     center_of_mass_m: Vec3::X * 0.5,
+    /// #     rotational_kg_m2: RotationalInertia::default(),
+    /// # };
+    /// # let joint = JointKind::Revolute { axis: Vec3::Z };
+    /// # let arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// let tree = Tree::<1>::from_bodies(&[arm])?;
+    /// let inertias = reflected_inertia(&tree, &JointStates::rest(&tree), OuterJoints::Locked);
+    /// // What a servo does by itself: no model in the loop, but gains that fit what each joint moves.
+    /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::Local)?
+    ///     .with_pd_of_inertia(&inertias)?;
+    /// assert_eq!(controller.law(), ControlLaw::ProportionalDerivative);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_pd_of_inertia(
         self,
         inertias: &[ReflectedInertia],

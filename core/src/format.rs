@@ -10,7 +10,10 @@ use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, Resolved};
 use crate::observer::Observer;
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
-use crate::{BodySet, Inertia, JointKind, Motion, Trajectory, Transform, Tree, Wrench};
+use crate::{
+    BodySet, ForwardDifferences, Inertia, JointKind, JointTargets, Motion, Trajectory, Transform,
+    Tree, Wrench,
+};
 
 impl Format for Transform {
     fn format(&self, f: Formatter<'_>) {
@@ -107,6 +110,14 @@ impl<const N: usize> Format for Tree<N> {
     }
 }
 
+/// The joints' targets: the bodies' follow from them.
+impl<const N: usize> Format for JointTargets<N> {
+    fn format(&self, f: Formatter<'_>) {
+        let (states, accelerations) = (self.states(), self.accelerations());
+        write!(f, "JointTargets {{ states: {}, accelerations: {} }}", states, accelerations);
+    }
+}
+
 /// How many frames, not the frames: a performance is too long for a log.
 impl Format for Trajectory<'_> {
     fn format(&self, f: Formatter<'_>) {
@@ -156,6 +167,13 @@ impl<const N: usize, const D: usize> Format for Observer<N, D> {
 impl<const N: usize> Format for ProjectionWorkspace<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "ProjectionWorkspace");
+    }
+}
+
+/// What it remembers says nothing by itself: its name only.
+impl<const N: usize> Format for ForwardDifferences<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "ForwardDifferences");
     }
 }
 

@@ -32,6 +32,24 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
 
 /// Joint states from world states: the way back from [`body_states`], eq. (5) of Notman et al. (2011).
 /// O(n).
+///
+/// ```
+/// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointState, JointStates, Transform, Tree, glam::Vec3};
+/// # let link = |parent, x| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
+/// #     inertia: Inertia::default(),
+/// # };
+/// let arm = Tree::<2>::from_bodies(&[link(None, 1.0), link(Some(0), 0.5)])?;
+/// let joints = JointStates::rest(&arm);
+/// let mut world = [BodyState::WORLD; 2];
+/// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
+/// let mut back = [JointState::default(); 2];
+/// kinematics::joint_states(arm.bodies(), &world, &mut back);
+/// assert_eq!(back, joints.as_slice());
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
 pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]) {
     for ((body, state), slot) in bodies.iter().zip(world).zip(out) {
         *slot = state.joint_state(of_parent(body, world, &BodyState::WORLD));
@@ -42,6 +60,31 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 ///
 /// `world` are the states that [`body_states`] makes. `accelerations` are those of the joints,
 /// relative to the parent, in body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
+///
+/// ```
+/// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointStates, Motion, Transform, Tree, glam::Vec3};
+/// # let link = |parent, x| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
+/// #     inertia: Inertia::default(),
+/// # };
+/// let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.5)])?;
+/// let mut joints = JointStates::rest(&arm);
+/// let mut shoulder = joints.as_slice()[0];
+/// shoulder.velocity.angular = Vec3::Z * 2.0;
+/// joints.set(0, shoulder).expect("it is finite");
+/// let mut world = [BodyState::WORLD; 2];
+/// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
+/// let mut accelerations = [Motion::ZERO; 2];
+/// kinematics::body_accelerations(arm.bodies(), &world, &[Motion::ZERO; 2], &mut accelerations);
+/// // At a steady turn the elbow is pulled inwards: (2 rad/s)² 0.5 m.
+/// assert_eq!(accelerations[1].linear, Vec3::X * -2.0);
+/// // And back: no joint is accelerated.
+/// kinematics::joint_accelerations(arm.bodies(), &world, &mut accelerations);
+/// assert_eq!(accelerations, [Motion::ZERO; 2]);
+/// # Ok::<(), sinew_core::TreeError>(())
+/// ```
 pub fn body_accelerations(
     bodies: &[Body],
     world: &[BodyState],

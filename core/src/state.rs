@@ -130,6 +130,15 @@ impl BodyState {
     }
 
     /// State of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
+    ///
+    /// ```
+    /// use sinew_core::{BodyState, Transform, glam::Vec3};
+    /// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
+    /// let joint = at(0.75).joint_state(&at(0.25));
+    /// assert_eq!(joint.pose.translation_m.x, 0.5);
+    /// // And the way back.
+    /// assert_eq!(at(0.25).child(&joint), at(0.75));
+    /// ```
     #[must_use]
     pub fn joint_state(&self, parent: &Self) -> JointState {
         let seen = self.seen_from(parent);
@@ -229,8 +238,21 @@ impl<const N: usize> JointStates<N> {
 /// Where all joints of a tree should be, how fast, and with what acceleration.
 ///
 /// An entrance like [`JointStates`].
+///
+/// ```
+/// use sinew_core::{JointState, JointTargets, Motion, StateInputError, glam::Vec3};
+/// # use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
+/// # let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// # let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// let tree = Tree::<1>::from_bodies(&[head])?;
+/// let mut targets = JointTargets::rest(&tree);
+/// let turning = JointState { velocity: Motion::new(Vec3::Y, Vec3::ZERO), ..JointState::default() };
+/// targets.set(0, turning, Motion::new(Vec3::Y * 4.0, Vec3::ZERO))?;
+/// assert_eq!(targets.accelerations()[0].angular.y, 4.0);
+/// assert_eq!(targets.set(1, turning, Motion::ZERO), Err(StateInputError::NoSuchJoint));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Motion, N>,

@@ -118,6 +118,23 @@ impl<'a> Trajectory<'a> {
     ///
     /// # Errors
     /// [`StateInputError`] if the targets are for fewer joints, or differences overflow.
+    ///
+    /// ```
+    /// use sinew_core::{JointTargets, Trajectory, Transform, glam::Vec3};
+    /// # use sinew_core::{Body, Inertia, JointKind, Tree};
+    /// # let joint = JointKind::Prismatic { axis: Vec3::X };
+    /// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
+    /// # let slide = Body { parent: None, joint, placement, inertia };
+    /// let tree = Tree::<1>::from_bodies(&[slide])?;
+    /// let frames = [0.0, 1.0, 3.0].map(|x| Transform::from_translation(Vec3::X * x));
+    /// let performance = Trajectory::new(&frames, 1, 1.0)?;
+    /// let mut targets = JointTargets::rest(&tree);
+    /// performance.targets(0, &mut targets)?;
+    /// // Forward: 1 m in the next second, and 1 m more in the one after it.
+    /// let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
+    /// assert_eq!((velocity.linear.x, acceleration.linear.x), (1.0, 1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn targets<const N: usize>(
         &self,
         index: usize,
@@ -199,7 +216,7 @@ pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform
 }
 
 /// Targets of all joints at the first of three frames, by forward differences (13): velocities need one
-/// frame ahead, accelerations two.
+/// frame ahead, accelerations two. O(n).
 ///
 /// # Errors
 /// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step
@@ -225,7 +242,7 @@ pub fn forward_targets<const N: usize>(
 /// first, then position: semi-implicit Euler), is on the next frame exactly. Forward differences lead by half a
 /// period and more, and what the controller does about that is most of the error of a good model.
 ///
-/// For performances whose next frame is known, and for live streams that may be one frame late.
+/// For performances whose next frame is known, and for live streams that may be one frame late. O(n).
 ///
 /// # Errors
 /// As [`forward_targets`].
@@ -265,10 +282,27 @@ pub fn aligned_targets<const N: usize>(
 /// Targets of all joints at the *last* of three frames, by backward differences: for a live stream whose next
 /// frame nobody knows. The acceleration is that of one period ago, and noise of the stream grows in it.
 ///
-/// If the stream may be one frame late, [`aligned_targets`] on the same three frames are far better.
+/// If the stream may be one frame late, [`aligned_targets`] on the same three frames are far better. O(n).
 ///
 /// # Errors
 /// As [`forward_targets`].
+///
+/// ```
+/// use sinew_core::{JointTargets, Transform, glam::Vec3, trajectory::live_targets};
+/// # use sinew_core::{Body, Inertia, JointKind, Tree};
+/// # let joint = JointKind::Prismatic { axis: Vec3::X };
+/// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
+/// # let slide = Body { parent: None, joint, placement, inertia };
+/// let tree = Tree::<1>::from_bodies(&[slide])?;
+/// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
+/// let mut targets = JointTargets::rest(&tree);
+/// live_targets(frames.each_ref().map(|frame| &frame[..]), 1.0, &mut targets)?;
+/// // At the last frame, with what led there.
+/// let state = targets.states()[0];
+/// assert_eq!((state.pose.translation_m.x, state.velocity.linear.x), (3.0, 2.0));
+/// assert_eq!(targets.accelerations()[0].linear.x, 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn live_targets<const N: usize>(
     [earlier, before, now]: [&[Transform]; 3],
     dt_s: f32,
@@ -283,11 +317,25 @@ pub fn live_targets<const N: usize>(
 }
 
 /// Measured states of all joints at the second of two frames, by backward differences: what can be had
-/// from joint sensors without a model.
+/// from joint sensors without a model. O(n).
 ///
 /// # Errors
 /// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step is
 /// not positive, or the states are of fewer joints.
+///
+/// ```
+/// use sinew_core::{JointStates, Transform, glam::Vec3, trajectory::backward_states};
+/// # use sinew_core::{Body, Inertia, JointKind, Tree};
+/// # let joint = JointKind::Prismatic { axis: Vec3::X };
+/// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
+/// # let slide = Body { parent: None, joint, placement, inertia };
+/// let tree = Tree::<1>::from_bodies(&[slide])?;
+/// let frames = [0.0, 0.5].map(|x| [Transform::from_translation(Vec3::X * x)]);
+/// let mut measured = JointStates::rest(&tree);
+/// backward_states([&frames[0], &frames[1]], 0.25, &mut measured)?;
+/// assert_eq!(measured.as_slice()[0].velocity.linear.x, 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn backward_states<const N: usize>(
     [before, now]: [&[Transform]; 2],
     dt_s: f32,

@@ -83,6 +83,15 @@ impl Mul for Transform {
 ///
 /// The axes are named where a `Motion` is used. The linear part is the plain time derivative of the
 /// origin's path (classical, not spatial, acceleration).
+///
+/// ```
+/// use sinew_core::{Motion, glam::Vec3, math};
+/// let motion = Motion::new(Vec3::X, Vec3::Y * 0.5);
+/// // The same motion in axes that are turned by a quarter about z.
+/// let turned = motion.rotated(math::exp(Vec3::Z * core::f32::consts::FRAC_PI_2));
+/// assert!((turned.angular - Vec3::Y).length() < 1e-6);
+/// assert!((turned.linear + Vec3::X * 0.5).length() < 1e-6);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -149,6 +158,14 @@ impl Sub for Motion {
 /// Force, and its moment about a frame's origin.
 ///
 /// The axes are named where a `Wrench` is used.
+///
+/// ```
+/// use sinew_core::{Motion, Wrench, glam::Vec3};
+/// let wrench = Wrench::new(Vec3::Z * 3.0, Vec3::X * 10.0);
+/// // 3 N m at 2 rad/s, and 10 N at 0.5 m/s.
+/// let velocity = Motion::new(Vec3::Z * 2.0, Vec3::X * 0.5);
+/// assert_eq!(wrench.power_w(velocity), 11.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",

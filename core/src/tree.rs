@@ -85,7 +85,7 @@ impl<const N: usize> Tree<N> {
         }
     }
 
-    /// A tree of the given bodies, in their order.
+    /// A tree of the given bodies, in their order. O(n · depth).
     ///
     /// # Errors
     /// As [`Self::push`].

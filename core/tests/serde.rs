@@ -372,9 +372,9 @@ fn damaged_bytes_are_refused_or_make_a_usable_controller() {
     for bit in 0..bytes.len() * 8 {
         bytes[bit / 8] ^= 1 << (bit % 8);
         if let Ok(read) = postcard::from_bytes::<Controller<8>>(bytes) {
-            let (targets, measured) =
+            let (mut targets, measured) =
                 (JointTargets::rest(read.tree()), JointStates::rest(read.tree()));
-            let torques = read.tick(&targets, &measured, &[], &mut workspace);
+            let torques = read.tick(&mut targets, &measured, &[], &mut workspace);
             assert_eq!(torques.len(), 6);
             assert!(torques.iter().all(|torque| torque.value.is_finite()), "bit {bit}");
             usable += 1;
