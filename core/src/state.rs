@@ -43,10 +43,11 @@ pub(crate) const SHORTEST_STEP_S: f32 = 1e-9;
 pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
     let position = pose.translation_m;
     // Written so that NaN fails.
-    if !(position.dot(position) <= FARTHEST_M * FARTHEST_M) {
-        return Err(StateInputError::NonFinite);
+    if position.dot(position) <= FARTHEST_M * FARTHEST_M {
+        check_rotation(pose.rotation)
+    } else {
+        Err(StateInputError::NonFinite)
     }
-    check_rotation(pose.rotation)
 }
 
 #[inline]
