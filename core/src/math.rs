@@ -59,7 +59,9 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     } else if along <= EIGHTH_TAN * up {
         (0.5 * PI, -along / up)
     } else {
-        (0.25 * PI, (0.5 * up - 0.5 * along) / (0.5 * up + 0.5 * along))
+        let sum = 0.5 * up + 0.5 * along;
+        // The halves of the smallest numbers there are.
+        (0.25 * PI, if sum == 0.0 { 0.0 } else { (0.5 * up - 0.5 * along) / sum })
     };
     let angle = eighth + ratio * arctangent_over_tangent(ratio * ratio);
     let angle = if x < 0.0 { PI - angle } else { angle };
@@ -196,7 +198,7 @@ fn log_scale(squared: f32, w: f32) -> f32 {
 
 /// Exponential map: the unit quaternion of a rotation vector; inverse of [`log`].
 ///
-/// No number comes of a vector so long that f32 does not have its square (1.8e19 rad), or that is none itself.
+/// No number comes of a vector so long that f32 does not have its square (3.6e19 rad), or that is none itself.
 ///
 /// ```
 /// # use sinew_core::{glam::Vec3, math};
