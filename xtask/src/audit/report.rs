@@ -34,15 +34,15 @@ fn counts(name: &str, elf: &Elf, functions: impl IntoIterator<Item = usize>) -> 
 }
 
 fn row<T: AsRef<str>>(name: &str, [a, b, c]: [T; 3]) -> String {
-    format!("{name:<32} {:>10} {:>13} {:>9}\n", a.as_ref(), b.as_ref(), c.as_ref())
+    format!("{name:<40} {:>10} {:>13} {:>9}\n", a.as_ref(), b.as_ref(), c.as_ref())
 }
 
 /// How often each rule is broken.
 pub(super) fn verdict(elf: &Elf, findings: &[Finding]) -> String {
-    let mut text = String::from("must not be there                     found\n");
+    let mut text = String::from("must not be there                             found\n");
     for rule in Rule::ALL {
         let count = findings.iter().filter(|finding| finding.rule == rule).count();
-        let _ = writeln!(text, "{:<32} {count:>10}", rule.name());
+        let _ = writeln!(text, "{:<40} {count:>10}", rule.name());
     }
     let chained = elf
         .functions()

@@ -55,8 +55,7 @@ pub(crate) fn dynamics() {
     let weights = black_box(weights);
     resolved_acceleration(slice(), slice(), slice(), &weights, slice_mut(), slice_mut());
     let Some(gains) = gains() else { return };
-    let correction = gains.apply(&black_box(StateError::default()));
-    let state = black_box(JointState::default());
+    black_box(gains.apply(&black_box(StateError::default())));
     let (rotation, motion) = (black_box(Quat::IDENTITY), black_box(Motion::ZERO));
     let (joint, wrench) = (black_box(JointKind::Free), black_box(Wrench::ZERO));
     black_box((joint.project_motion(rotation, motion), joint.project_wrench(rotation, wrench)));
