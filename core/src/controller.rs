@@ -502,7 +502,7 @@ impl<'a> At<'a> {
 }
 
 /// Scratch memory of a [`Controller`], owned by the caller; it holds nothing from tick to tick, but the
-/// last tick's states and errors can be read from it.
+/// last tick's commands and torques can be read from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace<const N: usize, const R: usize = 0> {
     measured: [BodyState; N],
