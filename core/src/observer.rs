@@ -184,6 +184,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 
     /// Begins anew from a state, after ticks whose measurements or commands were lost. What was learnt of
     /// disturbances is kept: without it the torques would jump.
+    // Not within its caller, whose frame would hold its copies of all joints as long as it runs.
+    #[inline(never)]
     pub fn restart(&mut self, state: &JointStates<N>) {
         self.estimates = state.clone();
         self.ahead = state.clone();

@@ -217,7 +217,9 @@ impl<const N: usize> ProjectionWorkspace<N> {
 
     /// Forgets the last frame: the next starts from the desired pose.
     pub fn reset(&mut self) {
-        *self = Self::new();
+        // In place: a whole new workspace would be put together on the stack. What is solved starts anew by itself.
+        self.joints.fill(Joint::NEW);
+        self.started = false;
     }
 
     /// The desired world poses, and the last solution's joints carried over to them.
