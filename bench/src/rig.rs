@@ -10,23 +10,24 @@ use sinew_core::{
 /// Time from one frame to the next, s.
 pub const DT_S: f32 = 0.01;
 
-/// A controller and all that its tick works on.
+/// A controller and all that its tick works on; `R` is the room for resolved acceleration, see [`Workspace`].
 #[derive(Debug)]
-pub struct Rig<const N: usize> {
+pub struct Rig<const N: usize, const R: usize = 0> {
     controller: Controller<N>,
     differences: ForwardDifferences<N>,
     targets: JointTargets<N>,
     measured: JointStates<N>,
-    workspace: Workspace<N, N>,
+    workspace: Workspace<N, R>,
 }
 
-impl<const N: usize> Rig<N> {
+impl<const N: usize, const R: usize> Rig<N, R> {
     /// A controller's rig, and the first two frames of the performance.
     ///
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
     pub fn new(
         controller: Controller<N>,
+        workspace: Workspace<N, R>,
         desired: [&[Transform]; 2],
     ) -> Result<Self, StateInputError> {
         let tree = controller.tree();
@@ -34,13 +35,7 @@ impl<const N: usize> Rig<N> {
         let (mut differences, mut targets) = (ForwardDifferences::new(), JointTargets::rest(tree));
         differences.restart(tree, DT_S, first)?;
         differences.advance(tree, second, &mut targets)?;
-        Ok(Self {
-            differences,
-            targets,
-            measured: JointStates::rest(tree),
-            controller,
-            workspace: Workspace::resolving(),
-        })
+        Ok(Self { differences, targets, measured: JointStates::rest(tree), controller, workspace })
     }
 
     /// Torques for the next frame of the performance, and the poses measured before and now.

@@ -184,14 +184,16 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 
     /// Begins anew from a state, after ticks whose measurements or commands were lost. What was learnt of
     /// disturbances is kept: without it the torques would jump.
-    // Not within its caller, whose frame would hold its copies of all joints as long as it runs.
+    // Not within its caller, whose frame would hold the copies of all joints as long as it runs.
     #[inline(never)]
     pub fn restart(&mut self, state: &JointStates<N>) {
         self.estimates = state.clone();
         self.ahead = state.clone();
         self.any_sent = false;
         let none = Command { acceleration: Motion::ZERO, limited: true };
-        self.sent = [[none; N]; D];
+        for tick in &mut self.sent {
+            tick.fill(none);
+        }
     }
 
     /// Takes in the joints' poses of a tick, each in its parent's frame.

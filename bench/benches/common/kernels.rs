@@ -18,7 +18,7 @@ use sinew_core::state_error::{
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion,
-    Transform, Tree, Wrench, kinematics,
+    Transform, Tree, Workspace, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{ROTATION_M, Recommended};
@@ -247,7 +247,8 @@ fn ticks<const N: usize>(
     ] {
         let frames = frames.to_vec();
         let first = [&frames[LAG_FRAMES][..], &frames[LAG_FRAMES + 1][..]];
-        let mut rig = Rig::new(Controller::new(tree.clone(), gains, method)?, first)?;
+        let controller = Controller::new(tree.clone(), gains, method)?;
+        let mut rig = Rig::new(controller, Workspace::resolving(), first)?;
         let mut index = (0..FRAMES - LAG_FRAMES - 2).cycle();
         kernels.push(kernel(name, move || {
             let now = index.next().unwrap_or_default();

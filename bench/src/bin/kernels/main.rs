@@ -22,7 +22,10 @@ use cortex_m_semihosting::{debug, hprintln};
 use sinew_bench::rig::{DT_S, Rig};
 use sinew_bench::{Root, figure, poses, states};
 use sinew_core::control::{ControlLaw, Gains, Limited, TorqueLimit};
-use sinew_core::dynamics::{BodyMotion, Resolved, inverse_dynamics, resolved_acceleration};
+use sinew_core::dynamics::{
+    ArticulatedBody, BodyMotion, CompositeBody, Resolved, forward_dynamics, inverse_dynamics,
+    mass_matrix, resolved_acceleration,
+};
 use sinew_core::glam::Vec3;
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
@@ -50,6 +53,9 @@ const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
 /// The performer of shows is as much larger than the rig.
 const LARGER: f32 = 1.1;
 
+/// Of the mass matrix of 32 bodies: three freedoms each, and six of the root.
+const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
+
 const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 const INSTRUCTIONS_PER_COUNT: u32 = 40;
 const COUNTER_MASK: u32 = 0x00ff_ffff;
@@ -74,9 +80,11 @@ fn measure_all() -> Result<(), &'static str> {
     syst.set_reload(COUNTER_MASK);
     syst.clear_current();
     syst.enable_counter();
-    measure::<6>()?;
-    measure::<18>()?;
-    measure::<32>()
+    let matrix = cortex_m::singleton!(MATRIX: [f32; MATRIX_LEN] = [0.0; MATRIX_LEN]);
+    let matrix = matrix.ok_or("the matrix is taken")?;
+    measure::<6>(matrix)?;
+    measure::<18>(matrix)?;
+    measure::<32>(matrix)
 }
 
 /// What is executed after this is counted.
@@ -126,7 +134,7 @@ fn count_tick<const N: usize>(
 /// A tick of the core, in a function of its own.
 #[inline(never)]
 fn core_tick<const N: usize>(
-    rig: &mut Rig<N>,
+    rig: &mut Rig<N, N>,
     desired: &[Transform],
     measured: [&[Transform]; 2],
 ) -> Result<(), StateInputError> {
@@ -145,9 +153,10 @@ fn app_tick<const N: usize>(
     Ok(())
 }
 
-fn measure<const N: usize>() -> Result<(), &'static str> {
-    dynamics::<N>("rnea_fixed_root", Root::Turning)?;
-    dynamics::<N>("rnea_free_root", Root::Floating)?;
+fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
+    inverse::<N>("rnea_fixed_root", Root::Turning)?;
+    inverse::<N>("rnea_free_root", Root::Floating)?;
+    forward::<N>(matrix)?;
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let mut frames = [[Transform::IDENTITY; N]; FRAMES];
     for (index, frame) in frames.iter_mut().enumerate() {
@@ -162,7 +171,7 @@ fn measure<const N: usize>() -> Result<(), &'static str> {
     Ok(())
 }
 
-fn dynamics<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
+fn inverse<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
     let tree = figure::<N>(N, root).map_err(|_| "the rig cannot be")?;
     let mut joints = [JointState::default(); N];
     let mut accelerations = [Motion::ZERO; N];
@@ -175,6 +184,28 @@ fn dynamics<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> 
         inverse_dynamics(bodies, joints, &accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
     });
     black_box(wrenches);
+    Ok(())
+}
+
+/// The mass matrix and forward dynamics: of a simulator rather than of a rig, but part of the core.
+fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
+    let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
+    let mut joints = [JointState::default(); N];
+    let mut accelerations = [Motion::ZERO; N];
+    states(tree.bodies(), &mut joints, &mut accelerations);
+    let mut scratch = [CompositeBody::default(); N];
+    count::<N>("crba", |_| {
+        let (bodies, joints) = black_box((tree.bodies(), &joints[..]));
+        black_box(mass_matrix(bodies, joints, &mut scratch, matrix));
+    });
+    let mut workspace = [ArticulatedBody::default(); N];
+    let wrenches = [Wrench::new(Vec3::X, Vec3::ZERO); N];
+    count::<N>("aba", |_| {
+        let (bodies, joints) = black_box((tree.bodies(), &joints[..]));
+        let (workspace, out) = (&mut workspace, &mut accelerations);
+        forward_dynamics(bodies, joints, &wrenches, GRAVITY_M_S2, &[], workspace, out);
+    });
+    black_box(accelerations);
     Ok(())
 }
 
@@ -343,8 +374,8 @@ fn ticks_of_core<const N: usize>(
     ] {
         let frame = |index: usize| &frames[index][..];
         let first = [LAG_FRAMES, LAG_FRAMES + 1].map(frame);
-        let mut rig =
-            Rig::new(controller(tree, method, false)?, first).map_err(|_| "a frame is refused")?;
+        let (controller, workspace) = (controller(tree, method, false)?, Workspace::resolving());
+        let mut rig = Rig::new(controller, workspace, first).map_err(|_| "a frame is refused")?;
         count_tick::<N>(name, |run| {
             core_tick(&mut rig, frame(run + LAG_FRAMES + 2), [run, run + 1].map(frame))
         })?;
@@ -383,9 +414,11 @@ fn types<const N: usize>() {
     for (name, bytes) in [
         ("Tree", size_of::<Tree<N>>()),
         ("Controller", size_of::<Controller<N>>()),
+        ("ForwardDifferences", size_of::<ForwardDifferences<N>>()),
         ("JointTargets", size_of::<JointTargets<N>>()),
         ("JointStates", size_of::<JointStates<N>>()),
         ("Workspace", size_of::<Workspace<N>>()),
+        ("Workspace_resolving", size_of::<Workspace<N, N>>()),
         ("ManifoldProjection", size_of::<ManifoldProjection<N>>()),
         ("ProjectionWorkspace", size_of::<ProjectionWorkspace<N>>()),
         ("Observer", size_of::<Observer<N, { DELAY_MOST + 1 }>>()),
