@@ -200,3 +200,33 @@ pub(crate) fn number(line: &str, name: &str) -> Result<u64> {
     let number = field(line, name)?.parse();
     number.with_context(|| format!("QEMU printed no whole number for `{name}` in: {line}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stacks_and_types_are_read_and_what_a_tick_changes_is_added_up() {
+        let figures = printed(
+            "kernel=limits bodies=18 runs=16 instructions=1910\n\
+             stack=tick_world bodies=18 bytes=792\n\
+             type=JointTargets bodies=18 bytes=2000\n\
+             type=Tree bodies=18 bytes=2752\n\
+             type=JointStates bodies=18 bytes=940\n\
+             type=Workspace bodies=18 bytes=2500\n",
+        )
+        .unwrap();
+        let figure = |place: &str| figures.get(&Place::parse(place).unwrap());
+        assert_eq!(figure("painted_stack_bytes.tick_world.18"), Some(792));
+        assert_eq!(figure("type_bytes.Tree.18"), Some(2752));
+        assert_eq!(figure("type_bytes.state_and_workspace.18"), Some(2000 + 940 + 2500));
+        assert_eq!(figures.iter().count(), 6);
+    }
+
+    #[test]
+    fn what_is_printed_in_another_form_is_an_error() {
+        for bad in ["panicked at", "stack=tick bytes=7", "type=Tree bodies=18 bytes=many"] {
+            assert!(printed(bad).is_err(), "{bad}");
+        }
+    }
+}
