@@ -289,6 +289,46 @@ mod tests {
         }
     }
 
+    /// Every 997th number of f32 within a bound, of either sign.
+    fn numbers(bound: f32) -> impl Iterator<Item = f32> {
+        let positive = (0..bound.to_bits()).step_by(997).map(f32::from_bits);
+        positive.flat_map(|x| [x, -x])
+    }
+
+    #[test]
+    fn sines_and_cosines_are_as_good_as_said() {
+        let mut worst = 0.0f64;
+        for x in numbers(8192.0) {
+            let (sine, cosine) = sin_cos(x);
+            let (exact_sine, exact_cosine) = f64::from(x).sin_cos();
+            worst = worst.max((f64::from(sine) - exact_sine).abs());
+            worst = worst.max((f64::from(cosine) - exact_cosine).abs());
+        }
+        assert!(worst < 1e-7, "{worst:e}");
+        for x in [1e4, 1e6, 1e20, f32::MAX] {
+            let (sine, cosine) = sin_cos(x);
+            assert!((sine * sine + cosine * cosine - 1.0).abs() < 4.0 * f32::EPSILON);
+        }
+        assert!(sin_cos(f32::INFINITY).0.is_nan() && sin_cos(f32::NAN).1.is_nan());
+    }
+
+    #[test]
+    fn arctangents_are_as_good_as_said() {
+        let mut worst = 0.0f64;
+        for ratio in numbers(1e9) {
+            for (y, x) in [(ratio, 1.0), (1.0, ratio), (ratio, -1.0), (-1e30 * ratio, -1e30)] {
+                let exact = f64::from(y).atan2(f64::from(x));
+                if x < 0.0 && y.abs() < 1e-30 {
+                    continue; // Either side of the cut is right.
+                }
+                let off = (f64::from(atan2(y, x)) - exact).abs();
+                worst = worst.max(off / exact.abs().max(f64::from(f32::MIN_POSITIVE)));
+            }
+        }
+        assert!(worst < 2.0 * f64::from(f32::EPSILON), "{worst:e}");
+        assert_eq!(atan2(0.0, 0.0).to_bits(), 0);
+    }
+
     #[test]
     fn both_signs_of_a_quaternion_are_one_rotation() {
         let q = exp(Vec3::new(1.0, -0.3, 0.2));
