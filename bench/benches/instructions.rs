@@ -91,7 +91,7 @@ mod counted {
         resolved_acceleration
         forward_differences
         aligned_targets
-        backward_states
+        backward_differences
         projection
         tick_world
         tick_linear_compensation

@@ -1,7 +1,6 @@
 //! One rig and its tick, from poses to torques, as an application would call the core.
 
 use sinew_core::control::Limited;
-use sinew_core::trajectory::backward_states;
 use sinew_core::{
     Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
     Workspace, Wrench,
@@ -38,7 +37,7 @@ impl<const N: usize, const R: usize> Rig<N, R> {
         Ok(Self { differences, targets, measured: JointStates::rest(tree), controller, workspace })
     }
 
-    /// Torques for the next frame of the performance, and the poses measured before and now.
+    /// Torques for the next frame of the performance, and the poses measured now.
     ///
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
@@ -47,10 +46,10 @@ impl<const N: usize, const R: usize> Rig<N, R> {
     pub fn tick(
         &mut self,
         desired: &[Transform],
-        measured: [&[Transform]; 2],
+        measured: &[Transform],
     ) -> Result<&[Limited<Wrench>], StateInputError> {
         self.differences.advance(self.controller.tree(), desired, &mut self.targets)?;
-        backward_states(measured, DT_S, &mut self.measured)?;
+        self.measured.follow(measured, DT_S)?;
         Ok(self.controller.tick(&mut self.targets, &self.measured, &[], &mut self.workspace))
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::kinematics::of_parent;
 use crate::math;
-use crate::state::{BodyState, JointState, JointTargets, StateInputError, check_pose};
+use crate::state::{BodyState, JointState, JointTargets, StateInputError, checked_poses};
 use crate::trajectory::{rate, step};
 use crate::transform::{Motion, Transform};
 use crate::tree::Tree;
@@ -87,7 +87,7 @@ impl<const N: usize> ForwardDifferences<N> {
         dt_s: f32,
         frame: &[Transform],
     ) -> Result<(), StateInputError> {
-        let (frame, rate_hz) = (checked(tree, frame)?, rate(dt_s)?);
+        let (frame, rate_hz) = (checked_poses(frame, tree.len())?, rate(dt_s)?);
         self.rate_hz = rate_hz;
         for (index, (body, pose)) in tree.bodies().iter().zip(frame).enumerate() {
             let pose = with_unit_rotation(pose);
@@ -110,7 +110,7 @@ impl<const N: usize> ForwardDifferences<N> {
         frame: &[Transform],
         out: &mut JointTargets<N>,
     ) -> Result<(), StateInputError> {
-        let frame = checked(tree, frame)?;
+        let frame = checked_poses(frame, tree.len())?;
         if out.states().len() < tree.len() {
             return Err(StateInputError::NoSuchJoint);
         }
@@ -159,17 +159,6 @@ impl<const N: usize> Default for ForwardDifferences<N> {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// The poses of the tree's joints, which a frame must have at least.
-#[inline]
-fn checked<'f, const N: usize>(
-    tree: &Tree<N>,
-    frame: &'f [Transform],
-) -> Result<&'f [Transform], StateInputError> {
-    let frame = frame.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?;
-    frame.iter().try_for_each(check_pose)?;
-    Ok(frame)
 }
 
 #[inline]

@@ -9,6 +9,7 @@ use crate::fixed;
 use crate::joint::UNIT_TOLERANCE;
 use crate::kinematics;
 use crate::math;
+use crate::trajectory::{in_axes_of, rate, step};
 use crate::transform::{Motion, Transform};
 use crate::tree::{Body, Tree};
 
@@ -48,6 +49,17 @@ pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
     } else {
         Err(StateInputError::NonFinite)
     }
+}
+
+/// The first `count` of some poses, checked.
+#[inline]
+pub(crate) fn checked_poses(
+    poses: &[Transform],
+    count: usize,
+) -> Result<&[Transform], StateInputError> {
+    let poses = poses.get(..count).ok_or(StateInputError::NoSuchJoint)?;
+    poses.iter().try_for_each(check_pose)?;
+    Ok(poses)
 }
 
 #[inline]
@@ -227,6 +239,50 @@ impl<const N: usize> JointStates<N> {
     pub(crate) fn put(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
         *slot = state.with_unit_rotation();
+        Ok(())
+    }
+
+    /// Takes poses as those of a rig at rest: where it stood before is not known. O(n).
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit.
+    pub fn stand(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
+        let poses = checked_poses(poses, self.states.len())?;
+        for (state, pose) in self.states.iter_mut().zip(poses) {
+            *state = JointState { pose: *pose, velocity: Motion::ZERO }.with_unit_rotation();
+        }
+        Ok(())
+    }
+
+    /// Takes newly measured poses, `elapsed_s` after those that it has: the velocities are the backward differences
+    /// (13). What [`backward_states`](crate::trajectory::backward_states) makes of two frames, without the one before
+    /// to be kept and checked again. O(n).
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, JointStates, StateInputError, Transform, Tree, glam::Vec3};
+    /// let slide = Body {
+    ///     parent: None,
+    ///     joint: JointKind::Prismatic { axis: Vec3::X },
+    ///     placement: Transform::IDENTITY,
+    ///     inertia: Inertia::default(),
+    /// };
+    /// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
+    /// let mut measured = JointStates::rest(&tree);
+    /// measured.stand(&[Transform::from_translation(Vec3::X)])?;
+    /// measured.follow(&[Transform::from_translation(Vec3::X * 1.5)], 0.25)?;
+    /// assert_eq!(measured.as_slice()[0].velocity.linear.x, 2.0);
+    /// # Ok::<(), StateInputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit, or the
+    /// time is not a positive number (from 1e-9 s).
+    pub fn follow(&mut self, poses: &[Transform], elapsed_s: f32) -> Result<(), StateInputError> {
+        let (poses, rate_hz) = (checked_poses(poses, self.states.len())?, rate(elapsed_s)?);
+        for (state, pose) in self.states.iter_mut().zip(poses) {
+            let velocity = in_axes_of(pose, step(&state.pose, pose, rate_hz));
+            *state = JointState { pose: *pose, velocity }.with_unit_rotation();
+        }
         Ok(())
     }
 

@@ -385,7 +385,7 @@ pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Motion {
 
 /// A motion whose linear part is in the parent's axes, all in those of the body.
 #[inline]
-fn in_axes_of(pose: &Transform, motion: Motion) -> Motion {
+pub(crate) fn in_axes_of(pose: &Transform, motion: Motion) -> Motion {
     Motion { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
 }
 

@@ -1,7 +1,6 @@
 //! The control tick as the boards run it: a show's frame and measured joints in, limited torques out.
 
 use sinew_core::control::Limited;
-use sinew_core::trajectory::backward_states;
 use sinew_core::{
     Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
     Workspace, Wrench,
@@ -52,8 +51,7 @@ pub struct App<'a, const N: usize> {
     /// The frame that the differences took last, and its number; none before the first.
     frame: [Transform; N],
     newest: Option<usize>,
-    previous: [Transform; N],
-    /// Ticks since `previous` was measured; zero before anything was.
+    /// Ticks since the last poses were measured; zero before any were.
     age_ticks: u16,
 }
 
@@ -70,7 +68,6 @@ impl<'a, const N: usize> App<'a, N> {
             differences: ForwardDifferences::new(),
             frame: [Transform::IDENTITY; N],
             newest: None,
-            previous: [Transform::IDENTITY; N],
             age_ticks: 0,
         }
     }
@@ -113,25 +110,24 @@ impl<'a, const N: usize> App<'a, N> {
             self.newest = Some(newest);
         }
         let age_ticks = self.age_ticks;
-        let previous = match age_ticks {
-            0 => measured,
-            _ => self.previous.get(..bodies).unwrap_or_default(),
-        };
         // Ages before the poses are looked at: one that is refused has taken its tick all the same.
         self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
-        let elapsed_s = dt_s * f32::from(age_ticks.max(1));
         let continues = self.recommended.is_some() && age_ticks == 1;
-        if !continues {
-            backward_states([previous, measured], elapsed_s, &mut self.measured)?;
+        match age_ticks {
+            0 => self.measured.stand(measured)?,
+            // The observer goes on by itself.
+            1 if continues => {}
+            _ => self.measured.follow(measured, dt_s * f32::from(age_ticks))?,
         }
         if let Some(recommended) = &mut self.recommended {
             let anew = (!continues).then_some(&self.measured);
             recommended.observe(tree, measured, anew, &mut self.targets)?;
+            if continues {
+                // In case that the next poses are refused.
+                self.measured.stand(measured)?;
+            }
         }
         self.age_ticks = 1;
-        for (previous, measured) in self.previous.iter_mut().zip(measured) {
-            *previous = *measured;
-        }
         Ok(())
     }
 

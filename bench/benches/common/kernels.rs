@@ -192,10 +192,11 @@ fn dynamics<const N: usize>(
 fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec<Kernel> {
     let window = || [frames[0], frames[1], frames[2]];
     let (mut targets, mut measured) = (JointTargets::rest(tree), JointStates::rest(tree));
-    let (rig, aligned, backward) = (tree.clone(), window(), window());
+    let (rig, aligned) = (tree.clone(), window());
     let mut aligned_out = targets.clone();
     let frames = frames.to_vec();
-    let mut index = (1..FRAMES).cycle();
+    let performance = frames.clone();
+    let (mut index, mut of_measured) = ((1..FRAMES).cycle(), (1..FRAMES).cycle());
     let mut differences = ForwardDifferences::new();
     done(differences.restart(&rig, DT_S, &frames[0]));
     vec![
@@ -207,9 +208,9 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec
             let window = black_box(&aligned).each_ref().map(|frame| &frame[..]);
             done(aligned_targets(window, DT_S, &mut aligned_out));
         }),
-        kernel("backward_states", move || {
-            let [before, now, _] = black_box(&backward).each_ref().map(|frame| &frame[..]);
-            done(backward_states([before, now], DT_S, &mut measured));
+        kernel("backward_differences", move || {
+            let now = of_measured.next().unwrap_or_default();
+            done(measured.follow(black_box(&performance[now]), DT_S));
         }),
     ]
 }
@@ -253,7 +254,7 @@ fn ticks<const N: usize>(
         kernels.push(kernel(name, move || {
             let now = index.next().unwrap_or_default();
             let frame = |index: usize| &frames[index][..];
-            done(rig.tick(frame(now + LAG_FRAMES + 2), [now, now + 1].map(frame)));
+            done(rig.tick(frame(now + LAG_FRAMES + 2), frame(now)));
         }));
     }
 

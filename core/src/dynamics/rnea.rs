@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use crate::kinematics::of_parent;
-use crate::math::{plus_cross, rotate};
+use crate::math::plus_cross;
 use crate::state::JointState;
 use crate::transform::{Motion, Wrench};
 use crate::tree::Body;
@@ -21,7 +21,8 @@ pub struct BodyMotion {
 /// algorithm in the vector form of Luh, Walker & Paul, "On-Line Computational Scheme for Mechanical
 /// Manipulators" (1980), for joints of any kind and a fixed or a free root. O(n).
 ///
-/// - `joints`: states relative to the parent, body axes.
+/// - `joints`: states relative to the parent, body axes. Joints that do not slide have no linear velocity and
+///   acceleration: theirs are not read.
 /// - `accelerations`: of each joint, relative to the parent, body axes: the derivative of the components
 ///   of the angular velocity, and the second derivative of the position turned to body axes.
 /// - `gravity_m_s2`: in world axes.
@@ -80,7 +81,9 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         bodies.iter().zip(joints).zip(accelerations).enumerate()
     {
         let to_body = Mat3::from_quat(joint.pose.rotation.conjugate());
-        let motion = outward(of_parent(body, scratch, &world), to_body, joint, acceleration);
+        let parent = of_parent(body, scratch, &world);
+        let slides = body.joint.slides();
+        let motion = outward(parent, to_body, joint, acceleration, slides);
         let (Some(scratch_slot), Some(out_slot)) = (scratch.get_mut(index), out.get_mut(index))
         else {
             return;
@@ -99,11 +102,9 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         let Some(parent) = body.parent else { continue };
         let Some(out_i) = out.get(index) else { continue };
         let wrench = *out_i.as_ref();
-        // Of two vectors the quaternion costs less than its matrix, which is not kept: of three, more.
-        let to_parent = joint.pose.rotation;
-        let force_n = rotate(to_parent, wrench.force_n);
-        let moment_nm =
-            plus_cross(rotate(to_parent, wrench.moment_nm), joint.pose.translation_m, force_n);
+        let to_parent = Mat3::from_quat(joint.pose.rotation);
+        let force_n = to_parent * wrench.force_n;
+        let moment_nm = plus_cross(to_parent * wrench.moment_nm, joint.pose.translation_m, force_n);
         if let Some(of_parent) = out.get_mut(parent).map(W::as_mut) {
             *of_parent = *of_parent + Wrench { moment_nm, force_n };
         }
@@ -117,28 +118,26 @@ fn outward(
     to_body: Mat3,
     joint: &JointState,
     acceleration: &Motion,
+    slides: bool,
 ) -> BodyMotion {
     let arm = joint.pose.translation_m;
-    let (w, v) = (joint.velocity.angular, joint.velocity.linear);
+    let w = joint.velocity.angular;
     let carried_velocity = to_body * parent.angular_velocity;
     let turning = parent.angular_velocity.cross(arm);
-    let carried_acceleration = plus_cross(
-        plus_cross(parent.linear_acceleration, parent.angular_acceleration, arm),
-        parent.angular_velocity,
-        turning,
-    );
+    let carried_acceleration = parent.linear_acceleration
+        + parent.angular_acceleration.cross(arm)
+        + parent.angular_velocity.cross(turning);
+    let mut linear_acceleration = to_body * carried_acceleration;
+    if slides {
+        let v = joint.velocity.linear;
+        linear_acceleration += carried_velocity.cross(v + v) + acceleration.linear;
+    }
     BodyMotion {
         angular_velocity: carried_velocity + w,
-        angular_acceleration: plus_cross(
-            to_body * parent.angular_acceleration + acceleration.angular,
-            carried_velocity,
-            w,
-        ),
-        linear_acceleration: plus_cross(
-            to_body * carried_acceleration + acceleration.linear,
-            carried_velocity,
-            v + v,
-        ),
+        angular_acceleration: to_body * parent.angular_acceleration
+            + acceleration.angular
+            + carried_velocity.cross(w),
+        linear_acceleration,
     }
 }
 

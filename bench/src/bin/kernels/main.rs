@@ -136,7 +136,7 @@ fn count_tick<const N: usize>(
 fn core_tick<const N: usize>(
     rig: &mut Rig<N, N>,
     desired: &[Transform],
-    measured: [&[Transform]; 2],
+    measured: &[Transform],
 ) -> Result<(), StateInputError> {
     rig.tick(desired, measured).map(|torques| _ = black_box(torques))
 }
@@ -286,8 +286,8 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]; FRAMES]
     count::<N>("aligned_targets", |_| {
         black_box(aligned_targets(black_box([now, next, after]), DT_S, &mut targets).is_ok());
     });
-    count::<N>("backward_states", |_| {
-        black_box(backward_states(black_box([now, next]), DT_S, &mut measured).is_ok());
+    count::<N>("backward_differences", |run| {
+        black_box(measured.follow(black_box(&frames[run]), DT_S).is_ok());
     });
 }
 
@@ -376,9 +376,7 @@ fn ticks_of_core<const N: usize>(
         let first = [LAG_FRAMES, LAG_FRAMES + 1].map(frame);
         let (controller, workspace) = (controller(tree, method, false)?, Workspace::resolving());
         let mut rig = Rig::new(controller, workspace, first).map_err(|_| "a frame is refused")?;
-        count_tick::<N>(name, |run| {
-            core_tick(&mut rig, frame(run + LAG_FRAMES + 2), [run, run + 1].map(frame))
-        })?;
+        count_tick::<N>(name, |run| core_tick(&mut rig, frame(run + LAG_FRAMES + 2), frame(run)))?;
     }
     Ok(())
 }

@@ -157,7 +157,11 @@ pub(crate) fn aimed(
 
 /// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted
 /// with β: eq. (9) and (10).
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "as a call it costs 60 instructions a body, that go through memory"
+)]
+#[inline(always)]
 fn with_turn(
     turn: Quat,
     rate_rad_s: Vec3,

@@ -32,6 +32,7 @@ pub(super) const SMALLEST_SINE: f32 = 1e-6;
 /// assert_eq!(status, AimStatus::Compensated);
 /// assert!((error.angular_rad.z + (0.1f32 / 0.3).atan()).abs() < 1e-6);
 /// ```
+#[inline]
 pub fn compensate(
     goal_arm_m: Option<Vec3>,
     settings: Compensation,
