@@ -9,3 +9,4 @@ pub mod report;
 pub mod show;
 pub mod sweep;
 pub mod verify;
+mod words;

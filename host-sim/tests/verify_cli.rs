@@ -66,6 +66,19 @@ fn what_is_skipped_is_said_and_unknown_names_are_refused() {
     let error = text(&output.stderr);
     assert!(error.contains("w.json") && error.contains("weights/1"), "{error}");
 
+    for (name, schema) in [("h.json", "hauberg/1"), ("r.json", "rnea/2"), ("x.json", "songs/1")] {
+        let golden = format!(r#"{{"schema": "{schema}", "cases": [{{}}]}}"#);
+        fs::write(folder.path().join(name), golden).expect("the folder can be written");
+    }
+    let error = text(&verify(folder.path(), &["--skip", "solids"]).stderr);
+    for told in ["h.json: `hauberg/1`", "r.json: `rnea/2`", "x.json: `songs/1` (of no known kind"] {
+        assert!(error.contains(told), "all are told at once: {error}");
+    }
+    assert!(error.contains("--skip solids,hauberg,rnea,weights"), "{error}");
+    for name in ["h.json", "r.json", "x.json"] {
+        fs::remove_file(folder.path().join(name)).expect("it is there");
+    }
+
     let output = verify(folder.path(), &["--skip", "weights,solids"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("skipped w.json: kind weights"));

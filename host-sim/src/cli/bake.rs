@@ -23,11 +23,11 @@ pub(super) struct Args {
     clip: String,
 
     /// Factor on the figure's dimensions, 0.1 to 10. The clip keeps its own.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
     /// Only the first S seconds.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
     /// How the clip's skeleton maps on the figure, in TOML. Without: found among the known ones.

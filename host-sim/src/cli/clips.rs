@@ -20,12 +20,12 @@ pub(super) struct ClipArgs {
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Without: 100 as in the paper, 500 for
     /// `rig`.
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate: Option<f64>,
 
     /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
     /// between them. Without: a frame for every tick; 100 for `rig` and `latency`.
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     frames: Option<f64>,
 }
 

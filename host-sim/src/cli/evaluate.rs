@@ -31,7 +31,7 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale)]
+    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: Vec<f64>,
 
     /// Methods of measuring the state error, and settings; `all` for each of them but `accumulated`, which
@@ -48,7 +48,7 @@ pub(super) struct Args {
     setup: SetupArgs,
 
     /// Use only the first S seconds of every clip: for a quick look.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
     /// What to print.

@@ -29,7 +29,7 @@ pub(super) struct Args {
     subject: Option<PathBuf>,
 
     /// Factor on all dimensions, at the same density, 0.1 to 10.
-    #[arg(long, value_name = "F", default_value = "1.0", value_parser = scale)]
+    #[arg(long, value_name = "F", default_value = "1.0", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
     /// What to print.

@@ -31,11 +31,11 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Rates of control and plant, in Hz.
-    #[arg(long, value_name = "HZ,..", value_delimiter = ',', default_value = "100,500,1000", value_parser = rate)]
+    #[arg(long, value_name = "HZ,..", value_delimiter = ',', default_value = "100,500,1000", value_parser = rate, allow_negative_numbers = true)]
     rates: Vec<f64>,
 
     /// Factor on the figure's dimensions. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale)]
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
     /// Methods of measuring the state error, and settings.
@@ -46,7 +46,7 @@ pub(super) struct Args {
     setup: SetupArgs,
 
     /// Use only the first S seconds of every clip; the whole takes long.
-    #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value = "3", value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 
     #[command(flatten)]

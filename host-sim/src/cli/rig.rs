@@ -31,7 +31,7 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Factor on the figure's dimensions. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale)]
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
     /// Methods of measuring the state error, and settings.
@@ -44,14 +44,14 @@ pub(super) struct Args {
     methods: Vec<MethodArg>,
 
     /// How many rigs.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
     seeds: u64,
 
     #[command(flatten)]
     setup: SetupArgs,
 
     /// Use only the first S seconds of every clip: for a quick look.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
     #[command(flatten)]

@@ -49,7 +49,7 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Use only the first S seconds of every clip.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
     /// Only every N-th cell, beginning with the I-th; then `--merge` the folders of all N.

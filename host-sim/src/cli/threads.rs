@@ -8,8 +8,12 @@ use anyhow::Context as _;
 #[derive(Debug, clap::Args)]
 pub(super) struct ThreadArgs {
     /// Number of threads; the result does not depend on it. Without: one per processor.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.trim().parse().map_err(|_| "expected a whole number from 1".into())
 }
 
 impl ThreadArgs {

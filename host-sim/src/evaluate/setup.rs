@@ -15,6 +15,7 @@ use super::error::RunError;
 use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, Subject};
 use crate::mocap::FigureMotion;
 use crate::plant::PlantSettings;
+use crate::words::in_words;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
@@ -98,7 +99,7 @@ impl Setup {
     /// [`SetupError`].
     pub fn parse(toml: &str) -> Result<Self, SetupError> {
         let setup: Self =
-            toml::from_str(toml).map_err(|error| SetupError::Toml(error.to_string()))?;
+            toml::from_str(toml).map_err(|error| SetupError::Toml(in_words(&error)))?;
         setup.check()?;
         Ok(setup)
     }
@@ -110,11 +111,11 @@ impl Setup {
     pub fn from_table(table: toml::Table) -> Result<Self, SetupError> {
         let setup: Self =
             serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| {
-                let (path, message) = (error.path(), error.inner().message());
+                let (path, message) = (error.path(), in_words(&error.inner().message()));
                 // The path of the whole table is a dot.
                 SetupError::Toml(match path.iter().next() {
                     Some(_) => format!("{path}: {message}"),
-                    None => message.to_owned(),
+                    None => message,
                 })
             })?;
         setup.check()?;

@@ -1,6 +1,7 @@
 //! What is controlled: a simulated figure behind one trait.
 
 mod articulated;
+mod check;
 #[cfg(test)]
 mod fixture;
 mod rapier;
@@ -11,12 +12,12 @@ use std::fmt;
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::figure::MassProperties;
 
 pub use crate::figure::Root;
 pub use articulated::{Accelerations, ArticulatedPlant};
+pub use check::PlantError;
 pub use rapier::{EngineSettings, RapierPlant};
 
 /// Acceleration of gravity in m/s², world axes; the controller's.
@@ -62,62 +63,6 @@ pub struct Mechanism {
     pub bodies: Vec<PlantBody>,
 }
 
-impl Mechanism {
-    /// Whether this is a tree with a state for each body.
-    fn check(&self, start: &[MovingPose]) -> Result<(), PlantError> {
-        if self.bodies.is_empty() {
-            return Err(PlantError::NoBodies);
-        }
-        if start.len() != self.bodies.len() {
-            return Err(PlantError::StateCount { bodies: self.bodies.len(), states: start.len() });
-        }
-        for (body, PlantBody { parent, .. }) in self.bodies.iter().enumerate() {
-            if !parent.map_or(body == 0, |parent| parent < body) {
-                return Err(PlantError::Parent { body, parent: *parent });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Why a plant could not be built.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum PlantError {
-    /// A step cannot be cut in no parts.
-    #[error("substeps: expected 1 or more, found 0")]
-    NoSubsteps,
-    /// There is nothing to build.
-    #[error("a mechanism without bodies; expected one or more")]
-    NoBodies,
-    /// Each body starts in a state.
-    #[error("{states} states for {bodies} bodies; expected one for each")]
-    StateCount {
-        /// The bodies there are.
-        bodies: usize,
-        /// The states given.
-        states: usize,
-    },
-    /// Body 0 is the root, and parents come before children.
-    #[error(
-        "body {body}: parent {parent:?}; body 0, and only that, has none, and parents come before \
-         children"
-    )]
-    Parent {
-        /// The body.
-        body: usize,
-        /// What it was to hang on.
-        parent: Option<usize>,
-    },
-    /// The principal axes found do not give the inertia back.
-    #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
-    Inertia {
-        /// The body.
-        body: usize,
-        /// Largest difference over the largest element.
-        relative: f64,
-    },
-}
-
 impl PlantSettings {
     /// Builds the mechanism in the given state, one of `start` per body; the poses must fit the joints.
     ///
@@ -129,9 +74,6 @@ impl PlantSettings {
         start: &[MovingPose],
         dt_s: f64,
     ) -> Result<Box<dyn Plant>, PlantError> {
-        if self.substeps == 0 {
-            return Err(PlantError::NoSubsteps);
-        }
         let Self { kind, substeps } = *self;
         Ok(match kind.engine() {
             Some(engine) => Box::new(RapierPlant::new(mechanism, start, dt_s, substeps, engine)?),

@@ -56,8 +56,8 @@ impl RapierPlant {
     /// engine holds the torques over all substeps in world axes.
     ///
     /// # Errors
-    /// [`PlantError`] if this is no tree with a state for each body, or the engine does not hold a body's
-    /// inertia as given.
+    /// [`PlantError`] if this is no tree with a state for each body, a number is one that no machine has, or the
+    /// engine does not hold a body's inertia as given.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
@@ -65,7 +65,7 @@ impl RapierPlant {
         substeps: usize,
         settings: EngineSettings,
     ) -> Result<Self, PlantError> {
-        mechanism.check(start)?;
+        mechanism.check(start, dt_s, substeps)?;
         let bodies = &mechanism.bodies;
         let parameters = IntegrationParameters {
             dt: dt_s,

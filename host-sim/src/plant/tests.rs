@@ -99,6 +99,43 @@ fn no_plant_cuts_a_step_in_no_parts() {
 }
 
 #[test]
+fn numbers_that_no_machine_has_are_refused_by_name() {
+    type Change = fn(&mut Mechanism, &mut [MovingPose], f64);
+    let (tree, start) = random_tree(Root::Driven, 13);
+    let changes: [(&str, Change, &[f64]); 8] = [
+        ("offset_m", |tree, _, x| tree.bodies[3].offset_m.y = x, &[]),
+        ("mass_kg", |tree, _, x| tree.bodies[3].mass.mass_kg = x, &[0.0, -1.0]),
+        ("center_of_mass_m", |tree, _, x| tree.bodies[3].mass.center_of_mass_m.z = x, &[]),
+        (
+            "rotational_kg_m2",
+            |tree, _, x| tree.bodies[3].mass.rotational_kg_m2.x_axis.x = x,
+            &[0.0, -1.0, 1e9],
+        ),
+        ("position_m", |_, start, x| start[3].pose.position_m.x = x, &[]),
+        ("rotation", |_, start, x| start[3].pose.rotation.w = x, &[3.0, -2.0]),
+        ("angular_rad_s", |_, start, x| start[3].angular_rad_s.x = x, &[]),
+        ("linear_m_s", |_, start, x| start[3].linear_m_s.x = x, &[]),
+    ];
+    for kind in PlantKind::value_variants() {
+        let settings = PlantSettings { kind: *kind, substeps: 1 };
+        for (field, change, values) in &changes {
+            for &value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].iter().chain(*values) {
+                let (mut tree, mut start) = (tree.clone(), start.clone());
+                change(&mut tree, &mut start, value);
+                let error = settings.build(&tree, &start, 0.01).err().expect("no machine");
+                let message = error.to_string();
+                assert!(message.starts_with(&format!("body 3, {field}: expected ")), "{message}");
+            }
+        }
+        for dt_s in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+            let message = settings.build(&tree, &start, dt_s).err().expect("no time").to_string();
+            assert!(message.starts_with("time step: expected a finite number"), "{message}");
+        }
+    }
+    assert_eq!(ArticulatedPlant::new(&tree, &start, 0.01, 0).err(), Some(PlantError::NoSubsteps));
+}
+
+#[test]
 fn descriptions_tell_what_runs() {
     let text = |kind| PlantSettings { kind, substeps: 2 }.description().to_string();
     assert_eq!(

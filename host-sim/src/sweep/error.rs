@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::evaluate::SetupError;
+use crate::words::in_words;
 
 /// Why a sweep was refused or could not go on.
 #[derive(Debug, Error)]
@@ -18,7 +19,7 @@ pub enum SweepError {
         source: std::io::Error,
     },
     /// Not a sweep file.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {}", file.display(), in_words(source))]
     Toml {
         /// The file.
         file: PathBuf,

@@ -23,6 +23,9 @@ use golden::Golden;
 use tally::Tallies;
 pub use tally::{Limit, Tally};
 
+/// The schemas that are computed.
+const COMPUTED: &str = "rnea/1, control/1, errors/1, finite_difference/1 and solids/1";
+
 /// What a golden file holds: the name before the slash of its schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
@@ -101,19 +104,30 @@ pub fn verify_folder(folder: &Path, skip: &[Kind]) -> Result<Report, VerifyError
     paths.sort();
 
     let mut report = Report::default();
+    let mut unknown = Vec::new();
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let text = fs::read_to_string(&path).map_err(read(&path))?;
         let in_file = |source| VerifyError::File { file: name.clone(), source };
         let golden: Golden =
             serde_json::from_str(&text).map_err(|error| in_file(FileError::Malformed(error)))?;
-        match Kind::of_schema(&golden.schema) {
-            Some(kind) if skip.contains(&kind) => report.skipped.push((name, kind)),
-            _ => {
-                let tallies = recompute(golden).map_err(in_file)?;
-                report.files.push((name, tallies));
-            }
+        let kind = Kind::of_schema(&golden.schema);
+        if let Some(kind) = kind.filter(|kind| skip.contains(kind)) {
+            report.skipped.push((name, kind));
+            continue;
         }
+        match recompute(golden) {
+            Ok(tallies) => report.files.push((name, tallies)),
+            // All of them are told at once, so that they can be left out at once.
+            Err(FileError::UnknownSchema { schema }) => {
+                unknown.push(UnknownFile { name, schema, kind });
+            }
+            Err(error) => return Err(in_file(error)),
+        }
+    }
+    if !unknown.is_empty() {
+        let skip = skip.to_vec();
+        return Err(VerifyError::Unknown(UnknownFiles { files: unknown, skip }));
     }
     if report.files.is_empty() {
         let skipped = report.skipped.len();
@@ -144,10 +158,51 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
     Ok(tallies.into_inner())
 }
 
+/// A golden file that cannot be computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnknownFile {
+    /// Its name.
+    pub name: String,
+    /// The schema that it names.
+    pub schema: String,
+    /// Its kind, if that is known: it can be left out.
+    pub kind: Option<Kind>,
+}
+
+/// The golden files of a folder that cannot be computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnknownFiles {
+    /// The files, by name.
+    pub files: Vec<UnknownFile>,
+    /// The kinds that are left out already.
+    pub skip: Vec<Kind>,
+}
+
+/// Each file with its schema, and what to type or to do.
+impl fmt::Display for UnknownFiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "cannot compute these schemas, only {COMPUTED}:")?;
+        let mut skip = self.skip.clone();
+        for UnknownFile { name, schema, kind } in &self.files {
+            let advice = if kind.is_none() { " (of no known kind: move it elsewhere)" } else { "" };
+            writeln!(f, "  {name}: `{schema}`{advice}")?;
+            skip.extend(kind.filter(|kind| !skip.contains(kind)));
+        }
+        let names: Vec<_> = skip.iter().map(|kind| kind.name()).collect();
+        if names.is_empty() {
+            return Ok(());
+        }
+        write!(f, "leave out the known kinds with: --skip {}", names.join(","))
+    }
+}
+
 /// Why golden files could not be verified.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VerifyError {
+    /// Files are of a kind or version that is not known, or not computed yet.
+    #[error("{0}")]
+    Unknown(UnknownFiles),
     /// The folder or a file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -182,10 +237,7 @@ pub enum FileError {
     #[error("not a golden file, which is an object with `schema` and `cases`: {0}")]
     Malformed(serde_json::Error),
     /// Of a kind or version that is not known, or not computed yet.
-    #[error(
-        "cannot compute schema `{schema}`, only rnea/1, control/1, errors/1, finite_difference/1 and \
-         solids/1; a kind is left out with --skip"
-    )]
+    #[error("cannot compute schema `{schema}`, only {COMPUTED}")]
     UnknownSchema {
         /// The schema that the file names.
         schema: String,

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::words::in_words;
+
 /// A subject file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SubjectError {
@@ -15,7 +17,7 @@ pub enum SubjectError {
         source: std::io::Error,
     },
     /// A key is missing, unknown, or has a value that cannot be.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {}", file.display(), in_words(source))]
     Toml {
         /// The file.
         file: PathBuf,

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::figure::{BODIES, BODY_COUNT};
 use crate::mocap::clip::Skeleton;
+use crate::words::in_words;
 
 /// A skeleton that cannot be mapped, or a mapping file that cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +21,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Not a mapping file.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {}", file.display(), in_words(source))]
     Toml {
         /// The file.
         file: PathBuf,

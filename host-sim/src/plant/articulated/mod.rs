@@ -41,14 +41,14 @@ impl ArticulatedPlant {
     /// the root's count. A bolted root has no velocity.
     ///
     /// # Errors
-    /// [`PlantError`] if this is no tree with a state for each body.
+    /// [`PlantError`] if this is no tree with a state for each body, or a number is one that no machine has.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
         dt_s: f64,
         substeps: usize,
     ) -> Result<Self, PlantError> {
-        mechanism.check(start)?;
+        mechanism.check(start, dt_s, substeps)?;
         let tree = Tree::new(mechanism, start);
         let mut poses = Vec::with_capacity(start.len());
         tree.poses(&mut poses);

@@ -1,0 +1,157 @@
+//! What can be simulated: numbers that a machine can have, in a tree.
+
+use ::nalgebra as na;
+use glam::{DMat3, DVec3};
+use thiserror::Error;
+
+use super::{Mechanism, MovingPose, PlantBody};
+
+/// How far a start's quaternion may be from unit length.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+/// Rounding of an inertia, as a share of the largest moment: bodies come out of f32, too.
+const ROUNDING: f64 = 1e-5;
+
+/// Why a plant could not be built.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PlantError {
+    /// A step cannot be cut in no parts.
+    #[error("substeps: expected 1 or more, found 0")]
+    NoSubsteps,
+    /// A step takes time.
+    #[error("time step: expected a finite number of seconds above 0, found {found}")]
+    TimeStep {
+        /// What it was to be, in s.
+        found: f64,
+    },
+    /// There is nothing to build.
+    #[error("a mechanism without bodies; expected one or more")]
+    NoBodies,
+    /// Each body starts in a state.
+    #[error("{states} states for {bodies} bodies; expected one for each")]
+    StateCount {
+        /// The bodies there are.
+        bodies: usize,
+        /// The states given.
+        states: usize,
+    },
+    /// Body 0 is the root, and parents come before children.
+    #[error(
+        "body {body}: parent {parent:?}; body 0, and only that, has none, and parents come before \
+         children"
+    )]
+    Parent {
+        /// The body.
+        body: usize,
+        /// What it was to hang on.
+        parent: Option<usize>,
+    },
+    /// A number of a body, or of the state that it starts in, that no machine has.
+    #[error("body {body}, {item}: expected {expected}, found {found}")]
+    Body {
+        /// The body.
+        body: usize,
+        /// The field.
+        item: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is: of several numbers the first that cannot be.
+        found: f64,
+    },
+    /// The principal axes found do not give the inertia back.
+    #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
+    Inertia {
+        /// The body.
+        body: usize,
+        /// Largest difference over the largest element.
+        relative: f64,
+    },
+}
+
+impl Mechanism {
+    /// Whether this is a tree of possible bodies with a possible state for each, and steps that go on.
+    pub(super) fn check(
+        &self,
+        start: &[MovingPose],
+        dt_s: f64,
+        substeps: usize,
+    ) -> Result<(), PlantError> {
+        if substeps == 0 {
+            return Err(PlantError::NoSubsteps);
+        }
+        if !(dt_s > 0.0 && dt_s.is_finite()) {
+            return Err(PlantError::TimeStep { found: dt_s });
+        }
+        if self.bodies.is_empty() {
+            return Err(PlantError::NoBodies);
+        }
+        if start.len() != self.bodies.len() {
+            return Err(PlantError::StateCount { bodies: self.bodies.len(), states: start.len() });
+        }
+        for (body, (of_body, of_start)) in self.bodies.iter().zip(start).enumerate() {
+            let parent = of_body.parent;
+            if !parent.map_or(body == 0, |parent| parent < body) {
+                return Err(PlantError::Parent { body, parent });
+            }
+            let fault = body_fault(of_body).or_else(|| state_fault(of_start));
+            if let Some((item, expected, found)) = fault {
+                return Err(PlantError::Body { body, item, expected, found });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A field, what it may be, and what it is.
+type Fault = (&'static str, &'static str, f64);
+
+fn body_fault(body: &PlantBody) -> Option<Fault> {
+    let mass = &body.mass;
+    vector_fault("offset_m", body.offset_m)
+        .or_else(|| {
+            let good = mass.mass_kg > 0.0 && mass.mass_kg.is_finite();
+            (!good).then_some(("mass_kg", "a finite mass above 0 kg", mass.mass_kg))
+        })
+        .or_else(|| vector_fault("center_of_mass_m", mass.center_of_mass_m))
+        .or_else(|| inertia_fault(&mass.rotational_kg_m2))
+}
+
+fn inertia_fault(inertia: &DMat3) -> Option<Fault> {
+    let item = "rotational_kg_m2";
+    let elements = inertia.to_cols_array();
+    if let Some(found) = elements.into_iter().find(|element| !element.is_finite()) {
+        return Some((item, "finite numbers of kg m²", found));
+    }
+    let largest = elements.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let skew = (*inertia - inertia.transpose()).to_cols_array();
+    if let Some(found) = skew.into_iter().find(|element| element.abs() > ROUNDING * largest) {
+        return Some((item, "a symmetric matrix, differences of 0 across its diagonal", found));
+    }
+    let moments = na::Matrix3::from_column_slice(&elements).symmetric_eigenvalues();
+    if moments.min() <= 0.0 {
+        return Some((item, "principal moments above 0 kg m²", moments.min()));
+    }
+    let rest = moments.sum() - moments.max();
+    if moments.max() > rest * (1.0 + ROUNDING) {
+        let expected = "no principal moment above the sum of the other two, in kg m²";
+        return Some((item, expected, moments.max()));
+    }
+    None
+}
+
+fn state_fault(state: &MovingPose) -> Option<Fault> {
+    let length = state.pose.rotation.length();
+    vector_fault("position_m", state.pose.position_m)
+        .or_else(|| {
+            // Written so that NaN is a fault.
+            let unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
+            (!unit).then_some(("rotation", "a quaternion of length 1", length))
+        })
+        .or_else(|| vector_fault("angular_rad_s", state.angular_rad_s))
+        .or_else(|| vector_fault("linear_m_s", state.linear_m_s))
+}
+
+fn vector_fault(item: &'static str, v: DVec3) -> Option<Fault> {
+    let found = v.to_array().into_iter().find(|x| !x.is_finite())?;
+    Some((item, "finite numbers", found))
+}
