@@ -5,9 +5,10 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result};
-use object::{Object, ObjectSegment};
+use object::{Object, ObjectSection, ObjectSegment};
 
 use super::figures::Place;
+use crate::elf::Elf;
 use crate::{arm, step};
 
 /// What images take beside their shows.
@@ -49,9 +50,21 @@ fn cargo(verb: &str, image: &str) -> Result<Command> {
     Ok(command)
 }
 
-/// What the core alone takes.
+/// The tick of the core alone, of 18 bodies and without room for resolved acceleration.
+const CORE_TICK: &str = "<sinew_bench::rig::Rig<18>>::tick";
+
+/// What the core alone takes: as an image, and of it what a tick can execute, with all constants.
 pub(crate) fn core_alone() -> Result<impl Iterator<Item = (Place, u64)>> {
-    size(CORE_ALONE, &arm::image(CORE_ALONE), 0)
+    let image = arm::image(CORE_ALONE);
+    let elf = Elf::load(&image)?;
+    let tick = elf.named(CORE_TICK).with_context(|| format!("the image has no `{CORE_TICK}`"))?;
+    let code = elf.reachable_from(&[tick]).into_iter().map(|index| elf.functions()[index].size);
+    let bytes = fs::read(&image)?;
+    let file = object::File::parse(&*bytes)?;
+    let constants = file.section_by_name(".rodata").map_or(0, |section| section.size());
+    let tick_bytes = code.sum::<u64>() + constants;
+    let tick = (Place::new(SECTION, CORE_ALONE, "tick"), tick_bytes);
+    Ok(size(CORE_ALONE, &image, 0)?.chain([tick]))
 }
 
 /// Where the Cortex-M architecture has SRAM.
