@@ -286,6 +286,8 @@ impl<const N: usize> Controller<N> {
             targets.complete(bodies);
         }
         match &self.method {
+            // Without room it would work for nobody: and images that leave none are without its code.
+            Method::ResolvedAcceleration { .. } if R == 0 => {}
             Method::ResolvedAcceleration { weights } => {
                 self.resolved_commands(targets, measured, weights, w);
             }

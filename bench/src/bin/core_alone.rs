@@ -40,8 +40,8 @@ fn main() -> ! {
     if let Some((mut world, mut linear_compensation)) = rigs() {
         while black_box(true) {
             for rig in [&mut world, &mut linear_compensation] {
-                let [desired, before, now] = poses();
-                let _ = black_box(rig.tick(&desired, [&before, &now]).is_ok());
+                let [desired, measured, _] = poses();
+                let _ = black_box(rig.tick(&desired, &measured).is_ok());
             }
         }
     }
