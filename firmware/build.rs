@@ -11,14 +11,15 @@ mod show;
 
 /// Images, and the link scripts each needs beside `link.x`. The reference board's memory is the
 /// workspace's `memory.x`, which `link.x` includes; a script of another board overrides its numbers.
-const BOARDS: [(&str, &[&str]); 3] = [
+const BOARDS: [(&str, &[&str]); 4] = [
     ("mps2_an386", &["mps2_an386.x"]),
     ("nucleo_f446re", &["defmt.x"]),
-    (AUDIT, &["mps2_an386.x"]),
+    ("audit", &["mps2_an386.x"]),
+    ("parity", &["mps2_an386.x"]),
 ];
 
-/// The image that is not run, and has no show: see `cargo xtask audit`.
-const AUDIT: &str = "audit";
+/// Images that have no show baked in: `cargo xtask audit` does not run its own, `cargo xtask parity` sends shows.
+const WITHOUT_SHOW: [&str; 2] = ["audit", "parity"];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -43,7 +44,7 @@ fn main() {
     for script in scripts.iter().chain(&["link.x"]) {
         println!("cargo:rustc-link-arg-bin={image}=-T{script}");
     }
-    if *image != AUDIT {
+    if !WITHOUT_SHOW.contains(image) {
         bake(Path::new(&env::var_os("OUT_DIR").expect("cargo sets it")));
     }
 }

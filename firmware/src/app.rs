@@ -154,6 +154,21 @@ impl<'a, const N: usize> App<'a, N> {
         &self.controller
     }
 
+    /// What was observed last: the targets of the show's frame.
+    pub fn targets(&self) -> &JointTargets<N> {
+        &self.targets
+    }
+
+    /// What was observed last: the state that [`Self::control`] goes by.
+    pub fn states(&self) -> &JointStates<N> {
+        self.recommended.as_ref().map_or(&self.measured, Recommended::states)
+    }
+
+    /// What the last tick left: errors, commands, torques.
+    pub fn workspace(&self) -> &Workspace<N> {
+        &self.workspace
+    }
+
     /// The show.
     pub fn show(&self) -> &Show<'a> {
         &self.show

@@ -4,7 +4,8 @@
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
 //! - [`app`]: the control tick as the boards run it;
 //! - [`recommended`]: the setting for real rigs;
-//! - [`replay`]: a stand-in for servos, so that a board and a host can be compared bit by bit;
+//! - [`replay`]: a stand-in for servos, so that a board can perform a show without any;
+//! - [`parity`]: runs that boards and hosts make, to be compared bit by bit;
 //! - [`indicator`]: the status light.
 //!
 //! # Features
@@ -22,6 +23,7 @@ pub mod app;
 #[cfg(feature = "defmt")]
 mod format;
 pub mod indicator;
+pub mod parity;
 pub mod recommended;
 pub mod replay;
 pub mod show;

@@ -4,7 +4,8 @@
 //! by bit.
 
 use sinew_core::control::{ControlLaw, Gains, GainsError, Limited};
-use sinew_core::state_error::{Aims, Compensation, Method};
+use sinew_core::projection::BodyWeights;
+use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::{Controller, ControllerError, StateInputError, Transform, Tree, Wrench};
 
 use crate::app::App;
@@ -23,17 +24,43 @@ pub const KP: f32 = 200.0;
 /// The three methods of the paper, and the setting for real rigs, by the names that all reports use.
 pub const METHODS: [&str; 4] = ["local", "world", "linear_compensation", "recommended"];
 
-/// The method of that name, for a rig.
+/// The method of that name, for a rig: one of [`METHODS`], `egocentric` or `resolved_acceleration`.
 pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
     match name {
         "local" => Some(Method::Local),
         "world" | "recommended" => Some(Method::World),
+        "egocentric" => Some(Method::Accumulated(References::egocentric(tree))),
         "linear_compensation" => Some(Method::LinearCompensation {
             aims: Aims::heaviest_child(tree),
             settings: Compensation::default(),
         }),
+        "resolved_acceleration" => {
+            Some(Method::ResolvedAcceleration { weights: BodyWeights::rotations(tree) })
+        }
         _ => None,
     }
+}
+
+/// An application at a show's first frame, with the named [`method`] and the paper's gains.
+///
+/// # Errors
+/// [`ReplayError`] if the show's rig is not usable or there is no such method.
+pub fn app<'a, const N: usize>(show: Show<'a>, name: &str) -> Result<App<'a, N>, ReplayError> {
+    let tree = show.tree::<N>().map_err(ReplayError::Show)?;
+    let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
+    let mut gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
+    if name == "recommended" {
+        gains = gains.implicit(show.dt_s()).map_err(ReplayError::Gains)?;
+    }
+    let controller = Controller::new(tree, gains, method)
+        .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
+        .map_err(ReplayError::Controller)?;
+    let app = App::new(show, controller);
+    if name == "recommended" {
+        let setting = Recommended::new(&show, app.controller().tree(), DELAY_TICKS);
+        return Ok(app.with(setting.map_err(ReplayError::Recommended)?));
+    }
+    Ok(app)
 }
 
 /// A run of one method over a show.
@@ -70,27 +97,12 @@ pub struct Replay<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Replay<'a, N> {
-    /// A run from the show's first frame, with the paper's gains.
+    /// A run from the show's first frame, see [`app`].
     ///
     /// # Errors
     /// [`ReplayError`] if the show's rig is not usable or there is no such method.
     pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
-        let tree = show.tree::<N>().map_err(ReplayError::Show)?;
-        let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
-        let mut gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
-        if name == "recommended" {
-            gains = gains.implicit(show.dt_s()).map_err(ReplayError::Gains)?;
-        }
-        let controller = Controller::new(tree, gains, method)
-            .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
-            .map_err(ReplayError::Controller)?;
-        let mut app = App::new(show, controller);
-        if name == "recommended" {
-            let tree = app.controller().tree();
-            let setting = Recommended::new(&show, tree, DELAY_TICKS);
-            app = app.with(setting.map_err(ReplayError::Recommended)?);
-        }
-        Ok(Self { app, late: [Transform::IDENTITY; N] })
+        Ok(Self { app: app(show, name)?, late: [Transform::IDENTITY; N] })
     }
 
     /// Reads the sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own

@@ -3,6 +3,7 @@
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;
 //! - [`nearest_pose`]: what the projection looks for, by dense least squares in f64;
 //! - [`newton_euler`]: inverse dynamics of given states in f64;
+//! - [`parity`]: runs of the evaluation for other machines, and where their numbers differ;
 //! - [`subtree_form`]: the other way to look for it, which the core's is compared with;
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
 //! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
@@ -10,6 +11,7 @@
 pub mod extreme;
 pub mod nearest_pose;
 pub mod newton_euler;
+pub mod parity;
 pub mod reference;
 pub mod rig;
 pub mod subtree_form;

@@ -1,67 +1,122 @@
-//! The same bits on a Cortex-M4F, as QEMU emulates it, and on this host.
+//! The same bits on every machine: all numbers of the built-in evaluation, with each method at both sizes.
 //!
-//! The image performs a built-in clip with each method and leaves all its torques in a file; here the same run is
-//! made and compared number by number, so that a difference has a name.
+//! The evaluation is recorded here, and its runs are made again here and on each other machine, tick by tick as the
+//! boards make them. `cargo xtask test` and `cargo xtask parity` build the other machines' programs.
 
-use std::path::PathBuf;
-use std::process::Command;
+use std::env;
 
-use sinew_firmware::replay::{METHODS, Replay, components};
-use sinew_firmware::show::Show;
-use sinew_sim::figure::{BODIES, BODY_COUNT};
+use rayon::prelude::*;
+use sinew_firmware::parity::METHODS;
+use sinew_sim::figure::BODIES;
+use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
+use sinew_tests::parity::{Difference, Machine, Run};
 
-const QUANTITIES: [&str; 6] = ["moment x", "moment y", "moment z", "force x", "force y", "force z"];
+const SCALES: [f64; 2] = [1.0, 1.1];
 
-fn path(variable: &str) -> PathBuf {
-    std::env::var_os(variable)
-        .unwrap_or_else(|| panic!("{variable} is not set: run this test with `cargo xtask test`"))
-        .into()
+/// Frames of the paper's evaluation.
+const PAPER_FRAMES: usize = 22_560;
+
+/// A machine whose program is named by an environment variable; none if the variable is empty.
+fn machine(name: &'static str, variable: &str, emulated: bool) -> Option<Machine> {
+    let program = env::var_os(variable).unwrap_or_else(|| {
+        panic!("{variable} is not set: run this test with `cargo xtask parity`")
+    });
+    (!program.is_empty()).then(|| Machine { name, program: program.into(), emulated })
 }
 
-/// Torques of the image, in the order the image writes them, as bits.
-fn on_the_board() -> Vec<u32> {
-    let folder = tempfile::tempdir().unwrap();
-    let output = Command::new("qemu-system-arm")
-        .args(["-machine", "mps2-an386", "-nographic", "-icount", "shift=0"])
-        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-        .arg(path("SINEW_QEMU_IMAGE"))
-        .current_dir(&folder)
-        .output()
-        .expect("qemu-system-arm can be started");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let bytes = std::fs::read(folder.path().join("torques.bin")).unwrap();
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect()
+fn motions() -> Vec<FigureMotion> {
+    let prepared = |clip| prepare(clip, &Settings::default()).unwrap().0;
+    builtin::clips().into_iter().map(prepared).collect()
 }
 
 #[test]
-#[ignore = "needs SINEW_QEMU_IMAGE and SINEW_QEMU_SHOW, which `cargo xtask test` sets"]
-fn the_board_and_the_host_compute_the_same_bits() {
-    let board = on_the_board();
-    let bytes = std::fs::read(path("SINEW_QEMU_SHOW")).unwrap();
-    let show = Show::parse(&bytes).unwrap();
-    assert!(show.frame_count() >= 2000, "only {} ticks of each method", show.frame_count());
-    let per_tick = BODY_COUNT * QUANTITIES.len();
-    assert_eq!(board.len(), METHODS.len() * show.frame_count() * per_tick);
+#[ignore = "needs programs that `cargo xtask parity` builds"]
+fn every_machine_computes_the_same_bits() {
+    let machines: Vec<_> = [
+        machine("this host, release", "SINEW_PARITY_RELEASE", false),
+        machine("32-bit x86", "SINEW_PARITY_I686", false),
+        machine("Cortex-M4F", "SINEW_PARITY_M4F", true),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    // Slow: each clip once, and with as many clips as figures and methods, each of those once.
+    let soft_float = machine("Cortex-M4 without FPU", "SINEW_PARITY_M4", true);
+    let soft_float = soft_float.as_slice();
 
-    let mut board = board.into_iter();
-    for method in METHODS {
-        let mut replay = Replay::<BODY_COUNT>::new(show, method).unwrap();
-        for tick in 0..show.frame_count() {
-            replay.observe(tick).unwrap();
-            let torques = replay.control();
-            assert_eq!(torques.len(), BODY_COUNT);
-            for (body, torque) in BODIES.iter().zip(torques) {
-                for (quantity, number) in QUANTITIES.iter().zip(components(&torque.value)) {
-                    let (here, there) = (number.to_bits(), board.next().unwrap());
-                    assert!(
-                        here == there,
-                        "{method}, tick {tick}, {}, {quantity}: {here:08x} ({number}) here, \
-                         {there:08x} ({}) on the board",
-                        body.name,
-                        f32::from_bits(there)
-                    );
-                }
-            }
-        }
-    }
+    let motions = motions();
+    let figures: Vec<_> =
+        SCALES.into_iter().flat_map(|scale| METHODS.map(|method| (scale, method))).collect();
+    assert_eq!(motions.len(), figures.len());
+    let runs: Vec<_> = motions
+        .iter()
+        .enumerate()
+        .flat_map(|(clip, motion)| {
+            figures.iter().enumerate().map(move |figure| (clip, motion, figure))
+        })
+        .collect();
+    let results: Vec<_> = runs
+        .par_iter()
+        .map(|(clip, motion, (figure, (scale, method)))| {
+            let run = Run::record(motion, *scale, method);
+            let here = run.here();
+            let also = if clip == figure { soft_float } else { &[] };
+            let differences: Vec<_> = machines
+                .iter()
+                .chain(also)
+                .filter_map(|machine| {
+                    let difference = Difference::first([&here, &run.on(machine)])?;
+                    Some(format!("{machine}: {run}, {difference}"))
+                })
+                .collect();
+            (run.ticks(), differences)
+        })
+        .collect();
+
+    let ticks: usize = results.iter().map(|(ticks, _)| ticks).sum();
+    assert!(ticks >= PAPER_FRAMES * figures.len(), "only {ticks} ticks");
+    let differences: Vec<_> =
+        results.into_iter().flat_map(|(_, differences)| differences).collect();
+    assert!(
+        differences.is_empty(),
+        "{} runs differ:\n{}",
+        differences.len(),
+        differences.join("\n")
+    );
+    println!("{ticks} ticks of {} runs: the same bits on {}", runs.len(), machines.len());
+}
+
+#[test]
+fn a_flipped_bit_is_found_and_named() {
+    let mut motion = motions().swap_remove(0);
+    motion.rotation.truncate(12);
+    let run = Run::record(&motion, 1.1, "world");
+    let here = run.here();
+    assert_eq!(Difference::first([&here, &run.here()]), None);
+
+    let body = BODIES.iter().position(|body| body.name == "forearm_l").unwrap();
+    // The torques are the last of a tick: six numbers a body.
+    let tick = here.len() / run.ticks();
+    let forward = 8 * tick - (BODIES.len() - body) * 6 * 4 + 5 * 4;
+    let mut there = here.clone();
+    there[forward] ^= 1;
+    let difference = Difference::first([&here, &there]).unwrap();
+    let bits = u32::from_le_bytes(*here[forward..].first_chunk().unwrap());
+    let [number, flipped] = [bits, bits ^ 1].map(f32::from_bits);
+    assert_eq!(
+        difference.to_string(),
+        format!(
+            "frame 7, forearm_l, torque, force z: {bits:08x} ({number:e}) here, \
+             {:08x} ({flipped:e}) there",
+            bits ^ 1
+        )
+    );
+
+    // Of two, the one that is computed first.
+    there[7 * tick] ^= 0x80;
+    let difference = Difference::first([&here, &there]).unwrap();
+    assert_eq!(
+        (difference.frame, difference.body, difference.quantity, difference.component),
+        (7, "pelvis", "desired pose", "rotation x")
+    );
 }

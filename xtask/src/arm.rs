@@ -9,6 +9,9 @@ use crate::step;
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The same processor without a floating-point unit.
+pub(crate) const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
+
 /// Debian's packages that build for Arm: a compiler that needs no bootstrap, the library's source, a linker.
 pub(crate) const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "rust-web-src", "cargo-web", "lld"];
 
@@ -22,11 +25,9 @@ pub(crate) enum Toolchain {
 }
 
 impl Toolchain {
-    /// What is on this machine already.
-    pub(crate) fn find() -> Option<Self> {
-        let installed =
-            step::output(step::command("rustup").args(["target", "list", "--installed"]));
-        if installed.is_some_and(|list| list.lines().any(|target| target == TARGET)) {
+    /// What is on this machine already that builds for a target.
+    pub(crate) fn find(target: &str) -> Option<Self> {
+        if has_target(target) {
             return Some(Self::Rustup);
         }
         let source = step::output(Command::new("/usr/bin/rustc").args(["--print", "sysroot"]))
@@ -47,6 +48,11 @@ impl Toolchain {
 
     /// A cargo command for an image or a check: `cargo VERB --target .. ARGUMENTS`.
     pub(crate) fn cargo(self, verb: &str) -> Command {
+        self.cargo_for(TARGET, verb)
+    }
+
+    /// The same for another Arm target.
+    pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Command {
         let mut command = match self {
             Self::Rustup => {
                 let mut command = step::cargo();
@@ -59,6 +65,7 @@ impl Toolchain {
                     .env("RUSTC", "/usr/bin/rustc")
                     .env("RUSTC_BOOTSTRAP", "1")
                     .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld")
+                    .env("CARGO_TARGET_THUMBV7EM_NONE_EABI_LINKER", "ld.lld")
                     .env_remove("RUSTUP_TOOLCHAIN")
                     .env_remove("RUSTC_WRAPPER")
                     .env_remove("RUSTFLAGS")
@@ -66,9 +73,15 @@ impl Toolchain {
                 command
             }
         };
-        command.args(["--locked", "--target", TARGET, "--target-dir"]).arg(target_dir());
+        command.args(["--locked", "--target", target, "--target-dir"]).arg(target_dir());
         command
     }
+}
+
+/// Whether the toolchain that runs this has the library for a target.
+pub(crate) fn has_target(target: &str) -> bool {
+    let installed = step::output(step::command("rustup").args(["target", "list", "--installed"]));
+    installed.is_some_and(|list| list.lines().any(|line| line == target))
 }
 
 /// Apart from the host's, so that two compilers do not undo each other's work.
@@ -78,10 +91,21 @@ pub(crate) fn target_dir() -> PathBuf {
 
 /// Where an image comes to lie.
 pub(crate) fn image(board: &str) -> PathBuf {
-    target_dir().join(TARGET).join("firmware").join(board)
+    image_for(TARGET, board)
+}
+
+/// The same of another Arm target.
+pub(crate) fn image_for(target: &str, board: &str) -> PathBuf {
+    target_dir().join(target).join("firmware").join(board)
 }
 
 /// The toolchain, or what to do.
 pub(crate) fn toolchain() -> Result<Toolchain> {
-    Toolchain::find().context("there is no compiler for the boards yet: run `cargo xtask setup`")
+    toolchain_for(TARGET)
+}
+
+/// The same for another Arm target.
+pub(crate) fn toolchain_for(target: &str) -> Result<Toolchain> {
+    Toolchain::find(target)
+        .with_context(|| format!("there is no compiler for {target} yet: run `cargo xtask setup`"))
 }

@@ -149,11 +149,6 @@ pub(crate) fn lint() -> Result<()> {
     budget::lint()
 }
 
-/// The image for QEMU and the show in it, for tests that run them.
-pub(crate) fn qemu_image() -> (PathBuf, PathBuf) {
-    (arm::image(QEMU_BOARD), baked(QEMU_BOARD))
-}
-
 /// Where the show that is baked for a board lies.
 fn baked(board: &str) -> PathBuf {
     step::root().join("target/shows").join(board).with_extension("snws")

@@ -6,6 +6,7 @@ mod budget;
 mod elf;
 mod features;
 mod firmware;
+mod parity;
 mod semver;
 mod setup;
 mod step;
@@ -27,6 +28,8 @@ Commands:
             that show is performed
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
             --accept, puts them there
+  parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
+            has other bits
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
         ["budget"] => budget::run(false),
         ["budget", "--accept"] => budget::run(true),
         ["test"] => test::run(),
+        ["parity"] => parity::run(),
         ["semver", revision] => semver::run(revision),
         ["audit"] => audit::run(),
         ["audit", "--self-test"] => audit::self_test(),

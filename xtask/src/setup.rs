@@ -4,7 +4,8 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::arm::{DEBIAN_PACKAGES, TARGET, Toolchain};
+use crate::arm::{DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
+use crate::parity::X86_32;
 use crate::step;
 
 pub(crate) fn run() -> Result<()> {
@@ -15,14 +16,18 @@ pub(crate) fn run() -> Result<()> {
             succeeds(step::command("rustup").args(["component", "add", component]))
         })?;
     }
-    let arm = || Toolchain::find().is_some();
-    need("the Arm target", arm, || {
+    for target in [TARGET, SOFT_FLOAT] {
+        let arm = || Toolchain::find(target).is_some();
         // Where rustup cannot reach its server, Debian's compiler does as well.
-        (succeeds(step::command("rustup").args(["target", "add", TARGET])) && arm())
-            || apt_install(&DEBIAN_PACKAGES)
-    })?;
-    if let Some(toolchain) = Toolchain::find() {
+        need(target, arm, || (add_target(target) && arm()) || apt_install(&DEBIAN_PACKAGES))?;
+    }
+    if let Some(toolchain) = Toolchain::find(TARGET) {
         eprintln!("   boards are built with {}", toolchain.name());
+    }
+    if let Some(target) = X86_32
+        && !(has_target(target) || add_target(target))
+    {
+        eprintln!("   {target}: cannot be had; bit parity leaves it out");
     }
     let qemu = || step::output(Command::new("qemu-system-arm").arg("--version")).is_some();
     need("QEMU for Arm", qemu, || apt_install(&["qemu-system-arm"]))?;
@@ -49,10 +54,14 @@ fn need(what: &str, found: impl Fn() -> bool, install: impl FnOnce() -> bool) ->
         return Ok(());
     }
     bail!(
-        "{what} could not be installed (see the lines above). By hand: `rustup target add {TARGET}` or, on \
+        "{what} could not be installed (see the lines above). By hand: `rustup target add {TARGET} {SOFT_FLOAT}` or, on \
          Debian, `apt-get install {} qemu-system-arm chromium`",
         DEBIAN_PACKAGES.join(" ")
     )
+}
+
+fn add_target(target: &str) -> bool {
+    succeeds(step::command("rustup").args(["target", "add", target]))
 }
 
 fn apt_install(packages: &[&str]) -> bool {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, budget, features, firmware, setup, step};
+use crate::{audit, budget, features, firmware, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -27,13 +27,12 @@ pub(crate) fn run() -> Result<()> {
     audit::lint()?;
     audit::self_test()?;
     audit::run()?;
-    let (image, show) = firmware::qemu_image();
+    let machines = parity::build()?;
     let mut tests = step::cargo();
     tests
         .args(["test", "--locked", "--workspace"])
         .env("INSTA_UPDATE", "no")
-        .env("SINEW_QEMU_IMAGE", image)
-        .env("SINEW_QEMU_SHOW", show);
+        .envs(machines.iter().cloned());
     let browser = setup::chromium().unwrap_or_default();
     tests.env("SINEW_CHROMIUM", &browser);
     if std::env::var_os("SINEW_DATA").is_some() {
@@ -42,13 +41,7 @@ pub(crate) fn run() -> Result<()> {
     } else {
         eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
         step::run("tests", &mut tests)?;
-        let mut parity = step::cargo();
-        let (image, show) = firmware::qemu_image();
-        parity
-            .args(["test", "--locked", "--workspace", "--test", "parity", "--", "--ignored"])
-            .env("SINEW_QEMU_IMAGE", image)
-            .env("SINEW_QEMU_SHOW", show);
-        step::run("bit parity with QEMU", &mut parity)?;
+        step::run("bit parity", parity::test().envs(machines))?;
         let mut report = step::cargo();
         report
             .args(["test", "--locked", "--workspace", "--test", "report_browser"])

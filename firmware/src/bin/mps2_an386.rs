@@ -4,8 +4,7 @@
 //! `SysTick` counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction
 //! per tick. It counts instructions, not cycles: stalls and flash wait states are not there.
 //!
-//! All torques go to the host's file `torques.bin` in QEMU's working directory, so that a difference can be
-//! named; the summary goes to the console.
+//! A hash of all torques is compared with the host's; `cargo xtask parity` names what differs.
 
 #![no_std]
 #![no_main]
@@ -14,8 +13,8 @@ use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln, syscall};
-use sinew_firmware::replay::{METHODS, Replay, TorqueHash, components};
+use cortex_m_semihosting::{debug, hprintln};
+use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 
 static SHOW: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/show.snws"));
@@ -46,7 +45,6 @@ fn perform() -> Result<(), &'static str> {
     peripherals.SYST.enable_counter();
 
     let show = Show::parse(SHOW).map_err(|_| "the baked show is not valid")?;
-    let dump = open(c"torques.bin")?;
     for name in METHODS {
         let mut replay =
             Replay::<CAPACITY>::new(show, name).map_err(|_| "the show's rig is not usable")?;
@@ -64,12 +62,6 @@ fn perform() -> Result<(), &'static str> {
             control_counts += between(observed, end);
             most_counts = most_counts.max(between(start, end));
             hash.update(torques);
-            let mut bytes = [0u8; CAPACITY * 24];
-            let numbers = torques.iter().flat_map(|torque| components(&torque.value));
-            for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers) {
-                slot.copy_from_slice(&number.to_bits().to_le_bytes());
-            }
-            write(dump, bytes.get(..torques.len() * 24).unwrap_or_default())?;
         }
         let ticks = show.frame_count() as u64;
         hprintln!(
@@ -83,22 +75,6 @@ fn perform() -> Result<(), &'static str> {
         );
     }
     Ok(())
-}
-
-/// Opens a file of the host for writing, binary.
-#[expect(unsafe_code, reason = "a semihosting call is a breakpoint instruction with arguments")]
-fn open(path: &core::ffi::CStr) -> Result<usize, &'static str> {
-    const WRITE_BINARY: usize = 5;
-    // SAFETY: SYS_OPEN reads the path, which ends with a zero byte, and its length without it.
-    let handle = unsafe { syscall!(OPEN, path.as_ptr(), WRITE_BINARY, path.count_bytes()) };
-    if handle == usize::MAX { Err("torques.bin cannot be opened") } else { Ok(handle) }
-}
-
-#[expect(unsafe_code, reason = "a semihosting call is a breakpoint instruction with arguments")]
-fn write(handle: usize, bytes: &[u8]) -> Result<(), &'static str> {
-    // SAFETY: SYS_WRITE reads `bytes.len()` bytes from the address, both of one live slice.
-    let left = unsafe { syscall!(WRITE, handle, bytes.as_ptr(), bytes.len()) };
-    if left == 0 { Ok(()) } else { Err("torques.bin cannot be written") }
 }
 
 #[panic_handler]

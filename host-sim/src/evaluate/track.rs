@@ -48,6 +48,11 @@ impl Step<'_> {
         }
         widest_m
     }
+
+    /// The poses of the plant's joints as sensors without faults tell them, each in its parent's frame.
+    pub fn joint_poses(&self) -> [Transform; BODY_COUNT] {
+        measured_joints(self.measured, self.offset_m)
+    }
 }
 
 /// Number of steps of a run: from frame 0, where the figure starts without error, to the last frame but

@@ -1,0 +1,184 @@
+//! Runs of the built-in evaluation as [`sinew_firmware::parity`] makes them on any machine, and where two answers differ.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::Command;
+
+use sinew_firmware::parity::{METHODS, NUMBERS, QUANTITIES, perform, pose_bytes};
+use sinew_sim::evaluate::{MethodName, Protocol, track};
+use sinew_sim::figure::{BODIES, BODY_COUNT};
+use sinew_sim::mocap::FigureMotion;
+use sinew_sim::show;
+
+/// A run of the evaluation: a clip, tracked by a figure of a scale with a method.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The clip's name.
+    pub clip: String,
+    /// Factor on the figure's dimensions.
+    pub scale: f64,
+    /// One of [`METHODS`].
+    pub method: &'static str,
+    /// As a machine reads it.
+    bytes: Vec<u8>,
+    ticks: usize,
+}
+
+impl Run {
+    /// Records the evaluation's run: the clip as a show, and the joints' poses as the plant had them in each tick.
+    pub fn record(motion: &FigureMotion, scale: f64, method: &'static str) -> Self {
+        let index = METHODS.iter().position(|name| *name == method).expect("a method to compare");
+        let name = MethodName::ALL.into_iter().find(|name| name.as_str() == method);
+        let setup = Protocol::default().setup_of(scale, name.expect("a method of the evaluation"));
+        let model = setup.model(motion).unwrap();
+        let mut first = motion.joint_poses(0);
+        for (pose, offset_m) in first.iter_mut().zip(model.offset_m).skip(1) {
+            pose.translation_m = offset_m.as_vec3();
+        }
+        let mut measured = vec![first];
+        let ticks =
+            track(motion, &setup, None, 0, |step| measured.push(step.joint_poses())).unwrap();
+        // What the last tick led to has no tick of its own.
+        measured.truncate(ticks);
+
+        let show = show::bake(motion, &model, usize::MAX).unwrap();
+        let mut bytes = Vec::new();
+        for count in [index, ticks, show.len()] {
+            bytes.extend(u32::try_from(count).unwrap().to_le_bytes());
+        }
+        bytes.extend(show);
+        bytes.extend(measured.iter().flatten().flat_map(pose_bytes));
+        Self { clip: motion.name.clone(), scale, method, bytes, ticks }
+    }
+
+    /// Number of ticks.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// What this very program computes: the bytes of its answer.
+    pub fn here(&self) -> Vec<u8> {
+        let (mut run, mut answer) = (self.bytes.as_slice(), Vec::new());
+        let read = |bytes: &mut [u8]| {
+            let taken = run.split_off(..bytes.len()).ok_or("the run ends too early")?;
+            bytes.copy_from_slice(taken);
+            Ok(())
+        };
+        let write = |bytes: &[u8]| {
+            answer.extend_from_slice(bytes);
+            Ok(())
+        };
+        perform::<BODY_COUNT>(&mut vec![0; self.bytes.len()], read, write).unwrap();
+        answer
+    }
+
+    /// What a machine computes: the bytes of its answer.
+    pub fn on(&self, machine: &Machine) -> Vec<u8> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(&self.bytes).unwrap();
+        let output = machine
+            .command()
+            .stdin(File::open(file.path()).unwrap())
+            .output()
+            .unwrap_or_else(|error| panic!("{machine} cannot be started: {error}"));
+        let problem = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{machine}, {self}: {problem}");
+        output.stdout
+    }
+}
+
+impl fmt::Display for Run {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, scale {:.1}, {}", self.clip, self.scale, self.method)
+    }
+}
+
+/// What runs a program of [`sinew_firmware::parity`].
+#[derive(Debug, Clone)]
+pub struct Machine {
+    /// What to call it.
+    pub name: &'static str,
+    /// The program.
+    pub program: PathBuf,
+    /// Whether QEMU runs it, as an image for its `mps2-an386`.
+    pub emulated: bool,
+}
+
+impl Machine {
+    fn command(&self) -> Command {
+        if !self.emulated {
+            return Command::new(&self.program);
+        }
+        let mut command = Command::new("qemu-system-arm");
+        command
+            .args(["-machine", "mps2-an386", "-display", "none", "-monitor", "none"])
+            .args(["-serial", "none", "-semihosting-config", "enable=on,target=native"])
+            .arg("-kernel")
+            .arg(&self.program);
+        command
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// A number that came out differently.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Difference {
+    /// Frame of the clip.
+    pub frame: usize,
+    /// Name of the body.
+    pub body: &'static str,
+    /// What of the body.
+    pub quantity: &'static str,
+    /// Which number of that.
+    pub component: &'static str,
+    /// Its bits in both answers.
+    pub bits: [u32; 2],
+}
+
+impl Difference {
+    /// The first in the order in which the numbers are computed.
+    ///
+    /// # Panics
+    /// If the answers are not of the same ticks.
+    pub fn first(answers: [&[u8]; 2]) -> Option<Self> {
+        let [here, there] = answers;
+        assert_eq!(here.len(), there.len(), "bytes of the answers");
+        let mut numbers = here.as_chunks::<4>().0.iter().zip(there.as_chunks::<4>().0);
+        let index = numbers.position(|(here, there)| here != there)?;
+        let bits = answers.map(|answer| u32::from_le_bytes(answer.as_chunks::<4>().0[index]));
+        let mut rest = index % (NUMBERS * BODY_COUNT);
+        for (quantity, components) in QUANTITIES {
+            let count = components.len() * BODY_COUNT;
+            if rest < count {
+                return Some(Self {
+                    frame: index / (NUMBERS * BODY_COUNT),
+                    body: BODIES[rest / components.len()].name,
+                    quantity,
+                    component: components[rest % components.len()],
+                    bits,
+                });
+            }
+            rest -= count;
+        }
+        unreachable!("the quantities together are a tick")
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { frame, body, quantity, component, bits: [here, there] } = self;
+        write!(
+            f,
+            "frame {frame}, {body}, {quantity}, {component}: {here:08x} ({:e}) here, {there:08x} ({:e}) there",
+            f32::from_bits(*here),
+            f32::from_bits(*there)
+        )
+    }
+}
