@@ -180,7 +180,12 @@ impl core::fmt::Display for ReplayError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Show(error) => error.fmt(f),
-            Self::UnknownMethod => write!(f, "unknown method; known are {METHODS:?}"),
+            Self::UnknownMethod => {
+                write!(
+                    f,
+                    "unknown method; known are {METHODS:?}, egocentric, resolved_acceleration"
+                )
+            }
             Self::Gains(error) => error.fmt(f),
             Self::Controller(error) => error.fmt(f),
             Self::Recommended(error) => error.fmt(f),

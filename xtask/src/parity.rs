@@ -62,6 +62,21 @@ pub(crate) fn build() -> Result<Vec<Variable>> {
     Ok(programs)
 }
 
+/// Lints the image for emulated boards; the hosts' program is linted with the workspace.
+pub(crate) fn lint() -> Result<()> {
+    let toolchain = arm::toolchain()?;
+    if toolchain == arm::Toolchain::Debian {
+        return Ok(());
+    }
+    step::run(
+        &format!("clippy of {IMAGE}"),
+        toolchain
+            .cargo("clippy")
+            .args(["--package", "sinew-firmware", "--profile", "firmware"])
+            .args(["--features", IMAGE, "--bin", IMAGE, "--", "--deny", "warnings"]),
+    )
+}
+
 /// The release program for this machine, or for a target that it can run.
 fn host(target: Option<&str>) -> Result<PathBuf> {
     let mut folder = step::root().join("target");

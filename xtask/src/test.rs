@@ -27,6 +27,7 @@ pub(crate) fn run() -> Result<()> {
     audit::lint()?;
     audit::self_test()?;
     audit::run()?;
+    parity::lint()?;
     let machines = parity::build()?;
     let mut tests = step::cargo();
     tests
