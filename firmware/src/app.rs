@@ -1,6 +1,7 @@
 //! The control tick as the boards run it: a show's frame and measured joints in, limited torques out.
 
 use sinew_core::control::Limited;
+use sinew_core::state_error::StateError;
 use sinew_core::{
     Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
     Workspace, Wrench,
@@ -40,12 +41,12 @@ const FRAMES_AHEAD: usize = 2;
 /// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct App<'a, const N: usize> {
+pub struct App<'a, const N: usize, const R: usize = 0> {
     show: Show<'a>,
     controller: Controller<N>,
     targets: JointTargets<N>,
     measured: JointStates<N>,
-    workspace: Workspace<N>,
+    workspace: Workspace<N, R>,
     recommended: Option<Recommended<N>>,
     differences: ForwardDifferences<N>,
     /// The frame that the differences took last, and its number; none before the first.
@@ -58,12 +59,23 @@ pub struct App<'a, const N: usize> {
 impl<'a, const N: usize> App<'a, N> {
     /// An application at the first frame of `show`. The controller must be made of the show's own [`Show::tree`].
     pub fn new(show: Show<'a>, controller: Controller<N>) -> Self {
+        Self::with_workspace(show, controller, Workspace::new())
+    }
+}
+
+impl<'a, const N: usize, const R: usize> App<'a, N, R> {
+    /// The same with a workspace of its own: resolved acceleration needs [`Workspace::resolving`].
+    pub fn with_workspace(
+        show: Show<'a>,
+        controller: Controller<N>,
+        workspace: Workspace<N, R>,
+    ) -> Self {
         Self {
             show,
             targets: JointTargets::rest(controller.tree()),
             measured: JointStates::rest(controller.tree()),
             controller,
-            workspace: Workspace::new(),
+            workspace,
             recommended: None,
             differences: ForwardDifferences::new(),
             frame: [Transform::IDENTITY; N],
@@ -164,9 +176,15 @@ impl<'a, const N: usize> App<'a, N> {
         self.recommended.as_ref().map_or(&self.measured, Recommended::states)
     }
 
-    /// What the last tick left: errors, commands, torques.
-    pub fn workspace(&self) -> &Workspace<N> {
+    /// What the last tick left: commands, torques.
+    pub fn workspace(&self) -> &Workspace<N, R> {
         &self.workspace
+    }
+
+    /// State errors of the last tick, see [`Controller::errors`].
+    pub fn errors(&mut self, out: &mut [StateError]) {
+        let states = self.recommended.as_ref().map_or(&self.measured, Recommended::states);
+        self.controller.errors(&self.targets, states, &mut self.workspace, out);
     }
 
     /// The show.

@@ -19,7 +19,7 @@
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
-use sinew_core::{Motion, Transform};
+use sinew_core::{Motion, Transform, Workspace};
 
 use crate::app::App;
 use crate::replay::{self, components};
@@ -99,9 +99,10 @@ pub fn perform<const N: usize>(
     let show = buffer.get_mut(..length).ok_or("the show is longer than the buffer")?;
     read(show)?;
     let show = Show::parse(show).map_err(|_| "the show is not valid")?;
-    let mut app = replay::app::<N>(show, name).map_err(|_| "the show's rig is not usable")?;
+    let mut app = replay::app(show, name, Workspace::<N, N>::resolving())
+        .map_err(|_| "the show's rig is not usable")?;
     let bodies = show.body_count();
-    let mut measured = [Transform::IDENTITY; N];
+    let (mut measured, mut errors) = ([Transform::IDENTITY; N], [StateError::ZERO; N]);
     for tick in 0..ticks {
         for pose in measured.iter_mut().take(bodies) {
             let mut bytes = [0; 28];
@@ -113,7 +114,8 @@ pub fn perform<const N: usize>(
         app.control();
         let mut bytes = [[0; NUMBERS * 4]; N];
         let bytes = bytes.as_flattened_mut();
-        for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(&app)) {
+        app.errors(&mut errors);
+        for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(&app, &errors)) {
             slot.copy_from_slice(&number.to_le_bytes());
         }
         write(bytes.get(..bodies * NUMBERS * 4).unwrap_or_default())?;
@@ -140,7 +142,10 @@ fn pose_of(bytes: &[u8; 28]) -> Transform {
 }
 
 /// All numbers of the last tick, in the order of [`QUANTITIES`].
-fn numbers<const N: usize>(app: &App<'_, N>) -> impl Iterator<Item = f32> {
+fn numbers<const N: usize, const R: usize>(
+    app: &App<'_, N, R>,
+    errors: &[StateError],
+) -> impl Iterator<Item = f32> {
     let (targets, states, w) = (app.targets(), app.states().as_slice(), app.workspace());
     let (desired, bodies) = (targets.states(), states.len());
     desired
@@ -150,7 +155,7 @@ fn numbers<const N: usize>(app: &App<'_, N>) -> impl Iterator<Item = f32> {
         .chain(targets.accelerations().iter().flat_map(motion_numbers))
         .chain(states.iter().flat_map(|state| pose_numbers(&state.pose)))
         .chain(states.iter().flat_map(|state| motion_numbers(&state.velocity)))
-        .chain(w.errors().iter().take(bodies).flat_map(error_numbers))
+        .chain(errors.iter().take(bodies).flat_map(error_numbers))
         .chain(w.commands().iter().take(bodies).flat_map(motion_numbers))
         .chain(w.torques().iter().take(bodies).flat_map(|torque| components(&torque.value)))
 }

@@ -6,7 +6,9 @@
 use sinew_core::control::{ControlLaw, Gains, GainsError, Limited};
 use sinew_core::projection::BodyWeights;
 use sinew_core::state_error::{Aims, Compensation, Method, References};
-use sinew_core::{Controller, ControllerError, StateInputError, Transform, Tree, Wrench};
+use sinew_core::{
+    Controller, ControllerError, StateInputError, Transform, Tree, Workspace, Wrench,
+};
 
 use crate::app::App;
 use crate::recommended::{Recommended, RecommendedError};
@@ -41,11 +43,16 @@ pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
     }
 }
 
-/// An application at a show's first frame, with the named [`method`] and the paper's gains.
+/// An application at a show's first frame, with the named [`method`] and the paper's gains. `resolved_acceleration`
+/// needs [`Workspace::resolving`].
 ///
 /// # Errors
 /// [`ReplayError`] if the show's rig is not usable or there is no such method.
-pub fn app<'a, const N: usize>(show: Show<'a>, name: &str) -> Result<App<'a, N>, ReplayError> {
+pub fn app<'a, const N: usize, const R: usize>(
+    show: Show<'a>,
+    name: &str,
+    workspace: Workspace<N, R>,
+) -> Result<App<'a, N, R>, ReplayError> {
     let tree = show.tree::<N>().map_err(ReplayError::Show)?;
     let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
     let mut gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
@@ -55,7 +62,7 @@ pub fn app<'a, const N: usize>(show: Show<'a>, name: &str) -> Result<App<'a, N>,
     let controller = Controller::new(tree, gains, method)
         .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
         .map_err(ReplayError::Controller)?;
-    let app = App::new(show, controller);
+    let app = App::with_workspace(show, controller, workspace);
     if name == "recommended" {
         let setting = Recommended::new(&show, app.controller().tree(), DELAY_TICKS);
         return Ok(app.with(setting.map_err(ReplayError::Recommended)?));
@@ -102,7 +109,7 @@ impl<'a, const N: usize> Replay<'a, N> {
     /// # Errors
     /// [`ReplayError`] if the show's rig is not usable or there is no such method.
     pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
-        Ok(Self { app: app(show, name)?, late: [Transform::IDENTITY; N] })
+        Ok(Self { app: app(show, name, Workspace::new())?, late: [Transform::IDENTITY; N] })
     }
 
     /// Reads the sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own

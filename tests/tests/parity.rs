@@ -6,7 +6,7 @@
 use std::env;
 
 use rayon::prelude::*;
-use sinew_firmware::parity::METHODS;
+use sinew_firmware::parity::{METHODS, NUMBERS};
 use sinew_sim::figure::BODIES;
 use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
 use sinew_tests::parity::{Difference, Machine, Run};
@@ -83,7 +83,16 @@ fn every_machine_computes_the_same_bits() {
         differences.len(),
         differences.join("\n")
     );
-    println!("{ticks} ticks of {} runs: the same bits on {}", runs.len(), machines.len());
+    let names = |machines: &[Machine]| {
+        machines.iter().map(|machine| machine.name).collect::<Vec<_>>().join(", ")
+    };
+    println!(
+        "{ticks} ticks in {} runs, {} numbers each: the same bits here and on {}; of each clip in one run on {}",
+        runs.len(),
+        NUMBERS * BODIES.len(),
+        names(&machines),
+        names(soft_float)
+    );
 }
 
 #[test]

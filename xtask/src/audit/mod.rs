@@ -34,6 +34,7 @@ const PARTS: [&str; 16] = [
     "audit::tick::controller_of_little_room",
     "audit::tick::app",
     "audit::tick::replay",
+    "audit::tick::parity",
     "audit::kernels::kinematics",
     "audit::kernels::state_errors",
     "audit::kernels::dynamics",

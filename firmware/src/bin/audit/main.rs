@@ -40,6 +40,7 @@ fn main() -> ! {
         tick::controller_of_little_room();
         tick::app();
         tick::replay();
+        tick::parity();
         kernels::kinematics();
         kernels::state_errors();
         kernels::dynamics();

@@ -2,9 +2,10 @@
 
 use core::hint::black_box;
 
-use sinew_core::Workspace;
+use sinew_core::{Transform, Workspace};
 use sinew_firmware::app::App;
 use sinew_firmware::indicator;
+use sinew_firmware::parity;
 use sinew_firmware::recommended::Recommended;
 use sinew_firmware::replay::{Replay, TorqueHash, method};
 use sinew_firmware::show::Show;
@@ -45,6 +46,7 @@ pub(crate) fn app() {
     black_box(&app.observe(black_box(1), slice()));
     black_box(app.control());
     black_box((app.controller().tree(), app.show()));
+    app.errors(slice_mut());
     black_box(indicator::breath(black_box(1)));
 }
 
@@ -60,4 +62,19 @@ pub(crate) fn replay() {
     let mut hash = TorqueHash::default();
     hash.update(replay.control());
     black_box(hash.value());
+}
+
+/// What makes a run that is compared with other machines'.
+#[inline(never)]
+pub(crate) fn parity() {
+    let read = |bytes: &mut [u8]| {
+        bytes.fill(black_box(1));
+        black_box(Ok(()))
+    };
+    let write = |bytes: &[u8]| {
+        black_box(bytes);
+        black_box(Ok(()))
+    };
+    black_box(&parity::perform::<N>(slice_mut(), read, write));
+    black_box(parity::pose_bytes(black_box(&Transform::IDENTITY)));
 }
