@@ -21,7 +21,7 @@ const IMAGE: &str = "audit";
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 16] = [
+const PARTS: [&str; 17] = [
     "audit::decode::show",
     "audit::decode::coordinates",
     "audit::construct::trees",
