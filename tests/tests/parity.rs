@@ -16,6 +16,9 @@ const SCALES: [f64; 2] = [1.0, 1.1];
 /// Frames of the paper's evaluation.
 const PAPER_FRAMES: usize = 22_560;
 
+/// The most differences that are shown.
+const MESSAGES: usize = 12;
+
 /// A machine whose program is named by an environment variable; none if the variable is empty.
 fn machine(name: &'static str, variable: &str, emulated: bool) -> Option<Machine> {
     let program = env::var_os(variable).unwrap_or_else(|| {
@@ -79,9 +82,9 @@ fn every_machine_computes_the_same_bits() {
         results.into_iter().flat_map(|(_, differences)| differences).collect();
     assert!(
         differences.is_empty(),
-        "{} runs differ:\n{}",
+        "{} answers differ, first:\n{}",
         differences.len(),
-        differences.join("\n")
+        differences[..differences.len().min(MESSAGES)].join("\n")
     );
     let names = |machines: &[Machine]| {
         machines.iter().map(|machine| machine.name).collect::<Vec<_>>().join(", ")

@@ -6,10 +6,10 @@
 
 use core::ffi::CStr;
 
-use cortex_m::singleton;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln, syscall};
 use sinew_firmware::parity;
+use static_cell::ConstStaticCell;
 
 const CAPACITY: usize = 18;
 const LONGEST_SHOW: usize = 3 << 20;
@@ -31,10 +31,14 @@ fn main() -> ! {
 fn perform() -> Result<(), &'static str> {
     const READ_BINARY: usize = 1;
     const WRITE_BINARY: usize = 5;
-    let buffer = singleton!(: [u8; LONGEST_SHOW] = [0; LONGEST_SHOW]).ok_or("no buffer")?;
+    static SHOW: ConstStaticCell<[u8; LONGEST_SHOW]> = ConstStaticCell::new([0; LONGEST_SHOW]);
     let input = open(c"/dev/stdin", READ_BINARY)?;
     let output = open(c"/dev/stdout", WRITE_BINARY)?;
-    parity::perform::<CAPACITY>(buffer, |bytes| read(input, bytes), |bytes| write(output, bytes))
+    parity::perform::<CAPACITY>(
+        SHOW.take(),
+        |bytes| read(input, bytes),
+        |bytes| write(output, bytes),
+    )
 }
 
 /// Opens a file of the host.
