@@ -273,7 +273,8 @@ impl TorqueLimit {
     /// ```
     pub fn apply(self, wanted: Wrench) -> Limited<Wrench> {
         // Written so that NaN and what overflows fail; at most of a bound, a square is as good as a length.
-        let within = |wanted: Vec3, bound: f32| wanted.dot(wanted) < bound * bound;
+        let within =
+            |wanted: Vec3, bound: f32| wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO;
         if within(wanted.moment_nm, self.moment_nm) && within(wanted.force_n, self.force_n) {
             return Limited { value: wanted, reason: None };
         }
@@ -368,6 +369,8 @@ pub enum LimitReason {
     Force,
     /// The wanted value was not a finite number; nothing is asked of the joint.
     NotFinite,
+    /// The workspace has no room for what the controller's method works on; nothing is asked of the joint.
+    NoRoom,
 }
 
 #[cfg(test)]

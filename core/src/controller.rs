@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use crate::body_weight::{BodyWeights, BodyWeightsError};
-use crate::control::{ControlLaw, Gains, Limited, TorqueLimit, through_parent};
+use crate::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit, through_parent};
 use crate::dynamics::{
     BodyMotion, ReflectedInertia, Resolved, inverse_dynamics, resolved_acceleration,
 };
@@ -16,7 +16,7 @@ use crate::kinematics;
 use crate::math;
 use crate::state::{BodyState, JointState, JointStates, JointTargets};
 use crate::state_error::{
-    self, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
+    self, Aim, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };
 use crate::transform::{Motion, Wrench};
 use crate::tree::Tree;
@@ -262,8 +262,8 @@ impl<const N: usize> Controller<N> {
     /// Cannot fail: the inputs are finite by their types, and what would overflow all the same is returned
     /// as zero with a reason. `external` is the wrench on each body from outside (see
     /// [`inverse_dynamics`]); empty for none. Targets and measurements must be of this controller's tree:
-    /// joints that they do not have get no torque and are not in the result. Nor are those that a workspace has no
-    /// room for: resolved acceleration needs [`Workspace::resolving`].
+    /// joints that they do not have get no torque and are not in the result. Resolved acceleration without
+    /// [`Workspace::resolving`] asks for nothing, with [`LimitReason::NoRoom`].
     pub fn tick<'w, const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -273,20 +273,20 @@ impl<const N: usize> Controller<N> {
     ) -> &'w [Limited<Wrench>] {
         let bodies = self.tree.bodies();
         let measured = measured.as_slice();
-        let room = match &self.method {
-            Method::ResolvedAcceleration { .. } => R,
-            _ => N,
-        };
-        let count = bodies.len().min(targets.states().len()).min(measured.len()).min(room);
+        let count = bodies.len().min(targets.states().len()).min(measured.len());
         let w = workspace;
+        if R < count && matches!(self.method, Method::ResolvedAcceleration { .. }) {
+            w.torques.fill(Limited { value: Wrench::ZERO, reason: Some(LimitReason::NoRoom) });
+            return w.torques.get(..count).unwrap_or_default();
+        }
 
         // Local errors need no world states: they are the joints' own.
         if !matches!(self.method, Method::Local) {
             kinematics::body_states(bodies, measured, &mut w.measured);
-            targets.complete(bodies);
+            targets.complete(&self.tree);
         }
         match &self.method {
-            // Without room it would work for nobody: and images that leave none are without its code.
+            // Never, for a tree has a body; so images without that room are without this code.
             Method::ResolvedAcceleration { .. } if R == 0 => {}
             Method::ResolvedAcceleration { weights } => {
                 self.resolved_commands(targets, measured, weights, w);
@@ -317,7 +317,7 @@ impl<const N: usize> Controller<N> {
             }
             Method::LinearCompensation { aims, settings } => {
                 self.direct_commands(targets, measured, w, |at| {
-                    let aim = aims.as_slice().get(at.body).copied().unwrap_or_default();
+                    let aim = aims.as_slice().get(at.body).unwrap_or(&Aim::None);
                     let (error, status) = state_error::aimed(
                         aim,
                         *settings,
@@ -364,17 +364,21 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
-    /// State errors by body of the last tick, whose arguments these are, in the axes of the method's reference frame. O(n).
+    /// State errors by body, in the axes of the method's reference frame: those that a tick with these arguments acts
+    /// on. O(n).
     ///
-    /// Worked out anew: the tick does not keep what only an observer of it wants to know.
+    /// Apart from the tick, which does not keep what only an observer of it wants to know.
     pub fn errors<const R: usize>(
         &self,
-        targets: &JointTargets<N>,
+        targets: &mut JointTargets<N>,
         measured: &JointStates<N>,
         workspace: &mut Workspace<N, R>,
         out: &mut [StateError],
     ) {
-        let (desired, w) = (targets.bodies(), workspace);
+        let w = workspace;
+        kinematics::body_states(self.tree.bodies(), measured.as_slice(), &mut w.measured);
+        targets.complete(&self.tree);
+        let desired = targets.bodies();
         match &self.method {
             Method::Local => state_error::local(targets.states(), measured.as_slice(), out),
             Method::World | Method::ResolvedAcceleration { .. } => {

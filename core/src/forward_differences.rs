@@ -103,7 +103,7 @@ impl<const N: usize> ForwardDifferences<N> {
     ///
     /// # Errors
     /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that is
-    /// not finite or unit, or if the targets are for fewer joints.
+    /// not finite or unit, if the targets are for fewer joints, or nothing has begun with [`Self::restart`].
     pub fn advance(
         &mut self,
         tree: &Tree<N>,
@@ -115,7 +115,10 @@ impl<const N: usize> ForwardDifferences<N> {
             return Err(StateInputError::NoSuchJoint);
         }
         let rate_hz = self.rate_hz;
-        let (states, accelerations, bodies) = out.whole();
+        if rate_hz <= 0.0 {
+            return Err(StateInputError::TimeStep);
+        }
+        let (states, accelerations, bodies) = out.whole(tree);
         for (index, ((body, newest), (state, acceleration))) in
             tree.bodies().iter().zip(frame).zip(states.iter_mut().zip(accelerations)).enumerate()
         {

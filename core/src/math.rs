@@ -46,7 +46,7 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     }
 }
 
-/// Angle in radians of the point `(x, y)`, in [-π, π], to two units of the last place; 0 for the origin.
+/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are infinite.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::atan2(0.0, 1.0), 0.0);
@@ -305,7 +305,14 @@ mod tests {
             worst = worst.max((f64::from(cosine) - exact_cosine).abs());
         }
         assert!(worst < 1e-7, "{worst:e}");
-        for x in [1e4, 1e6, 1e20, f32::MAX] {
+        for x in [8193.0f32, 1e4, 54_321.0, 1e6, 7.7e6, 1e9] {
+            // Half of what the next number is away: the angle itself is not known better.
+            let half_unit = 0.5 * (f64::from(f32::from_bits(x.to_bits() + 1)) - f64::from(x));
+            let ((sine, cosine), (exact_sine, exact_cosine)) = (sin_cos(x), f64::from(x).sin_cos());
+            let off = (f64::from(sine) - exact_sine).hypot(f64::from(cosine) - exact_cosine);
+            assert!(off < half_unit + 1e-7, "{x}: {off}");
+        }
+        for x in [1e20, f32::MAX] {
             let (sine, cosine) = sin_cos(x);
             assert!((sine * sine + cosine * cosine - 1.0).abs() < 4.0 * f32::EPSILON);
         }

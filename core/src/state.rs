@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use glam::Quat;
+use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use crate::fixed;
@@ -42,10 +42,15 @@ pub(crate) const SHORTEST_STEP_S: f32 = 1e-9;
 /// [`FARTHEST_M`].
 #[inline]
 pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
-    let position = pose.translation_m;
+    check_position(pose.translation_m)?;
+    check_rotation(pose.rotation)
+}
+
+#[inline]
+fn check_position(position_m: Vec3) -> Result<(), StateInputError> {
     // Written so that NaN fails.
-    if position.dot(position) <= FARTHEST_M * FARTHEST_M {
-        check_rotation(pose.rotation)
+    if position_m.dot(position_m) <= FARTHEST_M * FARTHEST_M {
+        Ok(())
     } else {
         Err(StateInputError::NonFinite)
     }
@@ -279,9 +284,16 @@ impl<const N: usize> JointStates<N> {
     /// time is not a positive number (from 1e-9 s).
     pub fn follow(&mut self, poses: &[Transform], elapsed_s: f32) -> Result<(), StateInputError> {
         let (poses, rate_hz) = (checked_poses(poses, self.states.len())?, rate(elapsed_s)?);
+        // Where the rig was may have come by other ways, which let farther poses in.
+        self.states.iter().try_for_each(|state| check_position(state.pose.translation_m))?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
-            let velocity = in_axes_of(pose, step(&state.pose, pose, rate_hz));
-            *state = JointState { pose: *pose, velocity }.with_unit_rotation();
+            let pose = Transform { rotation: math::unit(pose.rotation), ..*pose };
+            let mut velocity = step(&state.pose, &pose, rate_hz);
+            // Most joints only turn: their bodies' origins stay where they are in the parent's frame.
+            if velocity.linear != Vec3::ZERO {
+                velocity = in_axes_of(&pose, velocity);
+            }
+            *state = JointState { pose, velocity };
         }
         Ok(())
     }
@@ -313,9 +325,9 @@ impl<const N: usize> JointStates<N> {
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Motion, N>,
-    /// The world states of the bodies that follow from `states`, once somebody knows them.
+    /// The world states of the bodies that follow from `states` in a tree of this shape, once somebody knows them.
     bodies: Vec<BodyState, N>,
-    knows_bodies: bool,
+    known_for: Option<u32>,
 }
 
 /// Equal if the joints' targets are: the bodies' follow from them.
@@ -331,7 +343,7 @@ impl<const N: usize> JointTargets<N> {
         let states: Vec<JointState, N> = JointStates::rest(tree).states;
         let accelerations = fixed::collect(states.iter().map(|_| Motion::ZERO));
         let bodies = fixed::collect(states.iter().map(|_| BodyState::WORLD));
-        Self { states, accelerations, bodies, knows_bodies: false }
+        Self { states, accelerations, bodies, known_for: None }
     }
 
     /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
@@ -370,7 +382,7 @@ impl<const N: usize> JointTargets<N> {
         };
         *slot = state.with_unit_rotation();
         *acceleration_slot = acceleration;
-        self.knows_bodies = false;
+        self.known_for = None;
         Ok(())
     }
 
@@ -385,22 +397,25 @@ impl<const N: usize> JointTargets<N> {
         }
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
         slot.velocity = velocity;
-        self.knows_bodies = false;
+        self.known_for = None;
         Ok(())
     }
 
-    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them,
-    /// which count as known from here on. Finite, and with unit rotations.
-    pub(crate) fn whole(&mut self) -> (&mut [JointState], &mut [Motion], &mut [BodyState]) {
-        self.knows_bodies = true;
+    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them in
+    /// a tree, which count as known from here on. Finite, and with unit rotations.
+    pub(crate) fn whole(
+        &mut self,
+        tree: &Tree<N>,
+    ) -> (&mut [JointState], &mut [Motion], &mut [BodyState]) {
+        self.known_for = (self.states.len() == tree.len()).then_some(tree.shape());
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
 
-    /// World states of the bodies, found from those of the joints if nobody has yet.
-    pub(crate) fn complete(&mut self, bodies: &[Body]) {
-        if !self.knows_bodies {
-            kinematics::body_states(bodies, &self.states, &mut self.bodies);
-            self.knows_bodies = true;
+    /// World states of the bodies of a tree, found from those of the joints if nobody has yet.
+    pub(crate) fn complete(&mut self, tree: &Tree<N>) {
+        if self.known_for != Some(tree.shape()) {
+            kinematics::body_states(tree.bodies(), &self.states, &mut self.bodies);
+            self.known_for = Some(tree.shape());
         }
     }
 

@@ -71,6 +71,7 @@ pub struct Tree<const N: usize> {
     supporters: Vec<BodySet, N>,
     subtree: Vec<BodySet, N>,
     children: Vec<BodySet, N>,
+    shape: u32,
 }
 
 impl<const N: usize> Tree<N> {
@@ -82,6 +83,7 @@ impl<const N: usize> Tree<N> {
             supporters: Vec::new(),
             subtree: Vec::new(),
             children: Vec::new(),
+            shape: 0x811c_9dc5,
         }
     }
 
@@ -135,6 +137,9 @@ impl<const N: usize> Tree<N> {
         self.supporters.push(supporters).map_err(full)?;
         self.subtree.push(BodySet::EMPTY).map_err(full)?;
         self.children.push(BodySet::EMPTY).map_err(full)?;
+        let after_parent = body.parent.map_or(0, |parent| parent.saturating_add(1));
+        let word = u32::try_from(after_parent).unwrap_or(u32::MAX);
+        self.shape = (self.shape ^ word).wrapping_mul(0x0100_0193);
         for ancestor in supporters.iter() {
             if let Some(subtree) = self.subtree.get_mut(ancestor) {
                 subtree.insert(index);
@@ -149,6 +154,11 @@ impl<const N: usize> Tree<N> {
     /// The bodies in regular numbering.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
+    }
+
+    /// A hash (FNV-1a) of the parents, which is all of the tree that world states follow from joint states by.
+    pub(crate) fn shape(&self) -> u32 {
+        self.shape
     }
 
     /// Number of bodies.

@@ -107,17 +107,19 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
         if let Some(recommended) = &mut self.recommended {
             recommended.targets(&self.show, tree, index, &mut self.targets)?;
         } else {
-            // From one tick to the next one frame is taken, after a jump three.
             let newest = index.saturating_add(FRAMES_AHEAD);
             let follows = self.newest.and_then(|newest| newest.checked_add(1)) == Some(newest);
-            for index in if follows { newest } else { index }..=newest {
+            if !follows {
                 self.show.frame(index, &mut self.frame);
                 let frame = self.frame.get(..bodies).unwrap_or_default();
-                if !follows && index.saturating_add(FRAMES_AHEAD) == newest {
-                    self.differences.restart(tree, dt_s, frame)?;
-                } else {
-                    self.differences.advance(tree, frame, &mut self.targets)?;
-                }
+                self.differences.restart(tree, dt_s, frame)?;
+            }
+            // From one tick to the next one frame is taken; after a jump, all that the differences look ahead to.
+            let first = if follows { newest } else { index.saturating_add(1) };
+            for index in first..=newest {
+                self.show.frame(index, &mut self.frame);
+                let frame = self.frame.get(..bodies).unwrap_or_default();
+                self.differences.advance(tree, frame, &mut self.targets)?;
             }
             self.newest = Some(newest);
         }
@@ -184,7 +186,7 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
     /// State errors of the last tick, see [`Controller::errors`].
     pub fn errors(&mut self, out: &mut [StateError]) {
         let states = self.recommended.as_ref().map_or(&self.measured, Recommended::states);
-        self.controller.errors(&self.targets, states, &mut self.workspace, out);
+        self.controller.errors(&mut self.targets, states, &mut self.workspace, out);
     }
 
     /// The show.

@@ -270,7 +270,7 @@ proptest! {
         let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
         controller.tick(&mut targets, &states, &[], &mut workspace);
         let mut errors = vec![StateError::ZERO; tree.len()];
-        controller.errors(&targets, &states, &mut workspace, &mut errors);
+        controller.errors(&mut targets, &states, &mut workspace, &mut errors);
         for (error, state) in errors.iter().zip(&measured.world()) {
             prop_assert_eq!(error.angular_rate_rad_s, -state.velocity.angular);
             prop_assert_eq!(error.linear_rate_m_s, -state.velocity.linear);
@@ -300,7 +300,7 @@ proptest! {
                 let mut targets = targets.clone();
                 let torques = controller.tick(&mut targets, &states, &[], workspace).to_vec();
                 let mut errors = vec![StateError::ZERO; tree.len()];
-                controller.errors(&targets, &states, workspace, &mut errors);
+                controller.errors(&mut targets, &states, workspace, &mut errors);
                 (torques, errors)
             };
             let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
@@ -356,7 +356,7 @@ proptest! {
         let (controller, mut workspace) = (new(gains()), Workspace::new());
         let both = controller.tick(&mut targets, &states, &[], &mut workspace).to_vec();
         let mut errors = vec![StateError::ZERO; desired.tree.len()];
-        controller.errors(&targets, &states, &mut workspace, &mut errors);
+        controller.errors(&mut targets, &states, &mut workspace, &mut errors);
         let got = new(weak).tick(&mut targets, &states, &[], &mut workspace).to_vec();
         let error = errors[0];
         prop_assert_eq!(got[0].value.moment_nm, both[0].value.moment_nm);

@@ -643,7 +643,7 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
             assert!(torques.iter().all(|t| sound_torque(t) && t.reason.is_none()), "{torques:?}");
             let mut errors = [StateError::ZERO; 2];
-            controller.errors(&targets, &measured, &mut workspace, &mut errors);
+            controller.errors(&mut targets, &measured, &mut workspace, &mut errors);
             let error = errors[0].angular_rad;
             assert!((math::length(error) - math::PI).abs() < 1e-6 || aims, "{error}");
             assert!((error - axis * math::PI).length() < 1e-6 || aims, "{error} about {axis}");
@@ -678,7 +678,7 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
         let world = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
         world.tick(&mut targets, &measured, &[], &mut workspace);
         let mut errors = [StateError::ZERO; 2];
-        world.errors(&targets, &measured, &mut workspace, &mut errors);
+        world.errors(&mut targets, &measured, &mut workspace, &mut errors);
         let of_world = errors[0];
         let controller = compensating(&tree, Aims::heaviest_child(&tree));
         let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
@@ -686,7 +686,7 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
         assert_eq!(workspace.aim_status()[1], AimStatus::Leaf);
         assert!(torques.iter().all(sound_torque), "{torques:?}");
         if expected != AimStatus::Compensated {
-            controller.errors(&targets, &measured, &mut workspace, &mut errors);
+            controller.errors(&mut targets, &measured, &mut workspace, &mut errors);
             assert_eq!(errors[0], of_world, "{height_m} {at}");
         }
     }

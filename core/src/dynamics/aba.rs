@@ -188,9 +188,12 @@ impl ArticulatedBody {
         let along_axes = self.joint.bias_acceleration(Quat::IDENTITY, joint.velocity);
         self.acceleration = Motion {
             angular: carried.cross(joint.velocity.angular) + along_axes.angular,
-            linear: transposed_mul(&self.to_parent, centripetal)
-                + carried.cross(joint.velocity.linear) * 2.0,
+            linear: transposed_mul(&self.to_parent, centripetal),
         };
+        // As in the recursive Newton-Euler algorithm: what does not slide has no such velocity.
+        if body.joint.slides() {
+            self.acceleration.linear += carried.cross(joint.velocity.linear) * 2.0;
+        }
         let w = carried + joint.velocity.angular;
         self.angular_velocity = w;
         let rigid = RigidInertia::of(&body.inertia);

@@ -124,14 +124,14 @@ pub fn linear_compensation(
     for ((((aim, of_desired), of_measured), error), status) in
         aims.iter().zip(desired).zip(measured).zip(out).zip(status)
     {
-        (*error, *status) = aimed(*aim, settings, desired, of_desired, of_measured);
+        (*error, *status) = aimed(aim, settings, desired, of_desired, of_measured);
     }
 }
 
 /// Linear Compensation Error of one body, in world axes.
 #[inline]
 pub(crate) fn aimed(
-    aim: Aim,
+    aim: &Aim,
     settings: Compensation,
     desired: &[BodyState],
     of_desired: &BodyState,
@@ -143,7 +143,7 @@ pub(crate) fn aimed(
         let child = desired.get(child)?;
         Some(child.pose.translation_m - of_desired.pose.translation_m)
     };
-    let goal_arm = match aim {
+    let goal_arm = match *aim {
         Aim::None => None,
         Aim::Child(child) => arm_to(child),
         Aim::Point(point) => Some(math::rotate(of_desired.pose.rotation, point)),

@@ -70,7 +70,8 @@ fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus
         return Err(AimStatus::Coincident);
     }
     let lengths_squared = arm_squared * way_squared;
-    if !lengths_squared.is_finite() {
+    // Four times that is what the turn below takes the root of.
+    if !(4.0 * lengths_squared).is_finite() {
         return Err(AimStatus::NotFinite);
     }
     // Sine and cosine, times both lengths.

@@ -18,7 +18,7 @@ pub(crate) fn controller() {
     let Some(controller) = construct::controller() else { return };
     let (mut targets, mut workspace) = (desired(), black_box(Workspace::resolving()));
     black_box(controller.tick(&mut targets, &measured(), slice(), &mut workspace));
-    controller.errors(&targets, &measured(), &mut workspace, slice_mut());
+    controller.errors(&mut targets, &measured(), &mut workspace, slice_mut());
     black_box(workspace.aim_status());
     black_box((workspace.torques(), workspace.commands()));
     black_box((controller.gains(), controller.method(), controller.law(), controller.limits()));
