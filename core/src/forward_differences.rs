@@ -132,7 +132,7 @@ impl<const N: usize> ForwardDifferences<N> {
             let of_body = BodyState {
                 pose: now,
                 velocity: Motion {
-                    angular: math::log(after.rotation * now.rotation.conjugate()) * rate_hz,
+                    angular: math::log(math::turn_in_world(now.rotation, after.rotation)) * rate_hz,
                     linear: (after.translation_m - now.translation_m) * rate_hz,
                 },
             };

@@ -130,6 +130,31 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     plus_cross(v + t * q.w, a, t)
 }
 
+/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so that
+/// it is no turn at all, to the last bit, if both are the same.
+#[inline]
+pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
+    let (a, b) = (from, to);
+    Quat::from_xyzw(
+        a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y,
+        a.w * b.y - a.y * b.w - a.z * b.x + a.x * b.z,
+        a.w * b.z - a.z * b.w - a.x * b.y + a.y * b.x,
+        a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z,
+    )
+}
+
+/// As [`turn_in_body`], in the axes that both are seen from, `to from⁻¹`.
+#[inline]
+pub(crate) fn turn_in_world(from: Quat, to: Quat) -> Quat {
+    let (a, b) = (from, to);
+    Quat::from_xyzw(
+        a.w * b.x - a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.y * b.w + a.z * b.x - a.x * b.z,
+        a.w * b.z - a.z * b.w + a.x * b.y - a.y * b.x,
+        a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z,
+    )
+}
+
 /// `sum + a × b`, added up one product after the other: each is one instruction where there is multiply-add.
 #[inline]
 pub(crate) fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
@@ -287,6 +312,16 @@ mod tests {
             let q = unit(Quat::from_xyzw(0.6, 0.0, 0.0, 0.8) * sqrt(squared));
             assert!((q.x - 0.6).abs() < 1e-7 && (q.w - 0.8).abs() < 1e-7, "{squared} {q}");
         }
+    }
+
+    #[test]
+    fn no_turn_is_none_to_the_last_bit() {
+        let (a, b) = (exp(Vec3::new(0.7, -0.3, 1.1)), exp(Vec3::new(-0.2, 0.9, 0.4)));
+        assert_eq!(log(turn_in_body(a, a)), Vec3::ZERO);
+        assert_eq!(log(turn_in_world(b, b)), Vec3::ZERO);
+        let off = |x: Quat, y: Quat| (x - y).to_array().iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        assert!(off(turn_in_body(a, b), a.conjugate() * b) < 2.0 * f32::EPSILON);
+        assert!(off(turn_in_world(a, b), b * a.conjugate()) < 2.0 * f32::EPSILON);
     }
 
     /// Every 997th number of f32 within a bound, of either sign.

@@ -378,7 +378,7 @@ fn steps(
 #[inline]
 pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Motion {
     Motion {
-        angular: math::log(from.rotation.conjugate() * to.rotation) * rate_hz,
+        angular: math::log(math::turn_in_body(from.rotation, to.rotation)) * rate_hz,
         linear: (to.translation_m - from.translation_m) * rate_hz,
     }
 }

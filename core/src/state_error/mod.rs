@@ -86,7 +86,7 @@ impl StateError {
     #[inline]
     fn to_rotation(rotation: Quat, desired: &BodyState, measured: &BodyState) -> Self {
         Self {
-            angular_rad: math::log(rotation * measured.pose.rotation.conjugate()),
+            angular_rad: math::log(math::turn_in_world(measured.pose.rotation, rotation)),
             linear_m: desired.pose.translation_m - measured.pose.translation_m,
             angular_rate_rad_s: desired.velocity.angular - measured.velocity.angular,
             linear_rate_m_s: desired.velocity.linear - measured.velocity.linear,
