@@ -1,6 +1,6 @@
 //! The square root, by the instruction that the target has for it.
 //!
-//! `f32::sqrt` is not in `core`, and `libm` computes it in integers on Arm, in some 60 instructions where the
+//! `f32::sqrt` is not in `core`, and `libm` computes it in integers on Arm, in some 50 instructions where the
 //! Cortex-M4F has one. Both round correctly, as IEEE 754 asks of a square root, so the bits are the same. A crate of
 //! its own, so that the motion core can forbid `unsafe`.
 
