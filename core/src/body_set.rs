@@ -37,6 +37,13 @@ impl BodySet {
         self.0.get(word).is_some_and(|word| word & bit != 0)
     }
 
+    /// The members of either set.
+    #[must_use]
+    pub(crate) fn union(self, other: Self) -> Self {
+        let (Self([a, b, c, d]), Self([e, f, g, h])) = (self, other);
+        Self([a | e, b | f, c | g, d | h])
+    }
+
     /// Number of members.
     pub fn len(self) -> usize {
         // At most 128.

@@ -135,6 +135,7 @@ mod fixed;
 #[cfg(feature = "defmt")]
 mod format;
 mod forward_differences;
+pub mod importance;
 mod inertia;
 mod joint;
 pub mod kinematics;

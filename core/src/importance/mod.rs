@@ -1,0 +1,152 @@
+//! How much each joint matters: weights of joints by how much of the figure they move, and how far.
+//!
+//! A small turn at a joint moves all that hangs on it, and the further off, the more. Three measures of that, from a
+//! skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones with a thickness,
+//! [`MeshSurface`] from a skinned mesh. They weigh errors of joint rotations where not all can be small.
+//!
+//! After D. Holden, "Joint Error Propagation" (2025).
+//!
+//! ```
+//! use sinew_core::glam::Vec3;
+//! use sinew_core::importance::{RestPose, descendants_length};
+//! // A hip with two legs; joints may come in any order.
+//! let parents = [Some(2), Some(0), None, Some(4), Some(2)];
+//! let down = |x, y| Vec3::new(x, y, 0.0);
+//! let positions_m = [down(0.1, 0.8), down(0.1, 0.4), down(0.0, 0.9), down(-0.1, 0.4), down(-0.1, 0.8)];
+//! let legs = RestPose::<5>::new(&parents, &positions_m)?;
+//! let importance = descendants_length(&legs, 0.1, 0.9)?;
+//! let &[left_hip, left_knee, root, right_knee, right_hip] = importance.as_slice() else { panic!() };
+//! assert_eq!((left_hip, left_knee), (right_hip, right_knee));
+//! assert!(root > left_hip && left_hip > left_knee);
+//! assert_eq!(left_knee, 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod lengths;
+mod rest_pose;
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::fixed;
+pub use lengths::descendants_length;
+pub use rest_pose::{RestPose, RestPoseError};
+
+/// One weight for each joint, in the order that the joints were given in: finite, zero or more, and not all zero.
+///
+/// Its unit is that of the measure it comes from; [`Self::normalised`] leaves it out.
+///
+/// ```
+/// use sinew_core::importance::{Importance, ImportanceError};
+/// let importance = Importance::<4>::new(&[3.0, 1.0, 0.0])?;
+/// assert_eq!(importance.normalised().as_slice(), [0.75, 0.25, 0.0]);
+/// let refused = Importance::<4>::new(&[3.0, -1.0]);
+/// assert_eq!(refused, Err(ImportanceError::Weight { joint: 1, value: -1.0 }));
+/// # Ok::<(), ImportanceError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Importance<const N: usize> {
+    weights: Vec<f32, N>,
+}
+
+impl<const N: usize> Importance<N> {
+    /// Weights by joint. O(n).
+    ///
+    /// # Errors
+    /// [`ImportanceError`] if there are more than `N`, one is negative or not finite, or their sum is zero or too large
+    /// for f32.
+    pub fn new(weights: &[f32]) -> Result<Self, ImportanceError> {
+        if weights.len() > N {
+            return Err(ImportanceError::Full { capacity: N });
+        }
+        let usable = |weight: f32| weight >= 0.0 && weight.is_finite();
+        if let Some((joint, &value)) = weights.iter().enumerate().find(|(_, w)| !usable(**w)) {
+            return Err(ImportanceError::Weight { joint, value });
+        }
+        let sum: f32 = weights.iter().sum();
+        if sum > 0.0 && sum.is_finite() {
+            Ok(Self { weights: fixed::collect(weights.iter().copied()) })
+        } else {
+            Err(ImportanceError::Sum { value: sum })
+        }
+    }
+
+    /// The weights by joint.
+    pub fn as_slice(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// The same weights with a sum of 1, as near as f32 comes to it. O(n).
+    #[must_use]
+    pub fn normalised(&self) -> Self {
+        let sum: f32 = self.weights.iter().sum();
+        Self { weights: fixed::collect(self.weights.iter().map(|weight| weight / sum)) }
+    }
+}
+
+/// Why there are no weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ImportanceError {
+    /// There is no room for so many weights.
+    Full {
+        /// How many there is room for.
+        capacity: usize,
+    },
+    /// A weight is negative, or no finite number: the skeleton's measures are too large for f32.
+    Weight {
+        /// The joint.
+        joint: usize,
+        /// Its weight.
+        value: f32,
+    },
+    /// All weights are zero, or their sum is too large for f32.
+    Sum {
+        /// The sum.
+        value: f32,
+    },
+    /// The weight that every joint begins with is negative or not finite.
+    Base {
+        /// The weight.
+        value: f32,
+    },
+    /// The discount is not from 0 to 1.
+    Discount {
+        /// The discount.
+        value: f32,
+    },
+}
+
+impl fmt::Display for ImportanceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full { capacity } => write!(f, "there is room for {capacity} weights only"),
+            Self::Weight { joint, value } => {
+                write!(f, "joint {joint}: the weight is {value}; it must be finite, 0 or more")
+            }
+            Self::Sum { value } => {
+                write!(f, "the weights' sum is {value}; it must be finite and above 0")
+            }
+            Self::Base { value } => {
+                write!(f, "the base weight is {value}; it must be finite, 0 or more")
+            }
+            Self::Discount { value } => {
+                write!(f, "the discount is {value}; it must be from 0 to 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ImportanceError {}
+
+/// The weight that every joint begins with, if it can be one.
+fn checked_base(base: f32) -> Result<f32, ImportanceError> {
+    if base >= 0.0 && base.is_finite() {
+        Ok(base)
+    } else {
+        Err(ImportanceError::Base { value: base })
+    }
+}

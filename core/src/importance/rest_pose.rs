@@ -1,0 +1,225 @@
+//! The skeleton that importance is measured on.
+
+use core::fmt;
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::body_set::BodySet;
+use crate::fixed;
+use crate::transform::Transform;
+use crate::tree::Tree;
+
+/// A skeleton of 1 to `N` joints (`N` up to 128) at rest: a tree in any order, and where its joints are. Validated once.
+///
+/// ```
+/// use sinew_core::{glam::Vec3, importance::{RestPose, RestPoseError}};
+/// let positions_m = [Vec3::X, Vec3::ZERO, Vec3::Y];
+/// let rest_pose = RestPose::<3>::new(&[Some(1), None, Some(0)], &positions_m)?;
+/// assert_eq!(rest_pose.descendants(1).iter().collect::<Vec<_>>(), [0, 2]);
+/// let loop_of_two = RestPose::<3>::new(&[Some(2), None, Some(0)], &positions_m);
+/// assert_eq!(loop_of_two, Err(RestPoseError::Loop { joint: 2 }));
+/// # Ok::<(), RestPoseError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct RestPose<const N: usize> {
+    parents: Vec<Option<usize>, N>,
+    positions_m: Vec<Vec3, N>,
+    descendants: Vec<BodySet, N>,
+    /// The joints, parents first.
+    outwards: Vec<usize, N>,
+}
+
+impl<const N: usize> RestPose<N> {
+    /// A skeleton of joints with their parents, in any order, and their positions in world axes in m. O(n).
+    ///
+    /// # Errors
+    /// [`RestPoseError`] if there is no joint or more than `N`, not a position for each, a position is not finite, a
+    /// parent is no joint, a second joint has no parent, or a joint is its own ancestor.
+    pub fn new(parents: &[Option<usize>], positions_m: &[Vec3]) -> Result<Self, RestPoseError> {
+        const { assert!(N <= BodySet::CAPACITY, "a rest pose holds at most 128 joints") };
+        let count = parents.len();
+        if count == 0 {
+            return Err(RestPoseError::Empty);
+        }
+        if count > N {
+            return Err(RestPoseError::Full { capacity: N });
+        }
+        if positions_m.len() != count {
+            return Err(RestPoseError::Count { expected: count, found: positions_m.len() });
+        }
+        if let Some(joint) = positions_m.iter().position(|position_m| !position_m.is_finite()) {
+            return Err(RestPoseError::NonFinitePosition { joint });
+        }
+        let outwards = outwards(parents)?;
+        let mut descendants: Vec<BodySet, N> =
+            fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
+        for &joint in outwards.iter().rev() {
+            let Some(parent) = parents.get(joint).copied().flatten() else { continue };
+            let mut below = descendants.get(joint).copied().unwrap_or_default();
+            below.insert(joint);
+            if let Some(set) = descendants.get_mut(parent) {
+                *set = set.union(below);
+            }
+        }
+        Ok(Self {
+            parents: fixed::collect(parents.iter().copied()),
+            positions_m: fixed::collect(positions_m.iter().copied()),
+            descendants,
+            outwards,
+        })
+    }
+
+    /// A rig with every joint in the zero pose of its joint frame; its joints are numbered as its bodies. O(n).
+    ///
+    /// # Errors
+    /// [`RestPoseError`] if the tree has no body, or a position is too large for f32.
+    pub fn of_tree(tree: &Tree<N>) -> Result<Self, RestPoseError> {
+        let mut poses = Vec::<Transform, N>::new();
+        for body in tree.bodies() {
+            let parent = body.parent.and_then(|parent| poses.get(parent).copied());
+            let pose = parent.unwrap_or(Transform::IDENTITY) * body.placement;
+            if poses.push(pose).is_err() {
+                break; // Never: the tree holds no more.
+            }
+        }
+        let parents: Vec<Option<usize>, N> =
+            fixed::collect(tree.bodies().iter().map(|body| body.parent));
+        let positions_m: Vec<Vec3, N> = fixed::collect(poses.iter().map(|pose| pose.translation_m));
+        Self::new(&parents, &positions_m)
+    }
+
+    /// Number of joints, at least one.
+    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// The parent of a joint; `None` for the root and for what is no joint.
+    pub fn parent(&self, joint: usize) -> Option<usize> {
+        self.parents.get(joint).copied().flatten()
+    }
+
+    /// Position of a joint in world axes in m; the origin for what is no joint.
+    pub fn position_m(&self, joint: usize) -> Vec3 {
+        self.positions_m.get(joint).copied().unwrap_or_default()
+    }
+
+    /// The joints that hang on a joint, which itself is not among them.
+    pub fn descendants(&self, joint: usize) -> BodySet {
+        self.descendants.get(joint).copied().unwrap_or_default()
+    }
+
+    /// The joints from the leaves to the root: children before their parents.
+    pub(super) fn inwards(&self) -> impl Iterator<Item = usize> + '_ {
+        self.outwards.iter().rev().copied()
+    }
+}
+
+/// The joints in an order that has parents first, breadth first.
+fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, RestPoseError> {
+    let mut children: Vec<BodySet, N> = fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
+    let mut outwards = Vec::new();
+    for (joint, &parent) in parents.iter().enumerate() {
+        if let Some(parent) = parent {
+            let siblings = children.get_mut(parent);
+            siblings.ok_or(RestPoseError::NoSuchParent { joint, parent })?.insert(joint);
+        } else if let Some(&root) = outwards.first() {
+            return Err(RestPoseError::SecondRoot { joint, root });
+        } else {
+            let _ = outwards.push(joint); // There is room: each joint is reached once.
+        }
+    }
+    let mut reached = BodySet::EMPTY;
+    let mut next = 0;
+    while let Some(&joint) = outwards.get(next) {
+        reached.insert(joint);
+        for child in children.get(joint).copied().unwrap_or_default().iter() {
+            let _ = outwards.push(child);
+        }
+        next = next.saturating_add(1);
+    }
+    let Some(astray) = (0..parents.len()).find(|joint| !reached.contains(*joint)) else {
+        return Ok(outwards);
+    };
+    // As many steps up as there are joints end in the loop that the joint is in, or hangs on.
+    let up = |joint: usize| parents.get(joint).copied().flatten().unwrap_or(joint);
+    Err(RestPoseError::Loop { joint: parents.iter().fold(astray, |joint, _| up(joint)) })
+}
+
+/// Why a skeleton was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum RestPoseError {
+    /// There is no joint.
+    Empty,
+    /// There is no room for so many joints.
+    Full {
+        /// How many there is room for.
+        capacity: usize,
+    },
+    /// There must be a position for each joint.
+    Count {
+        /// Number of joints.
+        expected: usize,
+        /// Number of positions.
+        found: usize,
+    },
+    /// A position has a NaN or infinite component.
+    NonFinitePosition {
+        /// The joint.
+        joint: usize,
+    },
+    /// The parent of a joint is none of the joints.
+    NoSuchParent {
+        /// The joint.
+        joint: usize,
+        /// What it names as its parent.
+        parent: usize,
+    },
+    /// A second joint has no parent.
+    SecondRoot {
+        /// The joint.
+        joint: usize,
+        /// The first without a parent.
+        root: usize,
+    },
+    /// A joint is its own ancestor, as some joint is wherever none is without a parent.
+    Loop {
+        /// The joint.
+        joint: usize,
+    },
+}
+
+impl fmt::Display for RestPoseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("a rest pose needs at least one joint"),
+            Self::Full { capacity } => write!(f, "there is room for {capacity} joints only"),
+            Self::Count { expected, found } => {
+                write!(f, "{expected} joints need as many positions, {found} were given")
+            }
+            Self::NonFinitePosition { joint } => {
+                write!(f, "the position of joint {joint} is not finite")
+            }
+            Self::NoSuchParent { joint, parent } => {
+                write!(f, "joint {joint} names joint {parent} as its parent, which does not exist")
+            }
+            Self::SecondRoot { joint, root } => {
+                write!(
+                    f,
+                    "joint {joint} has no parent, but joint {root} is the root; give it a parent"
+                )
+            }
+            Self::Loop { joint } => {
+                write!(
+                    f,
+                    "joint {joint} is its own ancestor; one joint must be without a parent, above all others"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for RestPoseError {}
