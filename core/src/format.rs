@@ -7,6 +7,7 @@ use defmt::{Format, Formatter, write};
 
 use crate::controller::{Controller, Workspace};
 use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, Resolved};
+use crate::importance::RestPose;
 use crate::observer::Observer;
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
@@ -107,6 +108,18 @@ impl Format for BodySet {
 impl<const N: usize> Format for Tree<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Tree {}", self.bodies());
+    }
+}
+
+/// Its joints with their parents: the sets follow from them.
+impl<const N: usize> Format for RestPose<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "RestPose {{");
+        for joint in 0..self.len() {
+            let (parent, position_m) = (self.parent(joint), self.position_m(joint).to_array());
+            write!(f, " {{ parent: {}, position_m: {} }}", parent, position_m);
+        }
+        write!(f, " }}");
     }
 }
 

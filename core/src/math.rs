@@ -104,6 +104,16 @@ pub fn exponential(x: f32) -> f32 {
     libm::expf(x)
 }
 
+/// Natural logarithm, of a number above 0. That of rotations is [`log`].
+///
+/// ```
+/// assert_eq!(sinew_core::math::logarithm(1.0), 0.0);
+/// ```
+#[inline]
+pub fn logarithm(x: f32) -> f32 {
+    libm::logf(x)
+}
+
 /// Length of a vector.
 ///
 /// ```

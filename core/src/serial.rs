@@ -15,6 +15,7 @@ use crate::body_weight::{BodyWeight, BodyWeights};
 use crate::control::{ControlLaw, Gains, GainsError, LimitError, TorqueLimit};
 use crate::controller::{Controller, ControllerError};
 use crate::dynamics::ReflectedInertia;
+use crate::importance::Importance;
 use crate::joint::UNIT_TOLERANCE;
 use crate::math;
 use crate::state_error::{Aim, Aims, Method, References};
@@ -282,6 +283,19 @@ impl<'de, const N: usize> Deserialize<'de> for BodyWeights<N> {
         let List::<BodyWeight, N>(weights) = List::deserialize(from)?;
         let tree = chain::<N>(weights.len()).map_err(D::Error::custom)?;
         Self::new(&tree, &weights).map_err(D::Error::custom)
+    }
+}
+
+impl<const N: usize> Serialize for Importance<N> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(to)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Importance<N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let List::<f32, N>(weights) = List::deserialize(from)?;
+        Self::new(&weights).map_err(D::Error::custom)
     }
 }
 

@@ -6,6 +6,7 @@ use sinew_core::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit};
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia};
 use sinew_core::finite_difference::Scheme;
 use sinew_core::glam::{Quat, Vec3};
+use sinew_core::importance::Importance;
 use sinew_core::projection::{BodyWeight, BodyWeights, JointRange};
 use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError,
@@ -114,6 +115,7 @@ fn plain_types_come_back() {
     round_trip(&Gains::critically_damped(200.0).unwrap().with_linear(3.0, 0.1).unwrap());
     round_trip(&TorqueLimit::new(3.0, 0.1).unwrap());
     round_trip(&TorqueLimit::NONE);
+    round_trip(&Importance::<8>::new(&[0.5, 0.0, 1e-3]).unwrap());
     let set: BodySet = [0, 3, 64, 127].into_iter().collect();
     round_trip(&set);
     round_trip(&(0..128).collect::<BodySet>());
@@ -313,6 +315,14 @@ fn a_tree_is_checked_as_every_tree_is() {
     bodies.as_array_mut().unwrap().extend([more.clone(), more.clone(), more]);
     let message = refused::<Tree<8>>(&bodies.to_string());
     assert!(message.contains("invalid length 9") && message.contains("at most 8"), "{message}");
+}
+
+#[test]
+fn importance_that_is_none_is_refused() {
+    let message = refused::<Importance<8>>("[1,-0.5]");
+    assert!(message.contains("joint 1: the weight is -0.5"), "{message}");
+    assert!(refused::<Importance<8>>("[0,0]").contains("sum is 0"));
+    assert!(refused::<Importance<2>>("[1,1,1]").contains("invalid length 3"));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Importance by the length of the bones that a joint moves.
 
-use super::{Importance, ImportanceError, RestPose, checked_base};
-use crate::fixed;
+use super::sum::Weights;
+use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
 /// Weights in m by the lengths of a joint's descendants: `w = base + Σ discount (L_child + w_child)` over its children,
@@ -26,18 +26,14 @@ pub fn descendants_length<const N: usize>(
     base_m: f32,
     discount: f32,
 ) -> Result<Importance<N>, ImportanceError> {
-    let base_m = checked_base(base_m)?;
+    let mut weights = Weights::new(rest_pose.len(), base_m)?;
     if !(0.0..=1.0).contains(&discount) {
         return Err(ImportanceError::Discount { value: discount });
     }
-    let mut weights: heapless::Vec<f32, N> = fixed::collect((0..rest_pose.len()).map(|_| base_m));
     for joint in rest_pose.inwards() {
         let Some(parent) = rest_pose.parent(joint) else { continue };
         let length_m = math::length(rest_pose.position_m(joint) - rest_pose.position_m(parent));
-        let own = weights.get(joint).copied().unwrap_or_default();
-        if let Some(weight) = weights.get_mut(parent) {
-            *weight += discount * (length_m + own);
-        }
+        weights.add(parent, discount * (length_m + weights.get(joint)));
     }
-    Importance::new(&weights)
+    weights.importance()
 }

@@ -22,16 +22,24 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cylinder;
 mod lengths;
+mod mesh;
 mod rest_pose;
+mod samples;
+mod sum;
 
 use core::fmt;
 
 use heapless::Vec;
 
 use crate::fixed;
+pub use cylinder::cylinder_surface;
 pub use lengths::descendants_length;
+pub use mesh::{MeshSurface, VertexError};
 pub use rest_pose::{RestPose, RestPoseError};
+pub use samples::{SurfaceSamples, cylinder_samples};
+use sum::sum;
 
 /// One weight for each joint, in the order that the joints were given in: finite, zero or more, and not all zero.
 ///
@@ -65,7 +73,7 @@ impl<const N: usize> Importance<N> {
         if let Some((joint, &value)) = weights.iter().enumerate().find(|(_, w)| !usable(**w)) {
             return Err(ImportanceError::Weight { joint, value });
         }
-        let sum: f32 = weights.iter().sum();
+        let sum = sum(weights.iter().copied());
         if sum > 0.0 && sum.is_finite() {
             Ok(Self { weights: fixed::collect(weights.iter().copied()) })
         } else {
@@ -81,7 +89,7 @@ impl<const N: usize> Importance<N> {
     /// The same weights with a sum of 1, as near as f32 comes to it. O(n).
     #[must_use]
     pub fn normalised(&self) -> Self {
-        let sum: f32 = self.weights.iter().sum();
+        let sum = sum(self.weights.iter().copied());
         Self { weights: fixed::collect(self.weights.iter().map(|weight| weight / sum)) }
     }
 }
@@ -118,6 +126,32 @@ pub enum ImportanceError {
         /// The discount.
         value: f32,
     },
+    /// There must be a radius for each joint.
+    RadiusCount {
+        /// Number of joints.
+        expected: usize,
+        /// Number of radii.
+        found: usize,
+    },
+    /// The radius of the bone that ends at a joint is negative or not finite.
+    Radius {
+        /// The joint.
+        joint: usize,
+        /// The radius in m.
+        value: f32,
+    },
+    /// A sample is not in [0, 1).
+    Sample {
+        /// Which one, from 0.
+        index: usize,
+        /// The sample.
+        value: [f32; 2],
+    },
+    /// There are fewer samples than points to make.
+    TooFewSamples {
+        /// The joint that the bone ends at for which there were none left.
+        joint: usize,
+    },
 }
 
 impl fmt::Display for ImportanceError {
@@ -136,17 +170,23 @@ impl fmt::Display for ImportanceError {
             Self::Discount { value } => {
                 write!(f, "the discount is {value}; it must be from 0 to 1")
             }
+            Self::RadiusCount { expected, found } => {
+                write!(f, "{expected} joints need as many radii, {found} were given")
+            }
+            Self::Radius { joint, value } => {
+                write!(f, "joint {joint}: the radius is {value} m; it must be finite, 0 or more")
+            }
+            Self::Sample { index, value: [u, v] } => {
+                write!(f, "sample {index} is ({u}, {v}); both must be from 0 to below 1")
+            }
+            Self::TooFewSamples { joint } => {
+                write!(
+                    f,
+                    "the samples end at the bone to joint {joint}; every bone needs one a point"
+                )
+            }
         }
     }
 }
 
 impl core::error::Error for ImportanceError {}
-
-/// The weight that every joint begins with, if it can be one.
-fn checked_base(base: f32) -> Result<f32, ImportanceError> {
-    if base >= 0.0 && base.is_finite() {
-        Ok(base)
-    } else {
-        Err(ImportanceError::Base { value: base })
-    }
-}

@@ -110,6 +110,11 @@ impl<const N: usize> RestPose<N> {
         self.descendants.get(joint).copied().unwrap_or_default()
     }
 
+    /// The joints that a joint hangs on, from its parent to the root.
+    pub(super) fn ancestors(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        core::iter::successors(self.parent(joint), |joint| self.parent(*joint))
+    }
+
     /// The joints from the leaves to the root: children before their parents.
     pub(super) fn inwards(&self) -> impl Iterator<Item = usize> + '_ {
         self.outwards.iter().rev().copied()

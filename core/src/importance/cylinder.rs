@@ -1,0 +1,161 @@
+//! Importance by the surface of bones with a thickness.
+
+use glam::Vec3;
+
+use super::sum::Weights;
+use super::{Importance, ImportanceError, RestPose};
+use crate::math;
+
+/// Weights in m³ by the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral surfaces of all bones
+/// below the joint, each a round cylinder from a parent to its child, without caps.
+///
+/// `radii_m`: of the cylinder that ends at a joint; the root's is not used. A bone without length or thickness counts
+/// nothing. Each integral is within 2e-7 of its exact value by the rule, and within 1e-6 with f32's rounding; lengths below
+/// 1e-18 m are none. O(n · depth), some 1,500 instructions for each bone and ancestor.
+///
+/// The article's printed code makes points at random, as [`cylinder_samples`](super::cylinder_samples) does, and has half
+/// the bone's length in the area that they stand for, which halves each surface against the base. Here surfaces are whole.
+///
+/// # Errors
+/// [`ImportanceError`] if there is not a radius for each joint, one is negative or not finite, the base is, or a weight
+/// is too large for f32, or all are zero.
+///
+/// ```
+/// use sinew_core::{glam::Vec3, importance::{RestPose, cylinder_surface}};
+/// let arm = RestPose::<3>::new(&[None, Some(0), Some(1)], &[Vec3::ZERO, Vec3::X, Vec3::X * 1.5])?;
+/// let importance = cylinder_surface(&arm, &[0.0, 0.05, 0.04], 0.001)?;
+/// let &[shoulder, elbow, wrist] = importance.as_slice() else { panic!() };
+/// // Of thin bones: 2 π r ∫ x dx.
+/// let forearm = 6.283 * 0.04 * 0.5 * (1.5 * 1.5 - 1.0);
+/// assert!((shoulder - 0.001 - 6.283 * 0.05 * 0.5 - forearm).abs() < 0.01 * shoulder);
+/// assert!((elbow - 0.001 - 6.283 * 0.04 * 0.125).abs() < 0.03 * elbow);
+/// assert_eq!(wrist, 0.001);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn cylinder_surface<const N: usize>(
+    rest_pose: &RestPose<N>,
+    radii_m: &[f32],
+    base_m3: f32,
+) -> Result<Importance<N>, ImportanceError> {
+    let mut weights = Weights::new(rest_pose.len(), base_m3)?;
+    for (joint, bone) in Cylinder::of_bones(rest_pose, radii_m)? {
+        for ancestor in rest_pose.ancestors(joint) {
+            let mean_m = bone.mean_distance_m(rest_pose.position_m(ancestor));
+            weights.add(ancestor, bone.area_m2() * mean_m);
+        }
+    }
+    weights.importance()
+}
+
+/// The lateral surface of a round cylinder.
+pub(super) struct Cylinder {
+    start_m: Vec3,
+    /// Unit.
+    pub(super) axis: Vec3,
+    pub(super) length_m: f32,
+    pub(super) radius_m: f32,
+}
+
+impl Cylinder {
+    /// The bones that have a length and a thickness, by the joint that they end at.
+    pub(super) fn of_bones<'a, const N: usize>(
+        rest_pose: &'a RestPose<N>,
+        radii_m: &'a [f32],
+    ) -> Result<impl Iterator<Item = (usize, Self)> + 'a, ImportanceError> {
+        let (expected, found) = (rest_pose.len(), radii_m.len());
+        if found != expected {
+            return Err(ImportanceError::RadiusCount { expected, found });
+        }
+        let usable = |radius_m: f32| radius_m >= 0.0 && radius_m.is_finite();
+        if let Some((joint, &value)) = radii_m.iter().enumerate().find(|(_, r)| !usable(**r)) {
+            return Err(ImportanceError::Radius { joint, value });
+        }
+        Ok(radii_m.iter().enumerate().filter_map(|(joint, &radius_m)| {
+            let start_m = rest_pose.position_m(rest_pose.parent(joint)?);
+            let along_m = rest_pose.position_m(joint) - start_m;
+            let length_m = math::length(along_m);
+            let there = length_m > SHORTEST_M && radius_m > 0.0;
+            there.then(|| (joint, Self { start_m, axis: along_m / length_m, length_m, radius_m }))
+        }))
+    }
+
+    pub(super) fn area_m2(&self) -> f32 {
+        2.0 * math::PI * self.radius_m * self.length_m
+    }
+
+    pub(super) fn middle_m(&self) -> Vec3 {
+        self.start_m + self.axis * (0.5 * self.length_m)
+    }
+
+    /// Mean distance of the surface from a point.
+    ///
+    /// The mean over the circle at one place of the axis is known ([`mean_distance_of_circle_m`]). Along the axis it
+    /// changes fastest next to the point's foot on it, over a length that may be anything down to nothing. So the axis is cut
+    /// there, and what is left on either side gets a rule with its nodes close together at that end.
+    fn mean_distance_m(&self, point_m: Vec3) -> f32 {
+        let from_start_m = point_m - self.start_m;
+        let foot_m = from_start_m.dot(self.axis);
+        let beside_m = math::length(from_start_m - self.axis * foot_m);
+        let mean_m = |from_m: f32, length_m: f32| {
+            let value = |node: f32| {
+                let along_m = from_m + length_m * node;
+                mean_distance_of_circle_m(along_m, beside_m, self.radius_m)
+            };
+            RULE.iter().map(|&[node, weight]| weight * value(node)).sum::<f32>()
+        };
+        let beyond_m = foot_m - self.length_m;
+        if foot_m <= 0.0 {
+            mean_m(-foot_m, self.length_m)
+        } else if beyond_m >= 0.0 {
+            mean_m(beyond_m, self.length_m)
+        } else {
+            let before = foot_m * mean_m(0.0, foot_m);
+            (before - beyond_m * mean_m(0.0, -beyond_m)) / self.length_m
+        }
+    }
+}
+
+/// Below, f32 has not the digits for a length's square.
+const SHORTEST_M: f32 = 1e-18;
+
+/// Nodes and weights on [0, 1]: the Gauss-Legendre rule of twelve points in u, for x = u³.
+///
+/// Its worst error was sought over a grid of all geometries (feet from a hundred lengths away to the middle, points on the axis,
+/// on the surface and far from it, radii from 1e-4 to 100 lengths), against a composite rule of 1,220 points: 1.6e-7 of the
+/// mean, for points on the axis of a cylinder 30 times as long as thick. Without the cube it is 1.2e-5.
+const RULE: [[f32; 2]; 12] = [
+    [7.836_966e-7, 6.015_036e-6],
+    [0.000_110_187_255, 0.000_368_680_02],
+    [0.001_522_806_5, 0.003_178_242],
+    [0.008_785_303, 0.012_975_273],
+    [0.031_579_74, 0.034_992_1],
+    [0.083_673_24, 0.071_494_296],
+    [0.178_089_32, 0.118_296_59],
+    [0.319_895_27, 0.163_820_97],
+    [0.499_921_47, 0.191_961_1],
+    [0.693_039_8, 0.188_045_34],
+    [0.862_960_8, 0.145_397_22],
+    [0.972_595_16, 0.069_464_19],
+];
+
+/// Mean distance in m of a circle from a point: `along_m` from its plane, `beside_m` from its axis.
+///
+/// It is the circumference of the ellipse that has the least and the largest distance as its half axes, over 2π, which
+/// is 2/π times the larger one times the complete elliptic integral E of 1 - (smaller / larger)².
+fn mean_distance_of_circle_m(along_m: f32, beside_m: f32, radius_m: f32) -> f32 {
+    let (near_m, far_m) = (beside_m - radius_m, beside_m + radius_m);
+    let squared_m2 = along_m * along_m;
+    let (least_m2, largest_m2) = (squared_m2 + near_m * near_m, squared_m2 + far_m * far_m);
+    let ratio = if largest_m2 > 0.0 { least_m2 / largest_m2 } else { 0.0 };
+    2.0 / math::PI * math::sqrt(largest_m2) * elliptic_e(ratio)
+}
+
+/// The complete elliptic integral of the second kind of the parameter `1 - y`, to 1e-7, for `y` in [0, 1].
+///
+/// Its form has the logarithm that E has at `y = 0` (Hastings 1955; Abramowitz and Stegun, 17.3.36, off by less than 2e-8).
+fn elliptic_e(y: f32) -> f32 {
+    let regular =
+        1.0 + y * (0.443_251_4 + y * (0.062_606_01 + y * (0.047_573_84 + y * 0.017_365_065)));
+    let factor = y * (0.249_983_68 + y * (0.092_001_8 + y * (0.040_696_98 + y * 0.005_264_496_4)));
+    if y > 0.0 { regular - factor * math::logarithm(y) } else { regular }
+}
