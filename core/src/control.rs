@@ -371,6 +371,8 @@ pub enum LimitReason {
     NotFinite,
     /// The workspace has no room for what the controller's method works on; nothing is asked of the joint.
     NoRoom,
+    /// All joints together wanted more than their [`supply`](crate::supply) gives.
+    Supply,
 }
 
 #[cfg(test)]

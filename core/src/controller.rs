@@ -555,6 +555,11 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         &self.torques
     }
 
+    /// The same, for what comes between the tick and the drives: a [`supply`](crate::supply) that they share.
+    pub fn torques_mut(&mut self) -> &mut [Limited<Wrench>] {
+        &mut self.torques
+    }
+
     /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics, or
     /// PD with inertias), or moment and force in N m and N (PD alone).
     pub fn commands(&self) -> &[Motion] {

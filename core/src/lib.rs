@@ -82,7 +82,8 @@
 //! [`Aims`](state_error::Aims), must fit *some* tree; [`Controller::new`] checks whether it fits its own. Left out are
 //! - scratch, and what is learnt from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
 //! - what only its constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains must go together,
-//!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written;
+//!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written, and
+//!   [`TorqueSupply`](supply::TorqueSupply), of a number and weights;
 //! - [`Trajectory`], which borrows its frames;
 //! - errors, which are for people: they have `Display`.
 //!
@@ -147,6 +148,7 @@ pub mod projection;
 mod serial;
 pub mod state;
 pub mod state_error;
+pub mod supply;
 mod symmetric;
 pub mod trajectory;
 mod transform;

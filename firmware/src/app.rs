@@ -2,6 +2,7 @@
 
 use sinew_core::control::Limited;
 use sinew_core::state_error::StateError;
+use sinew_core::supply::TorqueSupply;
 use sinew_core::{
     Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
     Workspace, Wrench,
@@ -48,6 +49,7 @@ pub struct App<'a, const N: usize, const R: usize = 0> {
     measured: JointStates<N>,
     workspace: Workspace<N, R>,
     recommended: Option<Recommended<N>>,
+    supply: Option<TorqueSupply<N>>,
     differences: ForwardDifferences<N>,
     /// The frame that the differences took last, and its number; none before the first.
     frame: [Transform; N],
@@ -77,6 +79,7 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
             controller,
             workspace,
             recommended: None,
+            supply: None,
             differences: ForwardDifferences::new(),
             frame: [Transform::IDENTITY; N],
             newest: None,
@@ -89,6 +92,13 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
     #[must_use]
     pub fn with(self, setting: Recommended<N>) -> Self {
         Self { recommended: Some(setting), ..self }
+    }
+
+    /// The same with drives that share a supply: what a tick asks of them is cut to it. It must be made of the
+    /// controller's own tree.
+    #[must_use]
+    pub fn with_supply(self, supply: TorqueSupply<N>) -> Self {
+        Self { supply: Some(supply), ..self }
     }
 
     /// Takes the targets of frame `index` by forward differences of the bodies, and the measured joints by backward ones
@@ -145,21 +155,19 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
         Ok(())
     }
 
-    /// The torques for what was observed last, see [`Controller::tick`].
+    /// The torques for what was observed last, see [`Controller::tick`]; within the supply, if there is one.
     pub fn control(&mut self) -> &[Limited<Wrench>] {
-        let Some(recommended) = &mut self.recommended else {
-            return self.controller.tick(
-                &mut self.targets,
-                &self.measured,
-                &[],
-                &mut self.workspace,
-            );
-        };
-        let (states, w) = (recommended.states(), &mut self.workspace);
+        let states = self.recommended.as_ref().map_or(&self.measured, Recommended::states);
+        let w = &mut self.workspace;
         self.controller.tick(&mut self.targets, states, &[], w);
         let count = self.controller.tree().len();
+        if let Some(supply) = &self.supply {
+            supply.share(w.torques_mut().get_mut(..count).unwrap_or_default());
+        }
         let torques = w.torques().get(..count).unwrap_or_default();
-        recommended.sent(w.commands(), torques);
+        if let Some(recommended) = &mut self.recommended {
+            recommended.sent(w.commands(), torques);
+        }
         torques
     }
 

@@ -8,6 +8,7 @@ use sinew_core::glam::Vec3;
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
+use sinew_core::supply::TorqueSupply;
 use sinew_core::{BodySet, Controller, JointState, Motion, RotationalInertia, Tree};
 use sinew_firmware::recommended::Recommended;
 use sinew_firmware::show::Show;
@@ -67,6 +68,12 @@ pub(crate) fn controller() -> Option<Controller<N>> {
         .with_law(black_box(ControlLaw::InverseDynamics))
         .ok()
         .map(black_box)
+}
+
+/// A supply with weights, none of which the compiler knows.
+pub(crate) fn supply() -> Option<TorqueSupply<N>> {
+    let supply = TorqueSupply::new(&tree(), black_box(1.0)).ok()?;
+    if black_box(true) { supply.with_weights(slice()).ok() } else { Some(supply) }.map(black_box)
 }
 
 #[inline(never)]

@@ -19,6 +19,10 @@ pub(crate) fn controller() {
     let (mut targets, mut workspace) = (desired(), black_box(Workspace::resolving()));
     black_box(controller.tick(&mut targets, &measured(), slice(), &mut workspace));
     controller.errors(&mut targets, &measured(), &mut workspace, slice_mut());
+    if let Some(supply) = construct::supply() {
+        supply.share(workspace.torques_mut());
+        black_box(supply.supply_nm());
+    }
     black_box(workspace.aim_status());
     black_box((workspace.torques(), workspace.commands()));
     black_box((controller.gains(), controller.method(), controller.law(), controller.limits()));
@@ -41,6 +45,10 @@ pub(crate) fn app() {
     if black_box(true) {
         let Ok(setting) = Recommended::new(&show, &tree(), black_box(1)) else { return };
         app = app.with(black_box(setting));
+    }
+    if black_box(true) {
+        let Some(supply) = construct::supply() else { return };
+        app = app.with_supply(black_box(supply));
     }
     let mut app = black_box(app);
     black_box(&app.observe(black_box(1), slice()));

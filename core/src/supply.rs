@@ -1,0 +1,218 @@
+//! What a rig's drives may draw together: one supply feeds all of them.
+
+use core::fmt;
+
+use glam::Vec3;
+use heapless::Vec;
+
+use crate::control::{LimitReason, Limited};
+use crate::fixed;
+use crate::joint::JointKind;
+use crate::math;
+use crate::transform::Wrench;
+use crate::tree::Tree;
+
+/// A bound of the sum of all joints' torques, and the rule by which they share what there is.
+///
+/// A step after the tick, and no part of it. Counted is the length of each joint's moment: a servo's current goes
+/// with its torque, and its supply has the sum of all currents to give. Forces of prismatic joints are in other
+/// units; they are neither counted nor cut, and no more is what holds a free joint, which no servo drives.
+///
+/// ```
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Wrench, glam::Vec3};
+/// use sinew_core::{control::{LimitReason, Limited}, supply::{SupplyError, TorqueSupply}};
+/// # let body = |parent| Body {
+/// #     parent,
+/// #     joint: JointKind::Spherical,
+/// #     placement: Transform::IDENTITY,
+/// #     inertia: Inertia::default(),
+/// # };
+/// let arm = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
+/// let wanted = [6.0, 2.0].map(|nm| Wrench::new(Vec3::Z * nm, Vec3::ZERO));
+/// let mut torques = wanted.map(|value| Limited { value, reason: None });
+/// TorqueSupply::new(&arm, 4.0)?.share(&mut torques);
+/// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [3.0, 1.0]);
+///
+/// // A newton metre too few at the shoulder counts three times what it counts at the elbow.
+/// let by_weight = TorqueSupply::new(&arm, 4.0)?.with_weights(&[3.0, 1.0])?;
+/// let mut torques = wanted.map(|value| Limited { value, reason: None });
+/// by_weight.share(&mut torques);
+/// // The elbow has no more than 2 N m to give: all of it, and the shoulder the rest.
+/// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [4.0, 0.0]);
+/// assert_eq!(torques[0].reason, Some(LimitReason::Supply));
+/// assert_eq!(TorqueSupply::new(&arm, -1.0), Err(SupplyError::Supply { nm: -1.0 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TorqueSupply<const N: usize> {
+    supply_nm: f32,
+    rule: Rule,
+    /// By joint, what it gives up for each unit of what others do: one over its weight, zero if it takes nothing from
+    /// the supply.
+    yields: Vec<f32, N>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Rule {
+    /// All are cut by the same factor.
+    Alike,
+    /// The weighted sum of squares of what is cut is least.
+    LeastSquares,
+}
+
+/// The range of weights: with any in it, no quotient of them and of what is shared leaves f32.
+const WEIGHTS: core::ops::RangeInclusive<f32> = 1e-12..=1e12;
+
+impl<const N: usize> TorqueSupply<N> {
+    /// A supply of so many N m, infinite for no bound; all joints are cut by the same factor.
+    ///
+    /// # Errors
+    /// [`SupplyError::Supply`] if the supply is NaN or negative.
+    pub fn new(tree: &Tree<N>, supply_nm: f32) -> Result<Self, SupplyError> {
+        // Written so that NaN fails.
+        if !(supply_nm >= 0.0) {
+            return Err(SupplyError::Supply { nm: supply_nm });
+        }
+        let draws = |joint| if matches!(joint, JointKind::Free) { 0.0 } else { 1.0 };
+        let yields = fixed::collect(tree.bodies().iter().map(|body| draws(body.joint)));
+        Ok(Self { supply_nm, rule: Rule::Alike, yields })
+    }
+
+    /// The same supply, shared so that `Σ aᵢ |τᵢ - τ_wanted,i|²` is least: every joint gives up the same share of
+    /// `1 / aᵢ`, and no more than it wanted. O(n) to O(n²), as joints run out of torque.
+    ///
+    /// # Errors
+    /// [`SupplyError`] if there is not a weight for each joint, or one is not from 1e-12 to 1e12 (also of a joint that
+    /// takes nothing from the supply).
+    pub fn with_weights(self, weights: &[f32]) -> Result<Self, SupplyError> {
+        if weights.len() != self.yields.len() {
+            let (expected, found) = (self.yields.len(), weights.len());
+            return Err(SupplyError::Count { expected, found });
+        }
+        for (joint, weight) in weights.iter().enumerate() {
+            if !WEIGHTS.contains(weight) {
+                return Err(SupplyError::Weight { joint, value: *weight });
+            }
+        }
+        let draws = self.yields.iter().map(|of_joint| *of_joint > 0.0);
+        let yields = draws.zip(weights).map(|(draws, a)| if draws { 1.0 / a } else { 0.0 });
+        Ok(Self { rule: Rule::LeastSquares, yields: fixed::collect(yields), ..self })
+    }
+
+    /// The most that all joints may draw together, in N m.
+    pub fn supply_nm(&self) -> f32 {
+        self.supply_nm
+    }
+
+    /// Cuts what a tick asked of the joints to what the supply has. Moments keep their directions, and everything its
+    /// bits if there is enough; cut ones have [`LimitReason::Supply`]. The sum is within the supply but for a few roundings.
+    ///
+    /// What is not finite becomes zero, with [`LimitReason::NotFinite`]; what is beyond the tree's joints too, without.
+    pub fn share(&self, torques: &mut [Limited<Wrench>]) {
+        let (torques, beyond) = torques.split_at_mut(torques.len().min(self.yields.len()));
+        beyond.fill(Limited { value: Wrench::ZERO, reason: None });
+        let mut largest = 0.0_f32;
+        for (torque, yields) in torques.iter_mut().zip(&self.yields) {
+            if !torque.value.is_finite() {
+                // Before any comparison: NaN passes a clamp.
+                *torque = Limited { value: Wrench::ZERO, reason: Some(LimitReason::NotFinite) };
+            }
+            if *yields > 0.0 {
+                largest = largest.max(torque.value.moment_nm.abs().max_element());
+            }
+        }
+        if largest <= 0.0 {
+            return;
+        }
+        // In units of the largest component: no square and no sum may overflow.
+        let supply = self.supply_nm / largest;
+        let wanted: Vec<f32, N> =
+            fixed::collect(torques.iter().zip(&self.yields).map(|(torque, yields)| {
+                let length = |v: Vec3| math::length(v / largest);
+                if *yields > 0.0 { length(torque.value.moment_nm) } else { 0.0 }
+            }));
+        if wanted.iter().sum::<f32>() <= supply {
+            return;
+        }
+        match self.rule {
+            Rule::Alike => cut(torques, &wanted, &wanted, supply),
+            Rule::LeastSquares => cut(torques, &wanted, &self.yields, supply),
+        }
+    }
+}
+
+/// Takes the same share of what each joint yields off what it wants, so that the sum is the supply's.
+fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: f32) {
+    let joints = || wanted.iter().zip(yields);
+    let mut share = 0.0;
+    // Each pass leaves out the joints that the last share takes all from; so those that are left give more, and none
+    // comes back.
+    for _ in wanted {
+        let (mut sum, mut yielding) = (0.0, 0.0);
+        for (wanted, yields) in joints().filter(|(wanted, yields)| share * **yields < **wanted) {
+            sum += wanted;
+            yielding += yields;
+        }
+        let next = (sum - supply).max(0.0) / yielding;
+        // Written so that NaN, of no joint left, stops.
+        if !(next > share) {
+            break;
+        }
+        share = next;
+    }
+    let left = |wanted: f32, yields: f32| (wanted - share * yields).max(0.0);
+    // What is left of large torques has lost the digits that a small supply is counted in.
+    let sum: f32 = joints().map(|(wanted, yields)| left(*wanted, *yields)).sum();
+    let rounding = if sum > supply { supply / sum } else { 1.0 };
+    for (torque, (wanted, yields)) in torques.iter_mut().zip(joints()) {
+        if share * yields > 0.0 && *wanted > 0.0 {
+            torque.value.moment_nm *= left(*wanted, *yields) / wanted * rounding;
+            torque.reason = Some(LimitReason::Supply);
+        }
+    }
+}
+
+/// Why a supply was refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SupplyError {
+    /// The supply is NaN or negative.
+    Supply {
+        /// The supply in N m.
+        nm: f32,
+    },
+    /// There must be one weight for each joint.
+    Count {
+        /// Number of joints.
+        expected: usize,
+        /// Number of weights.
+        found: usize,
+    },
+    /// The weight of a joint is not from 1e-12 to 1e12.
+    Weight {
+        /// The joint.
+        joint: usize,
+        /// The weight.
+        value: f32,
+    },
+}
+
+impl fmt::Display for SupplyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Supply { nm } => write!(f, "the supply is {nm} N m; it must be zero or more"),
+            Self::Count { expected, found } => {
+                write!(f, "{expected} joints need as many weights, {found} were given")
+            }
+            Self::Weight { joint, value } => write!(
+                f,
+                "joint {joint}: the weight of its torque is {value}; it must be from 1e-12 to 1e12"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SupplyError {}
