@@ -71,8 +71,7 @@ impl<const N: usize> TorqueSupply<N> {
     /// # Errors
     /// [`SupplyError::Supply`] if the supply is NaN or negative.
     pub fn new(tree: &Tree<N>, supply_nm: f32) -> Result<Self, SupplyError> {
-        // Written so that NaN fails.
-        if !(supply_nm >= 0.0) {
+        if supply_nm.is_nan() || supply_nm < 0.0 {
             return Err(SupplyError::Supply { nm: supply_nm });
         }
         let draws = |joint| if matches!(joint, JointKind::Free) { 0.0 } else { 1.0 };
@@ -157,10 +156,11 @@ fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: 
         }
         let next = (sum - supply).max(0.0) / yielding;
         // Written so that NaN, of no joint left, stops.
-        if !(next > share) {
+        if next > share {
+            share = next;
+        } else {
             break;
         }
-        share = next;
     }
     let left = |wanted: f32, yields: f32| (wanted - share * yields).max(0.0);
     // What is left of large torques has lost the digits that a small supply is counted in.
