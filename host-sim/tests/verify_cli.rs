@@ -26,7 +26,9 @@ fn a_line_for_each_quantity_and_success() {
     let output = verify(&oracles(), &[]);
     let printed = text(&output.stdout);
     assert!(output.status.success(), "{printed}{}", text(&output.stderr));
-    for quantity in ["tau", "H", "world position", "local e_rot", "forward omega_world", "volume"] {
+    for quantity in
+        ["tau", "H", "world position", "local e_rot", "forward omega_world", "volume", "mesh raw"]
+    {
         let line = printed.lines().find(|line| line.contains(&format!(" {quantity} ")));
         let line = line.unwrap_or_else(|| panic!("no line for {quantity}: {printed}"));
         assert!(line.trim_end().ends_with("ok"), "{line}");
@@ -58,30 +60,30 @@ fn failure_over_a_limit_names_the_worst_case() {
 fn what_is_skipped_is_said_and_unknown_names_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::copy(oracles().join("control.json"), folder.path().join("control.json")).expect("a copy");
-    fs::write(folder.path().join("w.json"), r#"{"schema": "weights/1", "cases": [{}]}"#)
+    fs::write(folder.path().join("h.json"), r#"{"schema": "hauberg/1", "cases": [{}]}"#)
         .expect("the folder can be written");
 
     let output = verify(folder.path(), &[]);
-    assert!(!output.status.success(), "weights cannot be computed yet");
+    assert!(!output.status.success(), "distances of poses cannot be computed yet");
     let error = text(&output.stderr);
-    assert!(error.contains("w.json") && error.contains("weights/1"), "{error}");
+    assert!(error.contains("h.json") && error.contains("hauberg/1"), "{error}");
 
-    for (name, schema) in [("h.json", "hauberg/1"), ("r.json", "rnea/2"), ("x.json", "songs/1")] {
+    for (name, schema) in [("w.json", "weights/2"), ("r.json", "rnea/2"), ("x.json", "songs/1")] {
         let golden = format!(r#"{{"schema": "{schema}", "cases": [{{}}]}}"#);
         fs::write(folder.path().join(name), golden).expect("the folder can be written");
     }
     let error = text(&verify(folder.path(), &["--skip", "solids"]).stderr);
-    for told in ["h.json: `hauberg/1`", "r.json: `rnea/2`", "x.json: `songs/1` (of no known kind"] {
+    for told in ["w.json: `weights/2`", "r.json: `rnea/2`", "x.json: `songs/1` (of no known kind"] {
         assert!(error.contains(told), "all are told at once: {error}");
     }
     assert!(error.contains("--skip solids,hauberg,rnea,weights"), "{error}");
-    for name in ["h.json", "r.json", "x.json"] {
+    for name in ["w.json", "r.json", "x.json"] {
         fs::remove_file(folder.path().join(name)).expect("it is there");
     }
 
-    let output = verify(folder.path(), &["--skip", "weights,solids"]);
+    let output = verify(folder.path(), &["--skip", "hauberg,solids"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).contains("skipped w.json: kind weights"));
+    assert!(text(&output.stdout).contains("skipped h.json: kind hauberg"));
 
     let output = verify(folder.path(), &["--skip", "weight"]);
     assert!(!output.status.success());
@@ -91,7 +93,7 @@ fn what_is_skipped_is_said_and_unknown_names_are_refused() {
         assert!(error.contains(known), "{known}: {error}");
     }
 
-    let output = verify(folder.path(), &["--skip", "weights,control"]);
+    let output = verify(folder.path(), &["--skip", "hauberg,control"]);
     assert!(!output.status.success(), "nothing is left");
     assert!(text(&output.stderr).contains("2 were skipped"));
 }

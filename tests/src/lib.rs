@@ -1,5 +1,6 @@
 //! What holds across Sinew's crates: the tests are in `tests/`, here is what they share.
 //!
+//! - [`cylinders`]: surface integrals in f64, another way than the core's;
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;
 //! - [`nearest_pose`]: what the projection looks for, by dense least squares in f64;
 //! - [`newton_euler`]: inverse dynamics of given states in f64;
@@ -8,6 +9,7 @@
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
 //! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
 
+pub mod cylinders;
 pub mod extreme;
 pub mod nearest_pose;
 pub mod newton_euler;

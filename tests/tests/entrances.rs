@@ -2,11 +2,16 @@
 //! extremes that it must take.
 
 use std::error::Error;
+use std::num::NonZeroU16;
 
 use sinew_core::control::{Gains, GainsError, LimitError, TorqueLimit};
 use sinew_core::dynamics::ReflectedInertia;
 use sinew_core::finite_difference::{DifferenceError, Scheme, of_rotations, of_vectors};
 use sinew_core::glam::{Quat, Vec3};
+use sinew_core::importance::{
+    Importance, ImportanceError, MeshSurface, RestPose, RestPoseError, VertexError,
+    cylinder_samples, cylinder_surface, descendants_length,
+};
 use sinew_core::state_error::{
     Aim, Aims, AimsError, Compensation, Method, References, ReferencesError,
 };
@@ -330,4 +335,159 @@ fn extremes_are_taken() {
     assert!(Aims::all_children(&nothing).as_slice().is_empty());
     assert!(References::egocentric(&nothing).as_slice().is_empty());
     assert_eq!(Trajectory::new(&[], 0, 0.1), Err(TrajectoryError::Count { joints: 0, poses: 0 }));
+}
+
+#[test]
+fn rest_poses() {
+    use RestPoseError as E;
+    let at = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let new = |parents: &[Option<usize>]| RestPose::<3>::new(parents, &at[..parents.len().min(3)]);
+    refused(RestPose::<3>::new(&[], &[]), &E::Empty, &["at least one"]);
+    refused(RestPose::of_tree(&Tree::<3>::new()), &E::Empty, &["at least one"]);
+    refused(RestPose::<0>::new(&[None], &at[..1]), &E::Full { capacity: 0 }, &["0 joints"]);
+    refused(new(&[None, Some(0), Some(0), Some(0)]), &E::Full { capacity: 3 }, &["3 joints"]);
+    let short = RestPose::<3>::new(&[None, Some(0)], &at);
+    refused(short, &E::Count { expected: 2, found: 3 }, &["2 joints", "3 were given"]);
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let nan = RestPose::<3>::new(&[None, Some(0)], &[Vec3::ZERO, Vec3::Y * bad]);
+        refused(nan, &E::NonFinitePosition { joint: 1 }, &["joint 1", "finite"]);
+    }
+    let none = E::NoSuchParent { joint: 2, parent: 3 };
+    refused(new(&[None, Some(0), Some(3)]), &none, &["joint 2", "joint 3", "not exist"]);
+    let far = E::NoSuchParent { joint: 1, parent: usize::MAX };
+    refused(new(&[None, Some(usize::MAX)]), &far, &["joint 1"]);
+    let second = E::SecondRoot { joint: 2, root: 1 };
+    refused(new(&[Some(1), None, None]), &second, &["joint 2", "joint 1 is the root"]);
+    refused(new(&[None, Some(1)]), &E::Loop { joint: 1 }, &["joint 1", "its own ancestor"]);
+    refused(new(&[Some(0)]), &E::Loop { joint: 0 }, &["without a parent"]);
+    // No root at all; and a joint that hangs on a loop without being in it.
+    for parents in [[Some(1), Some(2), Some(0)], [Some(1), Some(2), Some(1)]] {
+        let Err(E::Loop { joint }) = new(&parents) else { panic!("{parents:?} was taken") };
+        assert!(parents.contains(&Some(joint)), "{joint} is in no loop of {parents:?}");
+    }
+    let mut rig = Tree::<3>::new();
+    for parent in [None, Some(0)] {
+        let placement = Transform::from_translation(Vec3::X * 3e38);
+        rig.push(Body { placement, ..body(parent) }).expect("finite, each for itself");
+    }
+    refused(RestPose::of_tree(&rig), &E::NonFinitePosition { joint: 1 }, &["joint 1"]);
+}
+
+#[test]
+fn importance() {
+    use ImportanceError as E;
+    type Weights = Importance<3>;
+    const POINTS: NonZeroU16 = NonZeroU16::MIN;
+    refused(Weights::new(&[1.0; 4]), &E::Full { capacity: 3 }, &["3 weights"]);
+    for bad in [-1.0, f32::INFINITY] {
+        let expected = E::Weight { joint: 1, value: bad };
+        refused(Weights::new(&[1.0, bad]), &expected, &["joint 1", "0 or more"]);
+    }
+    assert!(matches!(Weights::new(&[f32::NAN]), Err(E::Weight { joint: 0, .. })));
+    for none in [&[] as &[f32], &[0.0, 0.0]] {
+        refused(Weights::new(none), &E::Sum { value: 0.0 }, &["above 0"]);
+    }
+    let infinite = Weights::new(&[3e38; 2]);
+    assert!(matches!(infinite, Err(E::Sum { value }) if !value.is_finite()), "{infinite:?}");
+
+    let arm = RestPose::<3>::new(&[None, Some(0), Some(1)], &[Vec3::ZERO, Vec3::X, Vec3::X * 2.0]);
+    let arm = arm.expect("an arm");
+    let radii_m = [0.0, 0.1, 0.1];
+    let samples = |base, radii_m: &[f32], samples: &[(f32, f32)]| {
+        cylinder_samples(&arm, radii_m, base, POINTS, samples.iter().copied())
+    };
+    let middle = [(0.5, 0.5); 2];
+    for bad in [-0.1, f32::INFINITY, f32::NEG_INFINITY] {
+        let expected = E::Base { value: bad };
+        refused(descendants_length(&arm, bad, 0.9), &expected, &["base", "0 or more"]);
+        refused(cylinder_surface(&arm, &radii_m, bad), &expected, &["base"]);
+        refused(samples(bad, &radii_m, &middle), &expected, &["base"]);
+        refused(MeshSurface::new(arm.clone(), bad), &expected, &["base"]);
+        let expected = E::Discount { value: bad };
+        refused(descendants_length(&arm, 0.1, bad), &expected, &["discount", "from 0 to 1"]);
+        let expected = E::Radius { joint: 2, value: bad };
+        refused(cylinder_surface(&arm, &[0.0, 0.1, bad], 0.1), &expected, &["joint 2", "radius"]);
+        refused(samples(0.1, &[0.0, 0.1, bad], &middle), &expected, &["joint 2", "radius"]);
+        assert!(cylinder_surface(&arm, &[bad, 0.1, 0.1], 0.1).is_err(), "the root's too");
+    }
+    assert!(matches!(descendants_length(&arm, f32::NAN, 0.9), Err(E::Base { .. })));
+    assert!(matches!(descendants_length(&arm, 0.1, f32::NAN), Err(E::Discount { .. })));
+    assert!(matches!(cylinder_surface(&arm, &[f32::NAN; 3], 0.1), Err(E::Radius { joint: 0, .. })));
+    refused(descendants_length(&arm, 0.1, 1.1), &E::Discount { value: 1.1 }, &["1.1"]);
+    let expected = E::RadiusCount { expected: 3, found: 2 };
+    refused(cylinder_surface(&arm, &radii_m[..2], 0.1), &expected, &["3 joints", "2 were given"]);
+    for (u, v) in [(1.0, 0.5), (0.5, -0.1), (0.5, f32::INFINITY)] {
+        let expected = E::Sample { index: 1, value: [u, v] };
+        let bad = samples(0.1, &radii_m, &[middle[0], (u, v)]);
+        refused(bad, &expected, &["sample 1", "below 1"]);
+    }
+    let few = samples(0.1, &radii_m, &middle[..1]);
+    refused(few, &E::TooFewSamples { joint: 2 }, &["joint 2"]);
+    // Bones without length or thickness are no error, but if there is nothing else there are no weights.
+    let point = RestPose::<3>::new(&[None, Some(0)], &[Vec3::X; 2]).expect("a skeleton");
+    let nothing = E::Sum { value: 0.0 };
+    refused(descendants_length(&point, 0.0, 1.0), &nothing, &["above 0"]);
+    refused(cylinder_surface(&point, &[0.1, 0.1], 0.0), &nothing, &["above 0"]);
+    refused(cylinder_surface(&arm, &[0.0; 3], 0.0), &nothing, &["above 0"]);
+    let mesh = MeshSurface::new(arm.clone(), 0.0).expect("a base");
+    refused(mesh.importance(), &nothing, &["above 0"]);
+    assert_eq!(cylinder_surface(&arm, &[0.0; 3], 0.1).expect("bases").as_slice(), [0.1; 3]);
+}
+
+#[test]
+fn vertices() {
+    use VertexError as E;
+    let arm = RestPose::<3>::new(&[None, Some(0)], &[Vec3::ZERO, Vec3::X]).expect("an arm");
+    let mut mesh = MeshSurface::new(arm, 0.1).expect("a base");
+    mesh.add(Vec3::Y, 0.2, &[(0, 1.0)]).expect("a vertex");
+    let before = mesh.clone();
+    let mut refuse =
+        |position_m, area_m2, influences: &[(usize, f32)], expected, words: &[&str]| {
+            refused(mesh.add(position_m, area_m2, influences), &expected, words);
+            assert_eq!(mesh, before, "a vertex that is refused changes nothing");
+        };
+    let good = [(1, 0.5), (0, 0.5)];
+    refuse(NAN, 0.1, &good, E::NonFinitePosition, &["position"]);
+    refuse(Vec3::X * f32::INFINITY, 0.1, &good, E::NonFinitePosition, &["finite"]);
+    for bad in [-0.1, f32::INFINITY, f32::NEG_INFINITY] {
+        refuse(Vec3::X, bad, &good, E::Area { value: bad }, &["area", "0 or more"]);
+        let expected = E::Influence { joint: 0, value: bad };
+        refuse(Vec3::X, 0.1, &[(1, 0.5), (0, bad)], expected, &["joint 0", "0 or more"]);
+    }
+    let expected = E::NoSuchJoint { joint: 2, count: 2 };
+    refuse(Vec3::X, 0.1, &[(1, 0.5), (2, 0.0)], expected, &["joint 2", "2, from 0"]);
+    let expected = E::InfluenceSum { value: 0.0 };
+    refuse(Vec3::X, 0.1, &[], expected, &["above 0"]);
+    refuse(Vec3::X, 0.1, &[(0, 0.0), (1, 0.0)], expected, &["sum"]);
+    let expected = E::InfluenceSum { value: f32::INFINITY };
+    refuse(Vec3::X, 0.1, &[(0, 3e38), (1, 3e38)], expected, &["sum"]);
+    assert!(matches!(mesh.add(Vec3::X, f32::NAN, &good), Err(E::Area { .. })));
+    assert!(matches!(mesh.add(Vec3::X, 0.1, &[(0, f32::NAN)]), Err(E::Influence { .. })));
+
+    // Shares of a byte's full scale, and a vertex of no triangle.
+    mesh.add(Vec3::Y, 0.2, &[(0, 255.0)]).expect("shares of any scale");
+    mesh.add(Vec3::Y, 0.0, &[(0, 1.0)]).expect("an area of nothing");
+    let weights = mesh.importance().expect("weights");
+    assert_eq!(weights.as_slice(), [0.5, 0.1]);
+}
+
+#[test]
+fn the_largest_skeletons_are_taken() {
+    let count = BodySet::CAPACITY;
+    let positions_m: Vec<Vec3> = (0..128u8).map(|k| Vec3::X * (f32::from(k) * 0.125)).collect();
+    let back = (0..count).map(|joint| (joint + 1 < count).then_some(joint + 1));
+    let chain: Vec<_> = back.collect();
+    let star: Vec<_> = (0..count).map(|joint| (joint > 0).then_some(0)).collect();
+    for (parents, root) in [(chain, count - 1), (star, 0)] {
+        let pose = RestPose::<{ BodySet::CAPACITY }>::new(&parents, &positions_m).expect("room");
+        assert_eq!(pose.descendants(root).len(), count - 1);
+        let lengths = descendants_length(&pose, 0.5, 1.0).expect("weights");
+        let largest = lengths.as_slice().iter().copied().fold(0.0, f32::max);
+        assert_eq!(lengths.as_slice()[root].to_bits(), largest.to_bits());
+    }
+    let one = RestPose::<1>::new(&[None], &[Vec3::X]).expect("a joint");
+    assert_eq!(
+        descendants_length(&one, 0.5, 0.9).expect("a weight").normalised().as_slice(),
+        [1.0]
+    );
 }

@@ -1,6 +1,8 @@
 //! Nothing that is not a number comes out of the core, whatever goes in: every public function and constructor with the
 //! ends of f32, with what is no number at all, and with the poses at which formulas break down.
 
+use std::num::NonZeroU16;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -10,6 +12,9 @@ use sinew_core::finite_difference::{
     DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
 };
 use sinew_core::glam::{Quat, Vec3};
+use sinew_core::importance::{
+    Importance, MeshSurface, RestPose, cylinder_samples, cylinder_surface, descendants_length,
+};
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{
     BodyWeight, BodyWeights, JointRange, ManifoldProjection, ProjectionWorkspace,
@@ -119,6 +124,47 @@ proptest! {
         // Rotation vectors whose squared length f32 has.
         if v.length_squared().is_finite() {
             prop_assert!(unit(math::exp(v)), "exp({v}) = {}", math::exp(v));
+        }
+    }
+
+    #[test]
+    fn importance(
+        parents in vec(prop_oneof![6 => (0..N + 1).prop_map(Some), 1 => Just(None)], N),
+        positions_m in vec(any_vector(), N),
+        tame_m in vec(extreme::vector(5), N),
+        radii_m in vec(extreme::number(20).prop_map(f32::abs), N),
+        base in extreme::number(20).prop_map(f32::abs),
+        discount in 0.0f32..=1.0,
+        numbers in vec(any_number(), N),
+        vertices in vec((any_vector(), any_number(), vec((0..N + 1, any_number()), 0..4)), 0..20),
+        samples in vec((0.0f32..1.0, 0.0f32..1.0), 8 * N),
+    ) {
+        let sound = |weights: Result<Importance<N>, _>| match weights {
+            Ok(weights) => {
+                let sound = |weight: &f32| weight.is_finite() && *weight >= 0.0;
+                let sum: f64 = weights.normalised().as_slice().iter().map(|w| f64::from(*w)).sum();
+                // Of sums that are not normal the quotients have fewer digits.
+                let small = weights.as_slice().iter().sum::<f32>() < 1e-37;
+                weights.as_slice().iter().all(sound) && (small || (sum - 1.0).abs() < 1e-6)
+            }
+            Err(_) => true,
+        };
+        prop_assert!(sound(Importance::new(&numbers)));
+        // Any, which are seldom a skeleton's; and a skeleton's.
+        let regular: Vec<_> = (0..N).map(|j| j.checked_sub(1).map(|last| parents[j].unwrap_or(0).min(last))).collect();
+        for (parents, positions_m) in [(&parents, &positions_m), (&regular, &positions_m), (&regular, &tame_m)] {
+            let Ok(pose) = RestPose::<N>::new(parents, positions_m) else { continue };
+            prop_assert!(sound(descendants_length(&pose, base, discount)));
+            prop_assert!(sound(cylinder_surface(&pose, &radii_m, base)));
+            prop_assert!(sound(cylinder_surface(&pose, &numbers, 0.0)));
+            let points = NonZeroU16::new(8).expect("some");
+            prop_assert!(sound(cylinder_samples(&pose, &radii_m, base, points, samples.iter().copied())));
+            let mut mesh = MeshSurface::new(pose, base).expect("finite, zero or more");
+            for (position_m, area_m2, influences) in &vertices {
+                // What is refused changes nothing; what is taken may overflow, which is told at the end.
+                let _ = mesh.add(*position_m, *area_m2, influences);
+            }
+            prop_assert!(sound(mesh.importance()));
         }
     }
 

@@ -28,8 +28,16 @@ fn refusal(folder: &TempDir) -> String {
 fn all_are_within_their_limits() {
     let report = verify_folder(&oracles(), &[]).expect("the oracles can be computed");
     let files: Vec<_> = report.files.iter().map(|(file, _)| file.as_str()).collect();
-    let expected =
-        ["control", "errors", "finite_difference", "rnea_05", "rnea_18", "rnea_32", "solids"];
+    let expected = [
+        "control",
+        "errors",
+        "finite_difference",
+        "rnea_05",
+        "rnea_18",
+        "rnea_32",
+        "solids",
+        "weights",
+    ];
     assert_eq!(files, expected.map(|name| format!("{name}.json")));
     for (file, tallies) in &report.files {
         for tally in tallies {
@@ -45,6 +53,7 @@ fn a_wrong_number_is_over_its_limit() {
     for (file, quantity, right, wrong) in [
         ("rnea_05.json", "tau", "\"tau\":[[", "\"tau\":[[1"),
         ("solids.json", "volume", "\"volume\":", "\"volume\":1"),
+        ("weights.json", "cylinder_exact raw", "\"radius\":[0.1,0.14", "\"radius\":[0.1,0.15"),
         ("errors.json", "local e_rot", "\"local\":[{\"e_rot\":[", "\"local\":[{\"e_rot\":[1"),
         ("finite_difference.json", "forward lin_vel", "\"lin_vel\":[[", "\"lin_vel\":[[1"),
         (
@@ -104,6 +113,10 @@ fn what_cannot_be_computed_is_named_with_file_case_and_field() {
         "{error}"
     );
 
+    let two = folder_with("weights.json", rename("\"parent\":[-1,0", "\"parent\":[-1,-1"));
+    let error = refusal(&two);
+    assert!(error.contains("parent, pos") && error.contains("joint 1 has no parent"), "{error}");
+
     let cut = folder_with("errors.json", |text| text[..text.len() / 2].to_owned());
     let error = refusal(&cut);
     assert!(error.contains("errors.json") && error.contains("line"), "{error}");
@@ -114,15 +127,15 @@ fn what_cannot_be_computed_is_named_with_file_case_and_field() {
 
 #[test]
 fn a_kind_can_be_skipped_but_not_everything() {
-    let folder = folder_with("rnea_05.json", |text| text.replacen("rnea/1", "weights/1", 1));
+    let folder = folder_with("rnea_05.json", |text| text.replacen("rnea/1", "hauberg/1", 1));
     let error = refusal(&folder);
-    assert!(error.contains("weights/1") && error.contains("--skip"), "{error}");
-    let all = verify_folder(folder.path(), &[Kind::Weights]);
+    assert!(error.contains("hauberg/1") && error.contains("--skip"), "{error}");
+    let all = verify_folder(folder.path(), &[Kind::Hauberg]);
     assert!(matches!(all, Err(VerifyError::NoFile { skipped: 1, .. })), "{all:?}");
 
     fs::copy(oracles().join("control.json"), folder.path().join("control.json")).expect("a copy");
-    let report = verify_folder(folder.path(), &[Kind::Weights]).expect("one file is left");
-    assert_eq!(report.skipped, [("rnea_05.json".to_owned(), Kind::Weights)]);
+    let report = verify_folder(folder.path(), &[Kind::Hauberg]).expect("one file is left");
+    assert_eq!(report.skipped, [("rnea_05.json".to_owned(), Kind::Hauberg)]);
     assert!(report.passed());
 }
 

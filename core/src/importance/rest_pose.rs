@@ -78,7 +78,7 @@ impl<const N: usize> RestPose<N> {
         let mut poses = Vec::<Transform, N>::new();
         for body in tree.bodies() {
             let parent = body.parent.and_then(|parent| poses.get(parent).copied());
-            let pose = parent.unwrap_or(Transform::IDENTITY) * body.placement;
+            let pose = parent.map_or(body.placement, |parent| parent * body.placement);
             if poses.push(pose).is_err() {
                 break; // Never: the tree holds no more.
             }

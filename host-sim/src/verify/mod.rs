@@ -11,6 +11,7 @@ mod solids;
 mod state_errors;
 mod tally;
 pub mod tolerance;
+mod weights;
 
 use std::fmt;
 use std::fs;
@@ -24,7 +25,7 @@ use tally::Tallies;
 pub use tally::{Limit, Tally};
 
 /// The schemas that are computed.
-const COMPUTED: &str = "rnea/1, control/1, errors/1, finite_difference/1 and solids/1";
+const COMPUTED: &str = "rnea/1, control/1, errors/1, finite_difference/1, solids/1 and weights/1";
 
 /// What a golden file holds: the name before the slash of its schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -38,7 +39,7 @@ pub enum Kind {
     Errors,
     /// Finite differences of poses.
     FiniteDifference,
-    /// Joint weights.
+    /// Importance of joints.
     Weights,
     /// Distances of poses.
     Hauberg,
@@ -152,6 +153,9 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
         }
         "solids/1" => {
             golden.for_each_case(|name, case| solids::check(name, &case, &mut tallies))?;
+        }
+        "weights/1" => {
+            golden.for_each_case(|name, case| weights::check(name, &case, &mut tallies))?;
         }
         unknown => return Err(FileError::UnknownSchema { schema: unknown.to_owned() }),
     }

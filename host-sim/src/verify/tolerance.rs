@@ -126,3 +126,15 @@ pub const FORWARD: Limit = Limit::Relative(1e-11);
 /// Accelerations from torques by the core, relative to the largest of the case: f32's rounding of the torques
 /// and of the sums, times the condition of the mass matrix, which is some 1e4; 2.6e-4 is reached with 32 bodies.
 pub const CORE_FORWARD: Limit = Limit::Relative(1e-3);
+
+/// Weights by the length of descendants, each relative to itself: lengths of 0.1 m and more between positions of up to 1 m,
+/// each coordinate rounded, added up with two roundings for every joint on the way; 2.5e-7 is reached.
+pub const WEIGHT_OF_LENGTHS: Limit = Limit::Relative(10.0 * HALF_ULP);
+
+/// Weights by the surface of cylinders, each relative to itself: as [`WEIGHT_OF_LENGTHS`], which area and distance both
+/// have, the radius, and 1.6e-7 of the quadrature, which points in its place do not have; 4.8e-7 is reached with points.
+pub const WEIGHT_OF_CYLINDERS: Limit = Limit::Relative(16.0 * HALF_ULP);
+
+/// Weights by the surface of a mesh, each relative to itself: area, skinning weight and position of a vertex are rounded,
+/// its distance and their product, but not all one way, and their sum is compensated; 1.3e-7 is reached.
+pub const WEIGHT_OF_MESH: Limit = Limit::Relative(6.0 * HALF_ULP);

@@ -1,0 +1,164 @@
+//! Importance of joints (`weights/1`).
+
+use std::num::NonZeroU16;
+
+use serde::Deserialize;
+use sinew_core::importance::{
+    Importance, ImportanceError, MeshSurface, RestPose, cylinder_samples, cylinder_surface,
+    descendants_length,
+};
+
+use super::CaseError;
+use super::golden::{Scalar, Vector, expect_count};
+use super::tally::{Limit, Quantity, Tallies};
+use super::tolerance as limit;
+
+/// The largest skeleton that is taken: what the core's sets hold.
+const JOINTS: usize = 128;
+
+#[derive(Deserialize)]
+pub(super) struct Case {
+    parent: Vec<i64>,
+    pos: Vec<Vector>,
+    radius: Vec<Scalar>,
+    descendant_matrix: Vec<Vec<u8>>,
+    descendants_length: Vec<Lengths>,
+    cylinder_exact: Cylinders,
+    cylinder_sampled: Samples,
+    mesh: Mesh,
+}
+
+/// Weights, as summed and with a sum of 1.
+#[derive(Deserialize)]
+struct Expected {
+    raw: Vec<f64>,
+    normalised: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Lengths {
+    base: Scalar,
+    discount: Scalar,
+    #[serde(flatten)]
+    expected: Expected,
+}
+
+#[derive(Deserialize)]
+struct Cylinders {
+    base: Scalar,
+    #[serde(flatten)]
+    expected: Expected,
+}
+
+#[derive(Deserialize)]
+struct Samples {
+    base: Scalar,
+    /// The same for every bone.
+    uv: Vec<[Scalar; 2]>,
+    #[serde(flatten)]
+    expected: Expected,
+}
+
+#[derive(Deserialize)]
+struct Mesh {
+    base: Scalar,
+    vertices: Vec<Vector>,
+    vertex_area: Vec<Scalar>,
+    /// Joints and skinning weights, by vertex.
+    bind: Vec<Vec<usize>>,
+    weight: Vec<Vec<Scalar>>,
+    #[serde(flatten)]
+    expected: Expected,
+}
+
+pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
+    let count = case.parent.len();
+    let parents: Vec<_> = case.parent.iter().map(|parent| usize::try_from(*parent).ok()).collect();
+    let positions_m: Vec<_> = case.pos.iter().map(|position| position.rounded()).collect();
+    let rest_pose = RestPose::<JOINTS>::new(&parents, &positions_m)
+        .map_err(|error| CaseError::new("parent, pos", error))?;
+
+    expect_count("descendant_matrix", case.descendant_matrix.len(), count)?;
+    for (joint, row) in case.descendant_matrix.iter().enumerate() {
+        expect_count(&format!("descendant_matrix[{joint}]"), row.len(), count)?;
+        let set = rest_pose.descendants(joint);
+        let equal = row.iter().enumerate().all(|(other, bit)| set.contains(other) == (*bit == 1));
+        tallies.add_equal("descendants", format_args!("case {name}, joint {joint}"), equal);
+    }
+
+    let radii_m: Vec<_> = case.radius.iter().map(|radius| radius.rounded()).collect();
+    let mut compare = |method: &str, limit, got: Result<Importance<JOINTS>, _>, expected| {
+        let refused = |error: ImportanceError| CaseError::new(method, error);
+        Comparison { name, method, limit }.add(&got.map_err(refused)?, expected, tallies)
+    };
+    for lengths in &case.descendants_length {
+        let (base, discount) = (lengths.base.rounded(), lengths.discount.rounded());
+        let got = descendants_length(&rest_pose, base, discount);
+        compare("descendants_length", limit::WEIGHT_OF_LENGTHS, got, &lengths.expected)?;
+    }
+    let exact = &case.cylinder_exact;
+    let got = cylinder_surface(&rest_pose, &radii_m, exact.base.rounded());
+    compare("cylinder_exact", limit::WEIGHT_OF_CYLINDERS, got, &exact.expected)?;
+
+    let sampled = &case.cylinder_sampled;
+    let points = u16::try_from(sampled.uv.len()).ok().and_then(NonZeroU16::new);
+    let points = points.ok_or_else(|| CaseError::new("cylinder_sampled.uv", "none or too many"))?;
+    let uv = sampled.uv.iter().map(|[u, v]| (u.rounded(), v.rounded())).cycle();
+    let got = cylinder_samples(&rest_pose, &radii_m, sampled.base.rounded(), points, uv);
+    compare("cylinder_sampled", limit::WEIGHT_OF_CYLINDERS, got, &sampled.expected)?;
+
+    let got = case.mesh.surface(rest_pose)?.importance();
+    compare("mesh", limit::WEIGHT_OF_MESH, got, &case.mesh.expected)
+}
+
+impl Mesh {
+    fn surface(&self, rest_pose: RestPose<JOINTS>) -> Result<MeshSurface<JOINTS>, CaseError> {
+        let count = self.vertices.len();
+        expect_count("mesh.vertex_area", self.vertex_area.len(), count)?;
+        expect_count("mesh.bind", self.bind.len(), count)?;
+        expect_count("mesh.weight", self.weight.len(), count)?;
+        let mut surface = MeshSurface::new(rest_pose, self.base.rounded())
+            .map_err(|error| CaseError::new("mesh.base", error))?;
+        for (vertex, position_m) in self.vertices.iter().enumerate() {
+            let (bind, weight) = (&self.bind[vertex], &self.weight[vertex]);
+            expect_count(&format!("mesh.weight[{vertex}]"), weight.len(), bind.len())?;
+            let weights = weight.iter().map(|weight| weight.rounded());
+            let influences: Vec<_> = bind.iter().copied().zip(weights).collect();
+            surface
+                .add(position_m.rounded(), self.vertex_area[vertex].rounded(), &influences)
+                .map_err(|error| CaseError::new(format!("mesh, vertex {vertex}"), error))?;
+        }
+        Ok(surface)
+    }
+}
+
+/// What is compared, and within what.
+struct Comparison<'a> {
+    /// Of the case.
+    name: &'a str,
+    method: &'a str,
+    limit: Limit,
+}
+
+impl Comparison<'_> {
+    fn add(
+        &self,
+        got: &Importance<JOINTS>,
+        expected: &Expected,
+        tallies: &mut Tallies,
+    ) -> Result<(), CaseError> {
+        let Self { name, method, limit } = self;
+        for (form, got, expected) in
+            [("raw", got, &expected.raw), ("normalised", &got.normalised(), &expected.normalised)]
+        {
+            let field = format!("{method} {form}");
+            expect_count(&field, expected.len(), got.as_slice().len())?;
+            for (joint, (got, expected)) in got.as_slice().iter().zip(expected).enumerate() {
+                let quantity = Quantity { name: &field, limit: *limit, scale: expected.abs() };
+                let at = format_args!("case {name}, joint {joint}");
+                tallies.add_error(quantity, at, f64::from(*got) - expected);
+            }
+        }
+        Ok(())
+    }
+}
