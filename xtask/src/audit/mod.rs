@@ -21,13 +21,14 @@ const IMAGE: &str = "audit";
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 17] = [
+const PARTS: [&str; 18] = [
     "audit::decode::show",
     "audit::decode::coordinates",
     "audit::construct::trees",
     "audit::construct::controllers",
     "audit::construct::projections",
     "audit::construct::observers",
+    "audit::construct::importance",
     "audit::targets::trajectories",
     "audit::targets::differences",
     "audit::tick::controller",

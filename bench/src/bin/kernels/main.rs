@@ -27,6 +27,7 @@ use sinew_core::dynamics::{
     mass_matrix, resolved_acceleration,
 };
 use sinew_core::glam::Vec3;
+use sinew_core::importance::{RestPose, cylinder_surface, descendants_length};
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{
@@ -85,7 +86,9 @@ fn measure_all() -> Result<(), &'static str> {
     let matrix = matrix.ok_or("the matrix is taken")?;
     measure::<6>(matrix)?;
     measure::<18>(matrix)?;
-    measure::<32>(matrix)
+    measure::<32>(matrix)?;
+    importance::<18>()?;
+    importance::<64>()
 }
 
 /// What is executed after this is counted.
@@ -207,6 +210,20 @@ fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
         forward_dynamics(bodies, joints, &wrenches, GRAVITY_M_S2, &[], workspace, out);
     });
     black_box(accelerations);
+    Ok(())
+}
+
+/// What a rig or a character is weighed by, once: not part of any tick.
+fn importance<const N: usize>() -> Result<(), &'static str> {
+    let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
+    let rest_pose = RestPose::of_tree(&tree).map_err(|_| "no rest pose")?;
+    count::<N>("importance_lengths", |_| {
+        black_box(descendants_length(black_box(&rest_pose), 0.1, 0.9).is_ok());
+    });
+    let radii_m = [0.05; N];
+    count::<N>("importance_cylinders", |_| {
+        black_box(cylinder_surface(black_box(&rest_pose), &radii_m, 0.001).is_ok());
+    });
     Ok(())
 }
 

@@ -1,10 +1,15 @@
 //! What is made and checked before the loop.
 
 use core::hint::black_box;
+use core::num::NonZeroU16;
 
 use sinew_core::control::{ControlLaw, Gains, TorqueLimit};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
 use sinew_core::glam::Vec3;
+use sinew_core::importance::{
+    Importance, MeshSurface, RestPose, SurfaceSamples, cylinder_samples, cylinder_surface,
+    descendants_length,
+};
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
@@ -94,6 +99,27 @@ pub(crate) fn controllers() {
     black_box(&targets.set(black_box(1), state, black_box(Motion::ZERO)));
     black_box(&targets.set_velocity(black_box(1), black_box(Motion::ZERO)));
     black_box(&measured().set(black_box(1), state));
+}
+
+#[inline(never)]
+pub(crate) fn importance() {
+    black_box(&Importance::<N>::new(slice()).map(|importance| importance.normalised()));
+    black_box(&RestPose::of_tree(&tree()));
+    let Ok(pose) = RestPose::<N>::new(slice(), slice()) else { return };
+    let pose = black_box(pose);
+    black_box((pose.len(), pose.parent(black_box(1)), pose.position_m(black_box(1))));
+    black_box(pose.descendants(black_box(1)));
+    let (base, points) = (black_box(1.0), black_box(NonZeroU16::MIN));
+    black_box(&descendants_length(&pose, base, black_box(1.0)));
+    black_box(&cylinder_surface(&pose, slice(), base));
+    let samples = black_box(SurfaceSamples::new(black_box(1)));
+    black_box(&cylinder_samples(&pose, slice(), base, points, samples));
+    black_box(&cylinder_samples(&pose, slice(), base, points, slice().iter().copied()));
+    let Ok(surface) = MeshSurface::new(pose, base) else { return };
+    let mut surface = black_box(surface);
+    black_box(&surface.add(black_box(Vec3::X), black_box(1.0), slice()));
+    let Ok(importance) = surface.importance() else { return };
+    black_box(importance.as_slice());
 }
 
 #[inline(never)]

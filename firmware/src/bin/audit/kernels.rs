@@ -69,7 +69,8 @@ pub(crate) fn dynamics() {
 pub(crate) fn elementary() {
     let (x, v, q) = (black_box(1.0), black_box(Vec3::X), black_box(Quat::IDENTITY));
     black_box((math::sqrt(x), math::sin_cos(x), math::atan2(x, black_box(1.0))));
-    black_box((math::exponential(x), math::length(v), math::unit(q), math::log(q)));
+    black_box((math::exponential(x), math::logarithm(x)));
+    black_box((math::length(v), math::unit(q), math::log(q)));
     black_box((math::exp(v), math::slerp(q, black_box(Quat::IDENTITY), x)));
     let transform = black_box(Transform::IDENTITY);
     black_box((transform.transform_point(v), transform.inverse(), transform.is_finite()));

@@ -34,6 +34,7 @@ fn main() -> ! {
         construct::controllers();
         construct::projections();
         construct::observers();
+        construct::importance();
         targets::trajectories();
         targets::differences();
         tick::controller();
