@@ -11,7 +11,8 @@
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`Controller::tick`] does steps 3 to 5 in one call.
+//! [`Controller::tick`] does steps 3 to 5 in one call. Where not all joints can have what they want, [`importance`] says how
+//! much each matters.
 //!
 //! ```
 //! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
@@ -84,6 +85,7 @@
 //! - what only its constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains must go together,
 //!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written, and
 //!   [`TorqueSupply`](supply::TorqueSupply), of a number and weights;
+//! - [`RestPose`](importance::RestPose) and what is measured on it, which follow from a rig or a character;
 //! - [`Trajectory`], which borrows its frames;
 //! - errors, which are for people: they have `Display`.
 //!
