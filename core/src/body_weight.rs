@@ -1,10 +1,12 @@
 //! How much each body counts where not all can have what they want.
 
 use core::fmt;
+use core::ops::RangeInclusive;
 
 use heapless::Vec;
 
 use crate::fixed;
+use crate::importance::Importance;
 use crate::joint::JointKind;
 use crate::tree::Tree;
 
@@ -34,6 +36,9 @@ impl BodyWeight {
         Self { position, rotation_m }
     }
 }
+
+/// Weights of rotations that can be.
+const ROTATIONS_M: RangeInclusive<f32> = 1e-2..=1e2;
 
 /// Above so many per square metre of the rotation weight, a turn is held by less than what f32 rounds of the positions.
 const HEAVIEST_PER_M2: f32 = 1e4;
@@ -79,7 +84,7 @@ impl<const N: usize> BodyWeights<N> {
             return Err(BodyWeightsError::Count { expected, found });
         }
         for (body, weight) in weights.iter().enumerate() {
-            if !(1e-2..=1e2).contains(&weight.rotation_m) {
+            if !ROTATIONS_M.contains(&weight.rotation_m) {
                 return Err(BodyWeightsError::Rotation { body, value: weight.rotation_m });
             }
             let heaviest = HEAVIEST_PER_M2 * weight.rotation_m * weight.rotation_m;
@@ -89,6 +94,51 @@ impl<const N: usize> BodyWeights<N> {
             }
         }
         Ok(Self { weights: fixed::collect(weights.iter().copied()) })
+    }
+
+    /// Positions of all bodies count alike, and turns as their joints' importance: `ρᵢ = rotation_m wᵢ / w̄`, with the
+    /// mean w̄ of all, brought into the range that weights may have. O(n).
+    ///
+    /// A figure of other dimensions then bends where little hangs on the joint, and its trunk stays true.
+    ///
+    /// # Errors
+    /// [`BodyWeightsError`] if there is not a weight for each body, or `rotation_m` is not from 1 cm to 100 m.
+    ///
+    /// ```
+    /// use sinew_core::importance::{RestPose, descendants_length};
+    /// use sinew_core::projection::{BodyWeights, ManifoldProjection};
+    /// # use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
+    /// # let body = |parent| Body {
+    /// #     parent,
+    /// #     joint: JointKind::Spherical,
+    /// #     placement: Transform::from_translation(Vec3::X),
+    /// #     inertia: Inertia::default(),
+    /// # };
+    /// let arm = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))])?;
+    /// let importance = descendants_length(&RestPose::of_tree(&arm)?, 0.1, 0.9)?;
+    /// let weights = BodyWeights::by_importance(&arm, 0.5, &importance)?;
+    /// let [shoulder, elbow, hand] = weights.as_slice() else { panic!() };
+    /// assert!(shoulder.rotation_m > elbow.rotation_m && elbow.rotation_m > hand.rotation_m);
+    /// let projection = ManifoldProjection::new(&arm, weights.as_slice())?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn by_importance(
+        tree: &Tree<N>,
+        rotation_m: f32,
+        importance: &Importance<N>,
+    ) -> Result<Self, BodyWeightsError> {
+        if !ROTATIONS_M.contains(&rotation_m) {
+            return Err(BodyWeightsError::Rotation { body: 0, value: rotation_m });
+        }
+        // Of normalised weights the mean is one over their number: no sum overflows.
+        let normalised = importance.normalised();
+        let shares = normalised.as_slice();
+        let of_mean = rotation_m * shares.len() as f32;
+        let weights: Vec<BodyWeight, N> = fixed::collect(shares.iter().map(|share| {
+            let rotation_m = (share * of_mean).clamp(*ROTATIONS_M.start(), *ROTATIONS_M.end());
+            BodyWeight::new(1.0, rotation_m)
+        }));
+        Self::new(tree, &weights)
     }
 
     /// All turns alike, and positions only of bodies whose joints move them: those on free and prismatic joints.
@@ -155,3 +205,47 @@ impl fmt::Display for BodyWeightsError {
 }
 
 impl core::error::Error for BodyWeightsError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Body, Inertia, Transform};
+
+    fn star() -> Tree<3> {
+        let body = |parent| Body {
+            parent,
+            joint: JointKind::Spherical,
+            placement: Transform::IDENTITY,
+            inertia: Inertia::default(),
+        };
+        Tree::from_bodies(&[body(None), body(Some(0)), body(Some(0))]).unwrap()
+    }
+
+    #[test]
+    fn the_mean_importance_has_the_weight_that_is_given() {
+        let of = |weights: &[f32]| {
+            let importance = Importance::new(weights).unwrap();
+            let weights = BodyWeights::by_importance(&star(), 0.5, &importance).unwrap();
+            weights.as_slice().iter().map(|weight| weight.rotation_m).collect::<Vec<_, 3>>()
+        };
+        for (weights, expected_m) in [([1e37; 3], [0.5; 3]), ([4.0, 1.0, 1.0], [1.0, 0.25, 0.25])] {
+            for (found_m, expected_m) in of(&weights).into_iter().zip(expected_m) {
+                assert!((found_m - expected_m).abs() < 1e-6);
+            }
+        }
+        // What is nothing keeps the least weight: without one, the nearest pose is not unique.
+        assert_eq!(of(&[1.0, 0.0, 0.0]), [1.5, 0.01, 0.01]);
+    }
+
+    #[test]
+    fn what_is_no_weight_is_refused() {
+        let importance = Importance::new(&[1.0; 3]).unwrap();
+        for value in [0.0, -1.0, 101.0, f32::NAN] {
+            let refused = BodyWeights::by_importance(&star(), value, &importance);
+            assert!(matches!(refused, Err(BodyWeightsError::Rotation { .. })));
+        }
+        let two = Importance::new(&[1.0; 2]).unwrap();
+        let refused = BodyWeights::by_importance(&star(), 0.5, &two);
+        assert_eq!(refused, Err(BodyWeightsError::Count { expected: 3, found: 2 }));
+    }
+}

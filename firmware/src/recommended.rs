@@ -77,14 +77,28 @@ impl<const N: usize> Recommended<N> {
         tree: &Tree<N>,
         delay_ticks: usize,
     ) -> Result<Self, RecommendedError> {
+        let weights = [BodyWeight::new(1.0, ROTATION_M); N];
+        let weights = weights.get(..tree.len()).unwrap_or_default();
+        Self::with_weights(show, tree, weights, delay_ticks)
+    }
+
+    /// The same with other weights in the projection, such as
+    /// [`BodyWeights::by_importance`](sinew_core::projection::BodyWeights::by_importance).
+    ///
+    /// # Errors
+    /// [`RecommendedError`] as [`Self::new`], or if the weights are not the tree's.
+    pub fn with_weights(
+        show: &Show<'_>,
+        tree: &Tree<N>,
+        weights: &[BodyWeight],
+        delay_ticks: usize,
+    ) -> Result<Self, RecommendedError> {
         let dt_s = show.dt_s();
         let ticks = u16::try_from(delay_ticks).unwrap_or(u16::MAX);
         // A thousandth takes up the rounding of the show's period.
         if (f32::from(ticks) + 1.0) * dt_s > LATE_MOST_S * 1.001 {
             return Err(RecommendedError::TooLate);
         }
-        let weights = [BodyWeight::new(1.0, ROTATION_M); N];
-        let weights = weights.get(..tree.len()).unwrap_or_default();
         let settings = ObserverSettings::extended_state(BANDWIDTH_RAD_S.min(1.0 / dt_s), dt_s)?;
         let mut setting = Self {
             projection: ManifoldProjection::new(tree, weights)?,

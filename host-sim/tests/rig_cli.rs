@@ -22,7 +22,10 @@ fn every_rig_has_a_row_and_the_threads_do_not_matter() {
     for row in ["|      1 |", "|      2 |", "|      3 |", "| median |"] {
         assert!(text.contains(row), "{text}");
     }
-    assert!(text.contains("recommended is below world in both means on"), "{text}");
+    assert!(
+        text.contains("recommended is below world in mean angular and linear error on"),
+        "{text}"
+    );
 }
 
 #[test]

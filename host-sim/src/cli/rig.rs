@@ -23,8 +23,8 @@ use super::threads::ThreadArgs;
 /// one step late. Control and plant run at 500 Hz, the clips have 100 frames a second and the controller goes
 /// smoothly between them. Without `--plant`, the exact one.
 ///
-/// Means over all bodies and frames: degrees and centimetres. `lost` is a figure that fell apart. The last
-/// method is compared with each other one: on how many rigs both its errors are smaller.
+/// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance. `lost` is a figure that fell apart. The last
+/// method is compared with each other one: on how many rigs its angular and its linear error are smaller.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -100,7 +100,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let mut text = format!(
         "{} clips, {steps} steps of {:.0} Hz on each of {} rigs, {} times the dimensions; plant: {}\n\
          masses off by up to 15 %, joint sensors of 12 bits, torques one step late\n\
-         angular / linear error, means over all bodies: deg / cm\n\n",
+         angular / linear / importance-weighted error, means over all bodies: deg / cm / cm\n\n",
         motions.len(),
         motions.first().map_or(0.0, |motion| motion.dt_s.recip()),
         seeds.len(),
@@ -115,12 +115,14 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn pair(errors: &Errors) -> (f64, f64) {
-    (errors.all.angular_mean_deg(), errors.all.linear_mean_cm())
+/// Mean angular, linear and importance-weighted error.
+fn means(errors: &Errors) -> [f64; 3] {
+    let all = &errors.all;
+    [all.angular_mean_deg(), all.linear_mean_cm(), errors.weighted.mean_cm()]
 }
 
-fn shown((angular_deg, linear_cm): (f64, f64)) -> String {
-    format!("{angular_deg:.3} / {linear_cm:.3}")
+fn shown([angular_deg, linear_cm, weighted_cm]: [f64; 3]) -> String {
+    format!("{angular_deg:.3} / {linear_cm:.3} / {weighted_cm:.3}")
 }
 
 fn table(seeds: &[u64], methods: &[MethodName], trials: &[Vec<Trial>]) -> Table {
@@ -130,20 +132,20 @@ fn table(seeds: &[u64], methods: &[MethodName], trials: &[Vec<Trial>]) -> Table 
     table.set_header(heading.chain(methods.iter().map(ToString::to_string)));
     for (seed, trials) in seeds.iter().zip(trials) {
         let cells = trials.iter().map(|trial| match trial {
-            Ok(errors) => shown(pair(errors)),
+            Ok(errors) => shown(means(errors)),
             Err(_) => "lost".to_owned(),
         });
         table.add_row([seed.to_string()].into_iter().chain(cells));
     }
     // A rig that is lost is worse than any that is not.
-    let of_method = |method: usize, of: fn((f64, f64)) -> f64| {
-        let values = trials
-            .iter()
-            .map(|trials| trials[method].as_ref().map_or(f64::INFINITY, |errors| of(pair(errors))));
-        median(values.collect()).unwrap_or(f64::NAN)
+    let of_method = |method: usize, error: usize| {
+        let of = |trials: &Vec<Trial>| {
+            trials[method].as_ref().map_or(f64::INFINITY, |errors| means(errors)[error])
+        };
+        median(trials.iter().map(of).collect()).unwrap_or(f64::NAN)
     };
-    let medians = (0..methods.len())
-        .map(|method| shown((of_method(method, |pair| pair.0), of_method(method, |pair| pair.1))));
+    let medians =
+        (0..methods.len()).map(|method| shown([0, 1, 2].map(|error| of_method(method, error))));
     table.add_row(["median".to_owned()].into_iter().chain(medians));
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
@@ -156,8 +158,8 @@ fn wins(methods: &[MethodName], trials: &[Vec<Trial>]) -> Vec<String> {
     let Some((last, others)) = methods.split_last() else { return Vec::new() };
     let better = |trials: &[Trial], other: usize| match (&trials[others.len()], &trials[other]) {
         (Ok(ours), Ok(theirs)) => {
-            let (ours, theirs) = (pair(ours), pair(theirs));
-            ours.0 < theirs.0 && ours.1 < theirs.1
+            let [ours, theirs] = [means(ours), means(theirs)];
+            ours[0] < theirs[0] && ours[1] < theirs[1]
         }
         (Ok(_), Err(_)) => true,
         (Err(_), _) => false,
@@ -167,7 +169,10 @@ fn wins(methods: &[MethodName], trials: &[Vec<Trial>]) -> Vec<String> {
         .enumerate()
         .map(|(index, other)| {
             let count = trials.iter().filter(|trials| better(trials, index)).count();
-            format!("{last} is below {other} in both means on {count} of {} rigs", trials.len())
+            format!(
+                "{last} is below {other} in mean angular and linear error on {count} of {} rigs",
+                trials.len()
+            )
         })
         .collect()
 }

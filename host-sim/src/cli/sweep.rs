@@ -168,7 +168,8 @@ fn of_front(front: &Front, own: &[Vec<String>]) -> Vec<String> {
         .map(|(cell, errors)| {
             let set = own[*cell].iter().filter(|line| !is_task(line)).map(String::as_str).collect();
             let (angular, linear) = (errors.all.angular_mean_deg(), errors.all.linear_mean_cm());
-            format!("  {angular:>9.4} deg {linear:>9.4} cm  cell {cell:<5} {}", listed(set))
+            let weighted = errors.weighted.mean_cm();
+            format!("  {angular:>9.4} deg {linear:>9.4} cm {weighted:>9.4} cm weighted  cell {cell:<5} {}", listed(set))
         })
         .collect();
     if let Some((first, _)) = front.cells.first() {

@@ -97,6 +97,8 @@ pub enum MethodName {
 pub struct ProjectionSettings {
     /// What a turn counts against a distance: 1 rad as much as this many metres.
     pub rotation_m: f64,
+    /// How that is shared among the bodies.
+    pub weights: WeightsName,
     /// Whether the pelvis stays where the clip has it.
     pub root_held: bool,
     /// Gauss-Newton steps for each frame.
@@ -109,11 +111,22 @@ impl Default for ProjectionSettings {
     fn default() -> Self {
         Self {
             rotation_m: f64::from(ROTATION_M),
+            weights: WeightsName::Uniform,
             root_held: false,
             sweeps: DEFAULT_SWEEPS,
             resolved: false,
         }
     }
+}
+
+/// How the weight of turns is shared among the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WeightsName {
+    /// All have the same.
+    Uniform,
+    /// By importance: the length of what hangs on a body's joint. The mean is `rotation_m`.
+    Lengths,
 }
 
 /// How the state is estimated from what the sensors tell.

@@ -31,6 +31,8 @@ pub struct Disturbance {
     pub sensor_bits: u32,
     /// The most that the drive of a joint gives, in N m; the root's drive is not limited.
     pub torque_limit_nm: f64,
+    /// What the drives of all joints but the root's have together: the sum of their torques, in N m.
+    pub supply_nm: f64,
     /// Steps that a torque comes late. Until the first arrives, the first is held.
     pub latency_steps: usize,
 }
@@ -44,6 +46,7 @@ impl Default for Disturbance {
             sensor_noise_m: 0.0,
             sensor_bits: 0,
             torque_limit_nm: f64::INFINITY,
+            supply_nm: f64::INFINITY,
             latency_steps: 0,
         }
     }
@@ -69,13 +72,13 @@ impl Disturbance {
         if self.sensor_bits > 24 {
             return Some(("sensor_bits", "0 to 24 bits", f64::from(self.sensor_bits)));
         }
-        // In f32, the core's, a tiny limit is none at all.
-        if self.torque_limit_nm.is_nan() || narrow(self.torque_limit_nm) <= 0.0 {
-            return Some((
-                "torque_limit_nm",
-                "a torque above 0 N m in f32 (inf for none)",
-                self.torque_limit_nm,
-            ));
+        for (key, limit_nm) in
+            [("torque_limit_nm", self.torque_limit_nm), ("supply_nm", self.supply_nm)]
+        {
+            // In f32, the core's, a tiny limit is none at all.
+            if limit_nm.is_nan() || narrow(limit_nm) <= 0.0 {
+                return Some((key, "a torque above 0 N m in f32 (inf for none)", limit_nm));
+            }
         }
         if self.latency_steps > LATENCY_MOST {
             return Some(("latency_steps", "0 to 100 steps", self.latency_steps as f64));

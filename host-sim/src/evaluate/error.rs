@@ -1,8 +1,10 @@
 //! Why an evaluation has no result.
 
 use sinew_core::control::GainsError;
+use sinew_core::importance::{ImportanceError, RestPoseError};
 use sinew_core::observer::ObserverError;
 use sinew_core::projection::ProjectionError;
+use sinew_core::supply::SupplyError;
 use sinew_core::{ControllerError, StateInputError, TreeError};
 use thiserror::Error;
 
@@ -84,6 +86,15 @@ pub enum RunError {
     /// The controller cannot be built.
     #[error(transparent)]
     Controller(#[from] ControllerError),
+    /// The figure's rest pose cannot be weighed.
+    #[error(transparent)]
+    RestPose(#[from] RestPoseError),
+    /// The figure's joints have no importance.
+    #[error(transparent)]
+    Importance(#[from] ImportanceError),
+    /// There is no such supply.
+    #[error(transparent)]
+    Supply(#[from] SupplyError),
     /// The plant cannot be built.
     #[error(transparent)]
     Plant(#[from] PlantError),

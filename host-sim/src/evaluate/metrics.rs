@@ -3,7 +3,7 @@
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
-use super::Step;
+use super::{Levers, Step};
 use crate::figure::{BODY_COUNT, is_leaf};
 use crate::plant::Pose;
 
@@ -14,6 +14,8 @@ pub struct Errors {
     pub all: ErrorTotals,
     /// Over the leaves.
     pub leaf: ErrorTotals,
+    /// Of whole poses, every joint by what it moves: see [`Levers`].
+    pub weighted: WeightedTotals,
     /// The widest gap at a joint, in metres: what the plant's constraints let through.
     pub widest_gap_m: f64,
     /// How often a joint was not given the torque that it wanted.
@@ -31,9 +33,19 @@ pub struct ErrorTotals {
     linear_max_m: f64,
 }
 
+/// Sum and maximum of the importance-weighted errors of many poses.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WeightedTotals {
+    /// Number of poses of the whole figure.
+    pub n: u64,
+    sum_m: f64,
+    max_m: f64,
+}
+
 impl Errors {
-    /// Adds one step: the poses of all bodies where they should be and where they are.
-    pub fn add(&mut self, desired: &[Pose; BODY_COUNT], measured: &[Pose]) {
+    /// Adds one step: the poses of all bodies where they should be and where they are, of a figure with these levers.
+    pub fn add(&mut self, desired: &[Pose; BODY_COUNT], measured: &[Pose], levers: &Levers) {
+        self.weighted.add(levers.error_m(desired, measured));
         for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
             let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
             let linear_m = (desired.position_m - measured.position_m).length();
@@ -46,7 +58,7 @@ impl Errors {
 
     /// Adds one step of a run.
     pub fn add_step(&mut self, step: &Step<'_>) {
-        self.add(step.desired, step.measured);
+        self.add(step.desired, step.measured, step.levers);
         self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
         self.limited += step.limited as u64;
     }
@@ -55,6 +67,7 @@ impl Errors {
     pub fn merge(&mut self, other: &Self) {
         self.all.merge(&other.all);
         self.leaf.merge(&other.leaf);
+        self.weighted.merge(&other.weighted);
         self.widest_gap_m = self.widest_gap_m.max(other.widest_gap_m);
         self.limited += other.limited;
     }
@@ -109,6 +122,30 @@ impl ErrorTotals {
     }
 }
 
+impl WeightedTotals {
+    fn add(&mut self, error_m: f64) {
+        self.n += 1;
+        self.sum_m += error_m;
+        self.max_m = self.max_m.max(error_m);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.sum_m += other.sum_m;
+        self.max_m = self.max_m.max(other.max_m);
+    }
+
+    /// Mean in centimetres.
+    pub fn mean_cm(&self) -> f64 {
+        self.sum_m / self.n as f64 * 100.0
+    }
+
+    /// Maximum in centimetres.
+    pub fn max_cm(&self) -> f64 {
+        self.max_m * 100.0
+    }
+}
+
 /// Angle in [0, π] of the rotation that takes one orientation to the other.
 pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
     let turn = a * b.conjugate();
@@ -135,7 +172,7 @@ mod tests {
         // The other sign of a quaternion is the same orientation.
         off[7].rotation = -off[7].rotation;
         let mut errors = Errors::default();
-        errors.add(&still, &off);
+        errors.add(&still, &off, &Levers::NONE);
         let mut twice = errors;
         twice.merge(&errors);
         for errors in [errors, twice] {
@@ -145,7 +182,11 @@ mod tests {
             assert!((errors.leaf.linear_max_cm() - 5.0).abs() < 1e-12);
             assert!((errors.all.linear_max_cm() - 36.0).abs() < 1e-12);
             assert!((errors.all.angular_max_deg() - 0.18f64.to_degrees()).abs() < 1e-12);
+            // Without levers, what the root is off.
+            assert!((errors.weighted.mean_cm() - 36.0).abs() < 1e-12);
+            assert!((errors.weighted.max_cm() - 36.0).abs() < 1e-12);
         }
         assert_eq!((errors.all.n, errors.leaf.n, twice.all.n), (18, 5, 36));
+        assert_eq!((errors.weighted.n, twice.weighted.n), (1, 2));
     }
 }

@@ -7,6 +7,7 @@ mod disturbance;
 mod error;
 mod estimate;
 pub mod front;
+mod levers;
 mod metrics;
 pub mod optimum;
 pub mod paper;
@@ -24,12 +25,13 @@ use crate::mocap::FigureMotion;
 
 pub use controller::{
     AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,
-    MethodName, ObserverChoice, ProjectionSettings, RateTermName,
+    MethodName, ObserverChoice, ProjectionSettings, RateTermName, WeightsName,
 };
 pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
-pub use metrics::{ErrorTotals, Errors};
+pub use levers::Levers;
+pub use metrics::{ErrorTotals, Errors, WeightedTotals};
 pub use setup::{BodySource, Setup, SetupError};
 pub use track::{Step, step_count, track};
 

@@ -15,6 +15,7 @@ use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::error::{EvaluateError, RunError};
+use super::levers::Levers;
 use super::metrics::Errors;
 use super::reference::Performance;
 use super::setup::Setup;
@@ -121,7 +122,7 @@ pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum,
 /// the search for one was given up.
 ///
 /// # Errors
-/// [`RunError::Model`] if the clip's skeleton cannot be given a body.
+/// [`RunError`] if the clip's skeleton cannot be given a body.
 pub fn nearest_poses(
     motion: &FigureMotion,
     setup: &Setup,
@@ -130,14 +131,15 @@ pub fn nearest_poses(
     weight_m: f64,
     held: Held,
 ) -> Result<(Errors, usize), RunError> {
-    let offset_m = setup.model(motion)?.offset_m;
+    let model = setup.model(motion)?;
+    let levers = Levers::of(&model)?;
     let performance = Performance { motion, root: setup.controller.root };
-    let mut search = Search::new(&offset_m, weight_m, held);
+    let mut search = Search::new(&model.offset_m, weight_m, held);
     let (mut errors, mut unsolved) = (Errors::default(), 0);
     for frame in (1..=track::step_count(motion, seconds)).step_by(every) {
         let desired = performance.world_poses(&motion.offset_m, frame);
         unsolved += usize::from(!search.solve(&desired));
-        errors.add(&desired, &search.poses);
+        errors.add(&desired, &search.poses, &levers);
     }
     Ok((errors, unsolved))
 }

@@ -3,12 +3,15 @@
 use serde::{Deserialize, Serialize};
 use sinew_core::control::{ControlLaw, Gains};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
-use sinew_core::projection::{BodyWeight, ManifoldProjection};
+use sinew_core::importance::{RestPose, descendants_length};
+use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionError};
+use sinew_core::supply::TorqueSupply;
 use sinew_core::{Controller, JointStates, Tree};
 use thiserror::Error;
 
 use super::controller::{
-    ControllerSettings, GainsName, LawName, MethodName, ObserverChoice, ProjectionSettings, narrow,
+    ControllerSettings, GainsName, LawName, MethodName, ObserverChoice, ProjectionSettings,
+    WeightsName, narrow,
 };
 use super::disturbance::Disturbance;
 use super::error::RunError;
@@ -57,6 +60,10 @@ pub enum BodySource {
     /// Hanavan's solids as modified by Kwon, of a measured subject: the paper's.
     HanavanKwon,
 }
+
+/// Base and discount of the descendants' lengths, as the article's own weights have them.
+const BASE_M: f32 = 0.1;
+const DISCOUNT: f32 = 0.9;
 
 /// A setup that cannot be.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -232,10 +239,29 @@ impl Setup {
         if controller.method != MethodName::ManifoldProjection {
             return Ok(None);
         }
-        let ProjectionSettings { rotation_m, root_held, sweeps, .. } = controller.projection;
-        let weights = [BodyWeight::new(1.0, narrow(rotation_m)); BODY_COUNT];
-        let projection = ManifoldProjection::new(tree, &weights)?.with_sweeps(sweeps);
+        let ProjectionSettings { rotation_m, weights, root_held, sweeps, .. } =
+            controller.projection;
+        let rotation_m = narrow(rotation_m);
+        let weights = match weights {
+            WeightsName::Uniform => {
+                BodyWeights::new(tree, &[BodyWeight::new(1.0, rotation_m); BODY_COUNT])
+            }
+            WeightsName::Lengths => {
+                let importance = descendants_length(&RestPose::of_tree(tree)?, BASE_M, DISCOUNT)?;
+                BodyWeights::by_importance(tree, rotation_m, &importance)
+            }
+        };
+        let weights = weights.map_err(ProjectionError::Weights)?;
+        let projection = ManifoldProjection::new(tree, weights.as_slice())?.with_sweeps(sweeps);
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
+    }
+
+    /// The supply that the drives share.
+    pub(super) fn supply(
+        &self,
+        tree: &Tree<BODY_COUNT>,
+    ) -> Result<TorqueSupply<BODY_COUNT>, RunError> {
+        Ok(TorqueSupply::new(tree, narrow(self.disturbance.supply_nm))?)
     }
 
     /// The controller of a figure, which acts once in `dt_s` seconds.

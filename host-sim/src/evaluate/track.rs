@@ -14,6 +14,7 @@ use super::controller::{ControllerSettings, DesiredVelocity, DifferencesName, na
 use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
 use super::estimate::Estimate;
+use super::levers::Levers;
 use super::reference::{Performance, one_step_before};
 use super::setup::Setup;
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
@@ -31,6 +32,8 @@ pub struct Step<'a> {
     pub measured: &'a [Pose],
     /// Where the figure's joints are in their parents' frames, in metres.
     pub offset_m: &'a [DVec3; BODY_COUNT],
+    /// What a turn of each of them moves.
+    pub levers: &'a Levers,
     /// How many joints were not given the torque they wanted.
     pub limited: usize,
 }
@@ -102,11 +105,13 @@ pub fn track(
         return Err(RunError::TooShort { frames: frame_count(motion, seconds) });
     }
     let model = setup.model(motion)?;
+    let levers = Levers::of(&model)?;
     let controller = setup.controller(&model, motion.dt_s)?;
     let performance = Performance { motion, root: setup.controller.root };
     let looks_ahead = setup.effective_controller().observer.predict;
     let ahead = if looks_ahead { setup.disturbance.latency_steps } else { 0 };
     let mut desired = Desired::new(performance, &controller, setup, ahead)?;
+    let supply = setup.supply(controller.tree())?;
     let mut workspace = Workspace::resolving();
 
     let start = performance.start(&model.offset_m);
@@ -129,7 +134,9 @@ pub fn track(
         estimate.observe(controller.tree(), &now).map_err(state_error)?;
         let targets = desired.targets(frame + ahead)?;
         estimate.compensate(targets);
-        let torques = controller.tick(targets, estimate.states(), &[], &mut workspace);
+        controller.tick(targets, estimate.states(), &[], &mut workspace);
+        supply.share(workspace.torques_mut());
+        let torques = workspace.torques();
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
@@ -147,6 +154,7 @@ pub fn track(
             desired: &desired,
             measured: plant.poses(),
             offset_m: &model.offset_m,
+            levers: &levers,
             limited,
         });
     }

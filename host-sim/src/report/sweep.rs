@@ -78,8 +78,14 @@ pub enum SweepError {
 }
 
 /// Endings of the columns that are metrics.
-const METRICS: [&str; 4] =
-    ["angular_mean_deg", "linear_mean_cm", "angular_max_deg", "linear_max_cm"];
+const METRICS: [&str; 6] = [
+    "angular_mean_deg",
+    "linear_mean_cm",
+    "angular_max_deg",
+    "linear_max_cm",
+    "weighted_mean_cm",
+    "weighted_max_cm",
+];
 
 /// Columns that are neither metrics nor parameters.
 const OTHERS: [&str; 8] =
@@ -279,6 +285,7 @@ fn title(metric: &str) -> String {
         "all_linear_mean_cm" => "Mean linear error of all bodies (cm)".into(),
         "leaf_angular_mean_deg" => "Mean angular error of the leaves (°)".into(),
         "leaf_linear_mean_cm" => "Mean linear error of the leaves (cm)".into(),
+        "all_weighted_mean_cm" => "Mean error weighted by importance (cm)".into(),
         other => other.replace('_', " "),
     }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::Ratio;
 use crate::evaluate::paper::{self, Kind};
-use crate::evaluate::{ErrorTotals, Errors, FigureResult, MethodName};
+use crate::evaluate::{ErrorTotals, Errors, FigureResult, MethodName, MethodResult};
 
 const COLUMNS: [(&str, &str); 4] =
     [("angular", "°"), ("linear", "cm"), ("angular", "°"), ("linear", "cm")];
@@ -31,6 +31,9 @@ pub(super) fn table(figure: &FigureResult, kind: Kind) -> Option<Markup> {
                             td {}
                             th scope="colgroup" colspan="2" class="span" { "Mean error" }
                             th scope="colgroup" colspan="2" class="span" { "Maximum error" }
+                            th scope="col" class="span" {
+                                abbr title="Of whole poses: every joint’s error by how far it moves the skin" { "Weighted" }
+                            }
                         }
                         tr {
                             th scope="col" { "Method" }
@@ -40,11 +43,15 @@ pub(super) fn table(figure: &FigureResult, kind: Kind) -> Option<Markup> {
                                     @if kind == Kind::Numerical { " " span class="unit" { (unit) } }
                                 }
                             }
+                            th scope="col" class="number" {
+                                "mean"
+                                @if kind == Kind::Numerical { " " span class="unit" { "cm" } }
+                            }
                         }
                     }
                     @for (group_name, group) in GROUPS {
                         tbody {
-                            tr class="group" { th scope="rowgroup" colspan="5" { (group_name) } }
+                            tr class="group" { th scope="rowgroup" colspan="6" { (group_name) } }
                             @for result in &figure.methods {
                                 @let ours = group(&result.total).figures();
                                 @let by = local.map(|local| group(&local.total).figures());
@@ -61,6 +68,12 @@ pub(super) fn table(figure: &FigureResult, kind: Kind) -> Option<Markup> {
                                     @for column in 0..4 {
                                         (cell(ours[column], theirs.map(|row| row[column]), kind))
                                     }
+                                    // Of whole poses, and none of the paper's.
+                                    @if group_name == GROUPS[0].0 {
+                                        (cell(weighted(result, local, kind), None, kind))
+                                    } @else {
+                                        td {}
+                                    }
                                 }
                             }
                         }
@@ -69,6 +82,15 @@ pub(super) fn table(figure: &FigureResult, kind: Kind) -> Option<Markup> {
             }
         }
     })
+}
+
+/// The mean importance-weighted error, or its ratio to Local's.
+fn weighted(result: &MethodResult, local: Option<&MethodResult>, kind: Kind) -> f64 {
+    let of = |result: &MethodResult| result.total.weighted.mean_cm();
+    match (kind, local) {
+        (Kind::Normalised, Some(local)) => of(result) / of(local),
+        _ => of(result),
+    }
 }
 
 /// Our number, and beneath it the paper's and how far ours is from it.

@@ -75,6 +75,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
+    use crate::evaluate::Levers;
     use crate::figure::{BODY_COUNT, Dimensions, Root};
     use crate::plant::Pose;
 
@@ -84,7 +85,8 @@ mod tests {
             position_m: DVec3::new(x, 0.0, 0.0),
         };
         let mut errors = Errors::default();
-        errors.add(&[pose(0.0, 0.0); BODY_COUNT], &[pose(angle_rad, distance_m); BODY_COUNT]);
+        let [desired, measured] = [pose(0.0, 0.0), pose(angle_rad, distance_m)];
+        errors.add(&[desired; BODY_COUNT], &[measured; BODY_COUNT], &Levers::NONE);
         errors
     }
 

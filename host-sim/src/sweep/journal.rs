@@ -73,7 +73,7 @@ struct Line {
 impl Head {
     fn of(plan: &Plan) -> Self {
         Self {
-            schema: "sinew-sweep/1".to_owned(),
+            schema: "sinew-sweep/2".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             cells: plan.cells.len(),
             cells_sha256: plan.cells_sha256(),

@@ -132,6 +132,8 @@ fn columns(rows: &[Row<'_>], whole: bool) -> Vec<Column> {
             add(&format!("{group}_{metric}"), floats(&|errors| totals(errors)[index]));
         }
     }
+    add("all_weighted_mean_cm", floats(&|errors| errors.weighted.mean_cm()));
+    add("all_weighted_max_cm", floats(&|errors| errors.weighted.max_cm()));
     add("widest_gap_mm", floats(&|errors| errors.widest_gap_m * 1000.0));
     add("limited", integers(|errors| errors.limited));
     add("on_front", Values::Text(on_front(rows, whole)));

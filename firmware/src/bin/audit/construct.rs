@@ -120,6 +120,7 @@ pub(crate) fn importance() {
     black_box(&surface.add(black_box(Vec3::X), black_box(1.0), slice()));
     let Ok(importance) = surface.importance() else { return };
     black_box(importance.as_slice());
+    black_box(&BodyWeights::by_importance(&tree(), black_box(0.5), &importance));
 }
 
 #[inline(never)]

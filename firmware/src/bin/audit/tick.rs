@@ -45,6 +45,9 @@ pub(crate) fn app() {
     if black_box(true) {
         let Ok(setting) = Recommended::new(&show, &tree(), black_box(1)) else { return };
         app = app.with(black_box(setting));
+        let weighted = Recommended::with_weights(&show, &tree(), slice(), black_box(1));
+        let Ok(setting) = weighted else { return };
+        app = app.with(black_box(setting));
     }
     if black_box(true) {
         let Some(supply) = construct::supply() else { return };

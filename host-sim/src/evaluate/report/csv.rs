@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::super::{Errors, Evaluation, MethodName};
+use super::super::{Errors, Evaluation, MethodName, WeightedTotals};
 
 #[derive(Serialize)]
 struct Row<'a> {
@@ -16,6 +16,9 @@ struct Row<'a> {
     linear_mean_cm: f64,
     angular_max_deg: f64,
     linear_max_cm: f64,
+    /// Of whole poses: the leaves have none.
+    weighted_mean_cm: Option<f64>,
+    weighted_max_cm: Option<f64>,
 }
 
 /// One row per scale, method and group of joints, over all clips.
@@ -48,17 +51,22 @@ fn both<'a>(
     method: MethodName,
     errors: &Errors,
 ) -> [Row<'a>; 2] {
-    [("all", &errors.all), ("leaf", &errors.leaf)].map(|(joints, totals)| Row {
-        clip,
-        scale,
-        method,
-        joints,
-        n: totals.n,
-        angular_mean_deg: totals.angular_mean_deg(),
-        linear_mean_cm: totals.linear_mean_cm(),
-        angular_max_deg: totals.angular_max_deg(),
-        linear_max_cm: totals.linear_max_cm(),
-    })
+    let weighted = Some(&errors.weighted);
+    [("all", &errors.all, weighted), ("leaf", &errors.leaf, None)].map(
+        |(joints, totals, weighted)| Row {
+            clip,
+            scale,
+            method,
+            joints,
+            n: totals.n,
+            angular_mean_deg: totals.angular_mean_deg(),
+            linear_mean_cm: totals.linear_mean_cm(),
+            angular_max_deg: totals.angular_max_deg(),
+            linear_max_cm: totals.linear_max_cm(),
+            weighted_mean_cm: weighted.map(WeightedTotals::mean_cm),
+            weighted_max_cm: weighted.map(WeightedTotals::max_cm),
+        },
+    )
 }
 
 fn text(rows: &[Row<'_>]) -> String {

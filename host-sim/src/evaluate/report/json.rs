@@ -2,7 +2,9 @@
 
 use serde::{Serialize, Serializer};
 
-use super::super::{ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName, Setup};
+use super::super::{
+    ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName, Setup, WeightedTotals,
+};
 use crate::plant::Description;
 
 #[derive(Serialize)]
@@ -34,6 +36,8 @@ impl Serialize for Methods {
 struct Groups {
     all: Totals,
     leaf: Totals,
+    /// Of whole poses, every joint by what it moves.
+    weighted: Weighted,
     /// Of the plant's joints.
     widest_gap_mm: f64,
     /// How often a joint was not given the torque that it wanted.
@@ -62,11 +66,26 @@ impl From<&ErrorTotals> for Totals {
     }
 }
 
+/// Mean and maximum of the importance-weighted error.
+#[derive(Serialize)]
+struct Weighted {
+    n: u64,
+    mean_cm: f64,
+    max_cm: f64,
+}
+
+impl From<&WeightedTotals> for Weighted {
+    fn from(totals: &WeightedTotals) -> Self {
+        Self { n: totals.n, mean_cm: totals.mean_cm(), max_cm: totals.max_cm() }
+    }
+}
+
 impl From<&Errors> for Groups {
     fn from(errors: &Errors) -> Self {
         Self {
             all: (&errors.all).into(),
             leaf: (&errors.leaf).into(),
+            weighted: (&errors.weighted).into(),
             widest_gap_mm: errors.widest_gap_m * 1000.0,
             limited: errors.limited,
         }

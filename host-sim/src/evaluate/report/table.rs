@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use super::super::paper::{self, Kind};
-use super::super::{Errors, Evaluation, FigureResult, MethodName};
+use super::super::{Errors, Evaluation, FigureResult, MethodName, MethodResult};
 
-/// All tables, each with its heading: first every figure's numbers divided by Local's (the paper's tables 1
+/// All tables, each with its heading and the error that is weighted by importance as the last column: first every figure's numbers divided by Local's (the paper's tables 1
 /// and 2), then the numbers themselves (3 and 4).
 pub fn tables(evaluation: &Evaluation) -> String {
     let mut out = String::new();
@@ -66,7 +66,7 @@ fn heading(scale: f64, kind: Kind) -> String {
     };
     let what = match kind {
         Kind::Normalised => "errors divided by Local's",
-        Kind::Numerical => "errors in deg (angular) and cm (linear)",
+        Kind::Numerical => "errors in deg (angular) and cm (linear, weighted)",
     };
     format!("{number}{figure}: {what}")
 }
@@ -78,7 +78,15 @@ fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
         local?;
     }
     let published = paper::Figure::of_scale(figure.scale);
-    let header = ["joints", "method", "mean angular", "mean linear", "max angular", "max linear"];
+    let header = [
+        "joints",
+        "method",
+        "mean angular",
+        "mean linear",
+        "max angular",
+        "max linear",
+        "mean weighted",
+    ];
     // All rows' of a column are as wide as Local's, to a digit that happens not to be there.
     let bracket_widths = published
         .and_then(|figure| figure.row(kind, MethodName::Local))
@@ -109,6 +117,15 @@ fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
                     None => ours,
                 });
             }
+            // Of whole poses, and none of the paper's.
+            let weighted = |result: &MethodResult| result.total.weighted.mean_cm();
+            cells.push(match (joints, kind, local) {
+                ("all", Kind::Normalised, Some(local)) => {
+                    number(weighted(result) / weighted(local), kind)
+                }
+                ("all", ..) => number(weighted(result), kind),
+                _ => String::new(),
+            });
             table.add_row(cells);
         }
     }
