@@ -1,5 +1,6 @@
 //! The host side of Sinew: mocap in, simulated figure, the paper's tables out.
 
+pub mod character;
 pub mod evaluate;
 pub mod figure;
 pub mod mocap;

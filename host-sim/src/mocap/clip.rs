@@ -107,7 +107,7 @@ impl GaplessClip {
 }
 
 /// Pose of every joint in the world frame, from the poses relative to the parents.
-pub(super) fn forward_kinematics(skeleton: &Skeleton, local: &[JointSample]) -> Vec<JointSample> {
+pub(crate) fn forward_kinematics(skeleton: &Skeleton, local: &[JointSample]) -> Vec<JointSample> {
     let mut world: Vec<JointSample> = Vec::with_capacity(local.len());
     for (joint, sample) in skeleton.joints.iter().zip(local) {
         world.push(joint.parent.map_or(*sample, |p| {

@@ -1,0 +1,88 @@
+//! The skeleton of a motion, as a character without a skin.
+//!
+//! An end site becomes a joint `NAMEEnd` of its joint `NAME` (`NAMEEnd2` the second), since it tells how long the last
+//! bone is; one at its joint tells nothing and is left out.
+
+use std::path::Path;
+
+use glam::{DQuat, DVec3};
+
+use super::error::{Error, Refusal, refuse};
+use super::{Character, Joint, Options};
+use crate::mocap::clip::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
+use crate::mocap::{Recording, format, mapping};
+
+/// Reads the skeleton of a motion.
+///
+/// # Errors
+/// [`Error::Motion`] if the file is no motion; [`Error::Refused`] if nobody tells its unit of length, or it has no such
+/// frame.
+pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
+    let recording = format::read(path)?;
+    character(&recording, options)
+        .map_err(|refusal| Error::Refused { file: path.to_path_buf(), refusal })
+}
+
+fn character(recording: &Recording, options: &Options) -> Result<Character, Refusal> {
+    let unit_m = metres_per_unit(recording, options.metres_per_unit)?;
+    let skeleton = &recording.skeleton;
+    let local = match options.frame {
+        None => at_rest(skeleton),
+        Some(frame) => in_frame(recording, frame)?,
+    };
+    let poses = forward_kinematics(skeleton, &local);
+    let mut joints: Vec<Joint> = skeleton
+        .joints
+        .iter()
+        .zip(&poses)
+        .map(|(joint, pose)| Joint {
+            name: joint.name.clone(),
+            parent: joint.parent,
+            position_m: pose.position_m * unit_m,
+        })
+        .collect();
+    for (index, (joint, pose)) in skeleton.joints.iter().zip(&poses).enumerate() {
+        let ends = joint.end_sites_m.iter().filter(|end| **end != DVec3::ZERO);
+        for (end, number) in ends.zip(1..) {
+            let number = if number > 1 { format!("{number}") } else { String::new() };
+            joints.push(Joint {
+                name: format!("{}End{number}", joint.name),
+                parent: Some(index),
+                position_m: (pose.position_m + pose.rotation * *end) * unit_m,
+            });
+        }
+    }
+    Character::new(recording.name.clone(), joints, None)
+}
+
+/// Every joint where its offset has it, all rotations zero.
+fn at_rest(skeleton: &Skeleton) -> Vec<JointSample> {
+    let sample = |joint: &SkeletonJoint| JointSample {
+        rotation: DQuat::IDENTITY,
+        position_m: joint.offset_m,
+    };
+    skeleton.joints.iter().map(sample).collect()
+}
+
+/// Every joint as a frame has it.
+fn in_frame(recording: &Recording, frame: usize) -> Result<Vec<JointSample>, Refusal> {
+    let count = recording.frames.len();
+    let samples = recording
+        .frames
+        .get(frame)
+        .ok_or_else(|| refuse("--frame", format!("a frame below {count}"), frame))?;
+    let sample = |(sample, joint): (&Option<JointSample>, &SkeletonJoint)| {
+        let item = || format!("frame {frame}, joint `{}`", joint.name);
+        sample.ok_or_else(|| refuse(item(), "a pose", "a gap"))
+    };
+    samples.iter().zip(&recording.skeleton.joints).map(sample).collect()
+}
+
+/// The file's own unit, else the one given, else that of the skeleton's known mapping.
+fn metres_per_unit(recording: &Recording, given: Option<f64>) -> Result<f64, Refusal> {
+    let of_mapping = || mapping::choose(&recording.skeleton).ok().map(|m| m.metres_per_unit);
+    recording.metres_per_unit.or(given).or_else(of_mapping).ok_or_else(|| {
+        let expected = "--metres-per-unit (0.01 for centimetres)";
+        refuse("unit of length", expected, "a skeleton that no known mapping is for")
+    })
+}

@@ -1,0 +1,42 @@
+//! How much of a mesh's surface each vertex stands for.
+
+use super::Mesh;
+
+/// The surface that a vertex stands for, by the triangles around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum VertexArea {
+    /// A third of their areas' sum: over all vertices that is the surface.
+    #[default]
+    Surface,
+    /// The mean of their areas. That is no surface (about half of it where six meet), but what the list in D. Holden,
+    /// "Joint Error Propagation" (2025), was made with.
+    Article,
+}
+
+impl Mesh {
+    /// Area of every triangle, in m².
+    pub fn triangle_areas_m2(&self) -> Vec<f64> {
+        let area_m2 = |triangle: &[usize; 3]| {
+            let [a, b, c] = triangle.map(|vertex| self.positions_m[vertex]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        self.triangles.iter().map(area_m2).collect()
+    }
+
+    /// What every vertex stands for, in m²; 0 for one that no triangle has.
+    pub fn vertex_areas_m2(&self, rule: VertexArea) -> Vec<f64> {
+        let mut sums_m2 = vec![0.0; self.positions_m.len()];
+        let mut counts = vec![0_u32; self.positions_m.len()];
+        for (triangle, area_m2) in self.triangles.iter().zip(self.triangle_areas_m2()) {
+            for vertex in *triangle {
+                sums_m2[vertex] += area_m2;
+                counts[vertex] += 1;
+            }
+        }
+        let share = |(sum_m2, count): (f64, u32)| match rule {
+            VertexArea::Surface => sum_m2 / 3.0,
+            VertexArea::Article => sum_m2 / f64::from(count.max(1)),
+        };
+        sums_m2.into_iter().zip(counts).map(share).collect()
+    }
+}
