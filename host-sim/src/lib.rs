@@ -10,4 +10,5 @@ pub mod report;
 pub mod show;
 pub mod sweep;
 pub mod verify;
+pub mod weights;
 mod words;

@@ -109,7 +109,7 @@ fn a_vertex_stands_for_the_surface_around_it() {
 /// A Geno.bin of two bones, three vertices and a triangle.
 pub(super) fn geno_bin() -> Vec<u8> {
     let mut bytes: Vec<u8> = [3_u32, 1, 2].iter().flat_map(|n| n.to_le_bytes()).collect();
-    let mut floats = |bytes: &mut Vec<u8>, numbers: &[f32]| {
+    let floats = |bytes: &mut Vec<u8>, numbers: &[f32]| {
         bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
     };
     floats(&mut bytes, &[0.0, 1.0, 0.0, 0.5, 1.0, 0.0, 0.0, 1.5, 0.0]);

@@ -15,6 +15,7 @@ mod setup;
 mod sweep;
 mod threads;
 mod verify;
+mod weights;
 
 use std::io;
 use std::process::ExitCode;
@@ -44,6 +45,7 @@ enum Command {
     Sweep(sweep::Args),
     Rig(rig::Args),
     Latency(latency::Args),
+    Weights(weights::Args),
 }
 
 /// Parses the command line and runs it.
@@ -56,6 +58,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Sweep(args) => sweep::run(&args),
         Command::Rig(args) => rig::run(&args),
         Command::Latency(args) => latency::run(&args),
+        Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

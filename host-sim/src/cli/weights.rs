@@ -1,0 +1,162 @@
+//! `sinew weights`: how much each joint of a character matters.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::ValueEnum;
+use sinew_sim::character::{self, Options, VertexArea};
+use sinew_sim::weights::radii::{self, Radii};
+use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
+
+use super::output::{note, print};
+
+/// Weigh the joints of a character: how much of it each one moves, and how far.
+///
+/// FILE is a skinned character (Geno.bin), or the skeleton of a motion (*.bvh, *.amc or humanoid3d_*.txt).
+///
+/// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets, by method,
+///
+///   lengths    discount (L + w) of each child: its distance L and its own weight w (m);
+///   cylinders  the integral of the distance over the surfaces of all bones below it (m³);
+///   mesh       area times distance of the skin's vertices that move with it or with a joint below it (m³).
+///
+/// The weights printed are those over their sum, so they have no unit.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// The character, rig or motion.
+    #[arg(value_name = "FILE")]
+    character: PathBuf,
+
+    /// Methods; `all` for those that the file allows: a skeleton has no mesh.
+    #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
+    method: Vec<MethodArg>,
+
+    /// What every joint begins with: in m by lengths, in m³ by cylinders and mesh, for all methods asked for.
+    /// Without: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`), which is what the article's own
+    /// list for Geno comes of.
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    base: Option<f64>,
+
+    /// By lengths: what a bone still counts one joint further up, 0 to 1.
+    #[arg(long, value_name = "D", default_value_t = 0.9, allow_negative_numbers = true)]
+    discount: f64,
+
+    /// By the mesh: what a vertex stands for.
+    #[arg(long, value_enum, default_value_t = VertexAreaArg::Surface)]
+    vertex_area: VertexAreaArg,
+
+    /// By cylinders: radius of all bones in m, or a CSV with the columns `joint` and `radius_m`, such as `--format csv`
+    /// prints. Without: by the mesh, the skin's mean distance from the bone; without skin, a quarter of the bone's
+    /// length. A bone is known by the joint in which it ends.
+    #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
+    radii: Option<String>,
+
+    /// Metres per unit of length of a motion whose skeleton is not a known one: 0.01 for centimetres.
+    #[arg(long, value_name = "M", value_parser = metres_per_unit, allow_negative_numbers = true)]
+    metres_per_unit: Option<f64>,
+
+    /// Frame of a motion whose pose is the rest pose, from 0. Without: the skeleton with no joint turned.
+    #[arg(long, value_name = "N")]
+    frame: Option<usize>,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodArg {
+    /// By the length of the bones below.
+    Lengths,
+    /// By the surface of the bones below, as cylinders.
+    Cylinders,
+    /// By the skin.
+    Mesh,
+    /// All that the file allows.
+    All,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum VertexAreaArg {
+    /// A third of its triangles' areas: all together the surface.
+    Surface,
+    /// The mean of its triangles' areas, as the article's list has it: about half of that.
+    Article,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// An aligned table.
+    Table,
+    /// One JSON object, schema `sinew-weights/1`.
+    Json,
+    /// A row per joint, with the length and the radius of the bone that ends in it.
+    Csv,
+}
+
+fn metres_per_unit(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(metres) if (1e-6..=1e3).contains(&metres) => Ok(metres),
+        _ => Err("expected a number from 0.000001 to 1000".into()),
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let options = Options { metres_per_unit: args.metres_per_unit, frame: args.frame };
+    let character = character::read(&args.character, &options)?;
+    let methods = methods(&args.method, character.mesh().is_some());
+    let settings = Settings {
+        base: args.base,
+        discount: args.discount,
+        vertex_area: match args.vertex_area {
+            VertexAreaArg::Surface => VertexArea::Surface,
+            VertexAreaArg::Article => VertexArea::Article,
+        },
+        radii: args.radii.as_deref().map_or(Ok(Radii::Estimated), radii_of)?,
+    };
+    let of_file = || args.character.display().to_string();
+    let radii_m = if methods.contains(&Method::Cylinders) {
+        Some(settings.radii.of(&character).with_context(of_file)?)
+    } else {
+        None
+    };
+    let weighings: Vec<Weighing> = methods
+        .iter()
+        .map(|method| weigh(&character, *method, &settings))
+        .collect::<Result<_, _>>()
+        .with_context(of_file)?;
+    let radii_m = radii_m.as_deref();
+    print(&match args.format {
+        Format::Table => table::text(&character, radii_m, &weighings),
+        Format::Json => table::json(&character, &weighings),
+        Format::Csv => table::csv(&character, radii_m, &weighings),
+    })?;
+    Ok(())
+}
+
+/// What is asked for, each once and in the order in which methods are shown.
+fn methods(asked: &[MethodArg], has_mesh: bool) -> Vec<Method> {
+    let all = asked.contains(&MethodArg::All);
+    if all && !has_mesh {
+        note(format_args!("method mesh is left out: the file has a skeleton only"));
+    }
+    let is_asked = |method: &Method| {
+        let (one, possible) = match method {
+            Method::Lengths => (MethodArg::Lengths, true),
+            Method::Cylinders => (MethodArg::Cylinders, true),
+            Method::Mesh => (MethodArg::Mesh, has_mesh),
+        };
+        asked.contains(&one) || all && possible
+    };
+    Method::ALL.into_iter().filter(is_asked).collect()
+}
+
+/// A number is a radius, everything else a file.
+fn radii_of(text: &str) -> anyhow::Result<Radii> {
+    Ok(match text.trim().parse() {
+        Ok(radius_m) => Radii::Uniform(radius_m),
+        Err(_) => Radii::Given(radii::read(Path::new(text))?),
+    })
+}
