@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 
 use super::error::{Error, Refusal, refuse};
-use super::{Character, Joint, Options};
+use super::{Character, Joint, NAMES, Options};
 use crate::mocap::clip::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
 use crate::mocap::{Recording, format, mapping};
 
@@ -18,7 +18,14 @@ use crate::mocap::{Recording, format, mapping};
 /// [`Error::Motion`] if the file is no motion; [`Error::Refused`] if nobody tells its unit of length, or it has no such
 /// frame.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
-    let recording = format::read(path)?;
+    let recording = match format::read(path) {
+        Ok(recording) => recording,
+        Err(format::Error::Unknown { file }) => {
+            let refusal = refuse("the file", NAMES, "another kind of file");
+            return Err(Error::Refused { file, refusal });
+        }
+        Err(error) => return Err(error.into()),
+    };
     character(&recording, options)
         .map_err(|refusal| Error::Refused { file: path.to_path_buf(), refusal })
 }

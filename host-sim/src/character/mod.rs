@@ -5,8 +5,10 @@
 
 mod error;
 mod geno;
+mod gltf;
 mod mocap;
 mod surface;
+mod urdf;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -205,16 +207,19 @@ fn shares(stored: impl IntoIterator<Item = (usize, f64)>) -> Result<Vec<(usize, 
 }
 
 /// The files that [`read`] knows, for messages.
-pub const NAMES: &str = "Geno.bin";
+pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";
 
 /// Reads the character in a file, whose kind its name tells, or else its content.
 ///
 /// # Errors
 /// [`Error`], which names the file, and the place in it.
 pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
+    let folder = path.parent().unwrap_or(Path::new(""));
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
         Some("bin") => parsed(path, geno::parse),
+        Some("glb" | "gltf") => parsed(path, |bytes, name| gltf::parse(bytes, name, folder)),
+        Some("urdf") => parsed(path, urdf::parse),
         _ => mocap::read(path, options),
     }
 }

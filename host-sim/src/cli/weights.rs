@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::ValueEnum;
 use sinew_sim::character::{self, Options, VertexArea};
+use sinew_sim::report::weights as picture;
 use sinew_sim::weights::radii::{self, Radii};
 use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
 
@@ -12,7 +13,8 @@ use super::output::{note, print};
 
 /// Weigh the joints of a character: how much of it each one moves, and how far.
 ///
-/// FILE is a skinned character (Geno.bin), or the skeleton of a motion (*.bvh, *.amc or humanoid3d_*.txt).
+/// FILE is a skinned character (Geno.bin, glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a motion, of which the
+/// skeleton is taken (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
 ///
 /// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets, by method,
 ///
@@ -63,6 +65,11 @@ pub(super) struct Args {
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
+
+    /// Also draw the weights into this file: over the figure at rest (a disc's area is its joint's weight), and as
+    /// bars.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    picture: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -127,6 +134,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         .map(|method| weigh(&character, *method, &settings))
         .collect::<Result<_, _>>()
         .with_context(of_file)?;
+    if let Some(path) = &args.picture {
+        picture::write(path, &character, &weighings)
+            .with_context(|| format!("--picture {}", path.display()))?;
+    }
     let radii_m = radii_m.as_deref();
     print(&match args.format {
         Format::Table => table::text(&character, radii_m, &weighings),

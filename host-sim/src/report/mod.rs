@@ -12,6 +12,7 @@ mod scene;
 mod still;
 mod sweep;
 mod tables;
+pub mod weights;
 
 use std::path::Path;
 use std::{fs, io};

@@ -1,3 +1,6 @@
+mod gltf_files;
+mod urdf_files;
+
 use std::path::PathBuf;
 
 use proptest::prelude::*;
@@ -107,7 +110,7 @@ fn a_vertex_stands_for_the_surface_around_it() {
 }
 
 /// A Geno.bin of two bones, three vertices and a triangle.
-pub(super) fn geno_bin() -> Vec<u8> {
+fn geno_bin() -> Vec<u8> {
     let mut bytes: Vec<u8> = [3_u32, 1, 2].iter().flat_map(|n| n.to_le_bytes()).collect();
     let floats = |bytes: &mut Vec<u8>, numbers: &[f32]| {
         bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));

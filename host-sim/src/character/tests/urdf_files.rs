@@ -1,0 +1,109 @@
+use super::*;
+
+/// A base with an arm: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter turn.
+const ROBOT: &str = r#"<?xml version="1.0"?>
+<robot name="arm">
+  <link name="base"/><link name="upper"/><link name="lower"><inertial><mass value="1"/></inertial></link>
+  <joint name="elbow" type="fixed">
+    <origin xyz="0 0 1"/><parent link="upper"/><child link="lower"/>
+  </joint>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/>
+    <origin xyz="0.1 0.2 0.3" rpy="0 1.5707963267948966 0"/>
+  </joint>
+</robot>
+"#;
+
+fn robot(text: &str) -> Result<Character, Refusal> {
+    urdf::parse(text.as_bytes(), "arm".into())
+}
+
+#[test]
+fn joints_of_a_rig_are_those_of_the_file() {
+    let character = robot(ROBOT).unwrap();
+    let names: Vec<_> = character.joints().iter().map(|j| (j.name.as_str(), j.parent)).collect();
+    assert_eq!(names, [("base", None), ("elbow", Some(2)), ("shoulder", Some(0))]);
+    // x left, y up, z ahead: of 0.1 ahead, 0.2 left, 0.3 up.
+    let place = |joint: usize| character.joints()[joint].position_m;
+    assert!(place(2).distance(DVec3::new(0.2, 0.3, 0.1)) < 1e-12, "{}", place(2));
+    assert!(place(1).distance(DVec3::new(0.2, 0.3, 1.1)) < 1e-12, "{}", place(1));
+}
+
+#[test]
+fn what_is_no_rig_is_refused_with_its_line() {
+    let message = |old: &str, new: &str| {
+        assert!(ROBOT.contains(old), "{old}");
+        robot(&ROBOT.replace(old, new)).unwrap_err().to_string()
+    };
+    assert_eq!(
+        message("<origin xyz=\"0 0 1\"/>", "<origin xyz=\"0 0 nan\"/>"),
+        "5:5: joint `elbow`: xyz: expected three finite numbers, found `0 0 nan`"
+    );
+    assert!(
+        message("xyz=\"0 0 1\"", "xyz=\"0 1\"")
+            .contains("expected three finite numbers, found `0 1`")
+    );
+    assert_eq!(
+        message("<child link=\"lower\"/>", "<child link=\"hand\"/>"),
+        "5:49: joint `elbow`: child: expected a link of the robot, found `hand`"
+    );
+    assert_eq!(
+        message("<child link=\"lower\"/>", ""),
+        "4:3: joint `elbow`: child: expected an element of this name, found none"
+    );
+    assert!(
+        message("<child link=\"lower\"/>", "<child/>")
+            .contains("`child`: expected the attribute `link`")
+    );
+    assert_eq!(
+        message("<child link=\"lower\"/>", "<child link=\"upper\"/>"),
+        "7:3: link `upper`: expected one joint that moves it, found `elbow` and `shoulder`"
+    );
+    let round = message("<parent link=\"base\"/>", "<parent link=\"lower\"/>");
+    assert!(round.contains("expected ancestors that end at a root, found a loop"), "{round}");
+    let apart = message("<link name=\"base\"/>", "<link name=\"base\"/><link name=\"other\"/>");
+    assert!(
+        apart.contains("expected one link that no joint moves, found `base` and `other`"),
+        "{apart}"
+    );
+    assert!(
+        message("<link name=\"upper\"/>", "<link name=\"base\"/><link name=\"upper\"/>")
+            .contains("a name of its own")
+    );
+    assert!(
+        message("name=\"elbow\"", "name=\"shoulder\"")
+            .contains("joint 2 `shoulder`: expected a name of its own")
+    );
+    assert!(
+        message("<robot", "<sdf").starts_with("2:1: a URDF: expected XML")
+            || robot("<sdf/>").is_err()
+    );
+    assert!(
+        robot("<sdf/>")
+            .unwrap_err()
+            .to_string()
+            .contains("expected the element `robot`, found `sdf`")
+    );
+    assert!(message("</robot>", "").contains("a URDF: expected XML"));
+}
+
+proptest! {
+    #[test]
+    fn no_damage_makes_the_reader_of_urdf_panic(damage in damage()) {
+        check(urdf::parse(&damaged(ROBOT.into(), damage), "x".into()));
+    }
+}
+
+/// Every rig of the data, with as many joints as it says.
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn real_rigs_are_read() {
+    for (file, joints) in [
+        ("urdf/poppy-humanoid/Poppy_Humanoid.urdf", 25),
+        ("urdf/robotis-op3/robotis_op3.urdf", 22),
+        ("urdf/open-duck-mini/open_duck_mini_v2.urdf", 20),
+    ] {
+        let character = read(&data().join(file), &Options::default()).unwrap();
+        assert!(character.joints().len() > joints, "{file}: {}", character.joints().len());
+    }
+}

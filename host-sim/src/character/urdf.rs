@@ -1,0 +1,162 @@
+//! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
+//!
+//! Its joints are the character's, fixed ones too; the root is the link that no joint moves, which floats. A joint is
+//! where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left,
+//! y up and z ahead.
+
+use std::collections::BTreeMap;
+
+use glam::{DMat3, DVec3};
+use roxmltree::{Document, Node};
+
+use super::error::{Place, Refusal, refuse};
+use super::{Character, JOINT_COUNT_MAX, Joint};
+
+/// Reads the text of a file.
+///
+/// # Errors
+/// [`Refusal`] with line and column if it is not XML, no robot, or its joints and links are no tree.
+pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
+    let text = core::str::from_utf8(bytes).map_err(|error| {
+        refuse("a URDF", "UTF-8", "other bytes").at(Place::Byte(error.valid_up_to()))
+    })?;
+    let document = Document::parse(text).map_err(|error| {
+        let at = error.pos();
+        refuse("a URDF", "XML", &error).at(Place::Line(at.row, at.col))
+    })?;
+    let robot = document.root_element();
+    if !robot.has_tag_name("robot") {
+        let found = format!("`{}`", robot.tag_name().name());
+        return Err(refuse("a URDF", "the element `robot`", found).at(place(robot)));
+    }
+    let links = links(robot)?;
+    let joints: Vec<UrdfJoint<'_>> = children(robot, "joint")
+        .map(|joint| UrdfJoint::read(joint, &links))
+        .collect::<Result<_, _>>()?;
+    if joints.len() >= JOINT_COUNT_MAX {
+        let expected = format!("at most {} joints", JOINT_COUNT_MAX - 1);
+        return Err(refuse("the robot", expected, joints.len()));
+    }
+    // The joint that moves a link.
+    let mut movers: BTreeMap<&str, usize> = BTreeMap::new();
+    for (index, joint) in joints.iter().enumerate() {
+        if let Some(first) = movers.insert(joint.child, index) {
+            let item = format!("link `{}`", joint.child);
+            let found = format!("`{}` and `{}`", joints[first].name, joint.name);
+            return Err(refuse(item, "one joint that moves it", found).at(joint.place));
+        }
+    }
+    let mut roots = links.keys().filter(|link| !movers.contains_key(**link));
+    let root = match (roots.next(), roots.next()) {
+        (Some(root), None) => *root,
+        (None, _) => return Err(refuse("the robot", "a link that no joint moves", "a loop")),
+        (Some(a), Some(b)) => {
+            let found = format!("`{a}` and `{b}`");
+            return Err(refuse("the robot", "one link that no joint moves", found));
+        }
+    };
+    let positions_m: Vec<DVec3> = joints
+        .iter()
+        .map(|joint| {
+            // Every way up ends at the root unless it goes round.
+            let way = std::iter::successors(Some(joint), |joint| {
+                movers.get(joint.parent).map(|index| &joints[*index])
+            });
+            let (mut position_m, mut steps) = (DVec3::ZERO, 0);
+            for joint in way.take(joints.len() + 1) {
+                position_m = joint.origin_m + joint.rotation * position_m;
+                steps += 1;
+            }
+            if steps <= joints.len() {
+                return Ok(position_m);
+            }
+            let item = format!("joint `{}`", joint.name);
+            Err(refuse(item, "ancestors that end at a root", "a loop").at(joint.place))
+        })
+        .collect::<Result<_, _>>()?;
+    let root = Joint { name: root.to_owned(), parent: None, position_m: DVec3::ZERO };
+    let others = joints.iter().zip(positions_m).map(|(joint, position_m)| Joint {
+        name: joint.name.to_owned(),
+        // The root comes first.
+        parent: Some(movers.get(joint.parent).map_or(0, |index| index + 1)),
+        position_m: DVec3::new(position_m.y, position_m.z, position_m.x),
+    });
+    Character::new(name, std::iter::once(root).chain(others).collect(), None)
+}
+
+/// A joint of the file, in its parent link's frame.
+struct UrdfJoint<'a> {
+    name: &'a str,
+    parent: &'a str,
+    child: &'a str,
+    origin_m: DVec3,
+    rotation: DMat3,
+    place: Place,
+}
+
+impl<'a> UrdfJoint<'a> {
+    fn read(joint: Node<'a, '_>, links: &BTreeMap<&str, Place>) -> Result<Self, Refusal> {
+        let name = attribute(joint, "name")?;
+        let in_joint = |refusal: Refusal| refusal.of(format!("joint `{name}`")).at(place(joint));
+        let link = |tag: &str| {
+            let node = children(joint, tag).next();
+            let node = node.ok_or_else(|| refuse(tag, "an element of this name", "none"))?;
+            let link = attribute(node, "link")?;
+            if links.contains_key(link) {
+                return Ok(link);
+            }
+            let found = format!("`{link}`");
+            Err(refuse(tag, "a link of the robot", found).at(place(node)))
+        };
+        let (parent, child) = (link("parent").map_err(in_joint)?, link("child").map_err(in_joint)?);
+        let origin = children(joint, "origin").next();
+        let vector = |name| origin.map_or(Ok(DVec3::ZERO), |origin| vector(origin, name));
+        let origin_m = vector("xyz").map_err(in_joint)?;
+        // Roll, pitch and yaw about the parent's axes, in this order.
+        let DVec3 { x: roll, y: pitch, z: yaw } = vector("rpy").map_err(in_joint)?;
+        let rotation = DMat3::from_rotation_z(yaw)
+            * DMat3::from_rotation_y(pitch)
+            * DMat3::from_rotation_x(roll);
+        Ok(Self { name, parent, child, origin_m, rotation, place: place(joint) })
+    }
+}
+
+/// The links by their names, and where they stand.
+fn links<'a>(robot: Node<'a, '_>) -> Result<BTreeMap<&'a str, Place>, Refusal> {
+    let mut links = BTreeMap::new();
+    for link in children(robot, "link") {
+        let name = attribute(link, "name")?;
+        if links.insert(name, place(link)).is_some() {
+            let item = format!("link `{name}`");
+            return Err(refuse(item, "a name of its own", "that of another link").at(place(link)));
+        }
+    }
+    Ok(links)
+}
+
+fn children<'a, 'b>(node: Node<'a, 'b>, tag: &str) -> impl Iterator<Item = Node<'a, 'b>> {
+    node.children().filter(move |child| child.has_tag_name(tag))
+}
+
+fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Refusal> {
+    node.attribute(name).filter(|value| !value.is_empty()).ok_or_else(|| {
+        let item = format!("`{}`", node.tag_name().name());
+        refuse(item, format!("the attribute `{name}`"), "none").at(place(node))
+    })
+}
+
+/// Three numbers; zeros if there is no such attribute.
+fn vector(node: Node<'_, '_>, name: &str) -> Result<DVec3, Refusal> {
+    let Some(text) = node.attribute(name) else { return Ok(DVec3::ZERO) };
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    let vector = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    vector
+        .map(DVec3::from)
+        .filter(|vector| vector.is_finite())
+        .ok_or_else(|| refuse(name, "three finite numbers", format!("`{text}`")).at(place(node)))
+}
+
+fn place(node: Node<'_, '_>) -> Place {
+    let at = node.document().text_pos_at(node.range().start);
+    Place::Line(at.row, at.col)
+}
