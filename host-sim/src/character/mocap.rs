@@ -1,7 +1,7 @@
 //! The skeleton of a motion, as a character without a skin.
 //!
-//! An end site becomes a joint `NAMEEnd` of its joint `NAME` (`NAMEEnd2` the second), since it tells how long the last
-//! bone is; one at its joint tells nothing and is left out.
+//! An end site becomes a joint `NAMEEnd` behind its joint `NAME` (`NAMEEnd2` the second), since it tells how long the
+//! last bone is; one at its joint tells nothing and is left out.
 
 use std::path::Path;
 
@@ -38,23 +38,23 @@ fn character(recording: &Recording, options: &Options) -> Result<Character, Refu
         Some(frame) => in_frame(recording, frame)?,
     };
     let poses = forward_kinematics(skeleton, &local);
-    let mut joints: Vec<Joint> = skeleton
-        .joints
-        .iter()
-        .zip(&poses)
-        .map(|(joint, pose)| Joint {
+    let mut joints: Vec<Joint> = Vec::new();
+    // Where each joint of the skeleton is among them; parents come first.
+    let mut places: Vec<usize> = Vec::with_capacity(poses.len());
+    for (joint, pose) in skeleton.joints.iter().zip(&poses) {
+        let place = joints.len();
+        places.push(place);
+        joints.push(Joint {
             name: joint.name.clone(),
-            parent: joint.parent,
+            parent: joint.parent.map(|parent| places[parent]),
             position_m: pose.position_m * unit_m,
-        })
-        .collect();
-    for (index, (joint, pose)) in skeleton.joints.iter().zip(&poses).enumerate() {
+        });
         let ends = joint.end_sites_m.iter().filter(|end| **end != DVec3::ZERO);
         for (end, number) in ends.zip(1..) {
             let number = if number > 1 { format!("{number}") } else { String::new() };
             joints.push(Joint {
                 name: format!("{}End{number}", joint.name),
-                parent: Some(index),
+                parent: Some(place),
                 position_m: (pose.position_m + pose.rotation * *end) * unit_m,
             });
         }

@@ -233,7 +233,7 @@ proptest! {
     }
 }
 
-const BVH: &str = "HIERARCHY ROOT a\n{ OFFSET 0 100 0 CHANNELS 3 Zrotation Xrotation Yrotation JOINT b\n\
+const BVH: &str = "HIERARCHY ROOT a\n{ OFFSET 0 100 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -10 0 } JOINT b\n\
     { OFFSET 0 0 20 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 5 0 } End Site { OFFSET 0 0 0 }\n\
     End Site { OFFSET 1 0 0 } } }\nMOTION Frames: 2 Frame Time: 0.01\n0 0 0 0 0 0\n90 0 0 0 0 0\n";
 
@@ -253,14 +253,15 @@ fn a_skeleton_has_joints_at_the_ends_of_its_bones() {
         character.joints(),
         [
             joint("a", None, [0.0, 1.0, 0.0]),
+            joint("aEnd", Some(0), [0.0, 0.9, 0.0]),
             joint("b", Some(0), [0.0, 1.0, 0.2]),
-            joint("bEnd", Some(1), [0.0, 1.05, 0.2]),
-            joint("bEnd2", Some(1), [0.01, 1.0, 0.2]),
+            joint("bEnd", Some(2), [0.0, 1.05, 0.2]),
+            joint("bEnd2", Some(2), [0.01, 1.0, 0.2]),
         ]
     );
     // Frame 1 turns the root by 90 degrees about z: y becomes -x.
     let turned = bvh(&Options { frame: Some(1), ..options }).unwrap();
-    let end = turned.joints()[2].position_m;
+    let end = turned.joints()[3].position_m;
     assert!(end.distance(DVec3::new(-0.05, 1.0, 0.2)) < 1e-12, "{end}");
 }
 

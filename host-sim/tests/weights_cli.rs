@@ -1,0 +1,86 @@
+//! `sinew weights` as a command: what it prints and draws, and its exit codes.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const RIG: &str = r#"<robot name="arm"><link name="base"/><link name="upper"/><link name="lower"/>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/></joint>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.2 0 0"/></joint></robot>"#;
+
+fn weights(folder: &Path, more: &[&str]) -> Output {
+    fs::write(folder.join("arm.urdf"), RIG).expect("a folder to write to");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+    command.current_dir(folder).args(["weights", "arm.urdf"]).args(more);
+    command.output().expect("the command runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_rig_is_weighed_by_all_that_it_has() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output =
+        weights(folder.path(), &["--format", "json", "--base", "0.1", "--discount", "0.5"]);
+    assert_eq!(text(&output.stderr), "method mesh is left out: the file has a skeleton only\n");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let methods = json["methods"].as_object().expect("methods");
+    assert_eq!(methods.keys().collect::<Vec<_>>(), ["cylinders", "lengths"]);
+    // 0.1, 0.1 + 0.5 (0.2 + 0.1), 0.1 + 0.5 (0.3 + 0.25), over their sum.
+    for (joint, (name, raw)) in
+        [("base", 0.375), ("shoulder", 0.25), ("elbow", 0.1)].into_iter().enumerate()
+    {
+        assert_eq!(methods["lengths"][joint]["joint"], name);
+        let found = methods["lengths"][joint]["weight"].as_f64().expect("a number");
+        assert!((found - raw / 0.725).abs() < 1e-6, "{name}: {found}");
+    }
+}
+
+#[test]
+fn pictures_are_drawn_and_radii_come_from_its_own_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["arm.svg", "arm.png"] {
+        let output = weights(folder.path(), &["--picture", name, "--method", "lengths"]);
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+        assert!(fs::metadata(folder.path().join(name)).expect("a picture").len() > 1000);
+    }
+    let first = weights(folder.path(), &["--format", "csv", "--method", "cylinders"]);
+    fs::write(folder.path().join("radii.csv"), &first.stdout).expect("a file");
+    let again = weights(
+        folder.path(),
+        &["--format", "csv", "--method", "cylinders", "--radii", "radii.csv"],
+    );
+    assert_eq!(text(&first.stdout), text(&again.stdout));
+    assert!(
+        text(&first.stdout).starts_with("joint,parent,length_m,radius_m,cylinders\nbase,,0,0,")
+    );
+}
+
+#[test]
+fn what_cannot_be_done_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (arguments, told) in [
+        (
+            &["--method", "mesh"][..],
+            "error: arm.urdf: method mesh: expected a character with a skinned mesh",
+        ),
+        (&["--base", "-1"], "error: arm.urdf: base: expected a finite number, 0 or more, found -1"),
+        (&["--discount", "nan"], "error: arm.urdf: discount: expected a number from 0 to 1"),
+        (&["--radii", "-0.1"], "error: arm.urdf: radii: expected metres, finite and 0 or more"),
+        (&["--radii", "no.csv"], "error: no.csv: expected a CSV of radii"),
+        (
+            &["--picture", "a.jpg"],
+            "error: --picture a.jpg: expected a picture named *.svg or *.png",
+        ),
+        (&["--metres-per-unit", "0"], "expected a number from 0.000001 to 1000"),
+    ] {
+        let output = weights(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+}
