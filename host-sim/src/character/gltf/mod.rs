@@ -13,7 +13,7 @@ mod nodes;
 
 use std::path::Path;
 
-use ::gltf::{Gltf, Skin};
+use ::gltf::{Document, Gltf, Skin};
 use glam::{DMat4, DVec3};
 
 use super::error::{Place, Refusal, refuse};
@@ -31,17 +31,33 @@ const MAGIC: &[u8] = b"glTF";
 /// [`Refusal`] if the file is no glTF 2.0, has no skinned mesh, or what belongs to one is damaged.
 pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Character, Refusal> {
     check_header(bytes)?;
-    let mut file =
-        Gltf::from_slice(bytes).map_err(|error| refuse("the file", "glTF 2.0", error))?;
-    let buffers = Buffers::read(&file.document, file.blob.take(), folder)?;
-    let nodes = Nodes::new(&file.document)?;
-    let skeleton = Skeleton::new(&file.document, &nodes, &buffers)?;
+    let (document, chunk) = document(bytes)?;
+    let buffers = Buffers::read(&document, chunk, folder)?;
+    let nodes = Nodes::new(&document)?;
+    let skeleton = Skeleton::new(&document, &nodes, &buffers)?;
     let mut mesh = Mesh::default();
-    for node in file.document.nodes().filter(|node| node.mesh().is_some()) {
+    for node in document.nodes().filter(|node| node.mesh().is_some()) {
         mesh::add(&mut mesh, &node, &skeleton, &nodes, &buffers)
             .map_err(|refusal| refusal.of(format!("node {}", node.index())))?;
     }
-    Character::new(name, skeleton.joints(&file.document, &nodes)?, Some(mesh))
+    Character::new(name, skeleton.joints(&document, &nodes)?, Some(mesh))
+}
+
+/// The document, whose indices all lead somewhere, and the binary chunk.
+fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Refusal> {
+    let in_words = |error: ::gltf::Error| refuse("the file", "glTF 2.0", error);
+    let file = Gltf::from_slice_without_validation(bytes).map_err(in_words)?;
+    let json = file.document.into_json();
+    // The crate's validation looks at these before it checks them.
+    let count = json.accessors.len();
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    for accessor in primitives.flat_map(|primitive| primitive.attributes.values()) {
+        if accessor.value() >= count {
+            let expected = format!("an accessor below {count}");
+            return Err(refuse("an attribute of a mesh", expected, accessor.value()));
+        }
+    }
+    Ok((Document::from_json(json).map_err(in_words)?, file.blob))
 }
 
 /// The sizes in the header of a `.glb`, which its reader trusts.
@@ -80,7 +96,7 @@ struct Binding {
 const SAME_PLACE_M: f64 = 1e-3;
 
 impl Skeleton {
-    fn new(document: &::gltf::Document, nodes: &Nodes, buffers: &Buffers) -> Result<Self, Refusal> {
+    fn new(document: &Document, nodes: &Nodes, buffers: &Buffers) -> Result<Self, Refusal> {
         let mut skeleton = Self { nodes: Vec::new(), world: Vec::new(), skins: Vec::new() };
         for skin in document.skins() {
             let index = Some(skin.index());
@@ -167,7 +183,7 @@ impl Skeleton {
     }
 
     /// The joints as a character has them, with one root.
-    fn joints(&self, document: &::gltf::Document, nodes: &Nodes) -> Result<Vec<Joint>, Refusal> {
+    fn joints(&self, document: &Document, nodes: &Nodes) -> Result<Vec<Joint>, Refusal> {
         let names = names(document);
         let mut parents: Vec<Option<usize>> =
             self.nodes.iter().map(|node| self.joint_above(*node, nodes)).collect();
@@ -210,7 +226,7 @@ fn place_m(world: &DMat4) -> DVec3 {
 }
 
 /// A name for every node, unlike all others.
-fn names(document: &::gltf::Document) -> Vec<String> {
+fn names(document: &Document) -> Vec<String> {
     let given: Vec<Option<&str>> = document.nodes().map(|node| node.name()).collect();
     let name = |(index, name): (usize, Option<&str>)| match name {
         Some(name) if given.iter().filter(|other| **other == Some(name)).count() == 1 => {

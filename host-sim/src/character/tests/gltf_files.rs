@@ -222,11 +222,15 @@ fn damage_is_named() {
     for (told, message) in [
         ("expected glTF 2.0", message(|f| f["skins"][0]["joints"][1] = 9.into())),
         (
+            "an attribute of a mesh: expected an accessor below 5, found 9",
+            message(|f| f["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into()),
+        ),
+        (
             "expected a node with a mesh and a skin, found none",
             message(|f| _ = f["nodes"].as_array_mut().unwrap().pop()),
         ),
         (
-            "skin 0: accessor 4: expected Mat4",
+            "skin 0: accessor 0: expected Mat4",
             message(|f| f["skins"][0]["inverseBindMatrices"] = 0.into()),
         ),
         (
@@ -243,7 +247,10 @@ fn damage_is_named() {
         ),
         (
             "expected ancestors that end at a root",
-            message(|f| f["nodes"][3]["children"] = json!([1])),
+            message(|f| {
+                f["nodes"][0]["children"] = json!([]);
+                f["nodes"][3]["children"] = json!([1]);
+            }),
         ),
         (
             "JOINTS_0 and WEIGHTS_0: expected 4 as of POSITION, found 3 and 4",
@@ -260,10 +267,10 @@ fn damage_is_named() {
         ),
         (
             "vertex 0: weights: expected a sum of 1, found 0",
-            message(|f| f["accessors"][2]["bufferView"] = 3.into()),
+            message(|f| f["accessors"][2]["bufferView"] = 1.into()),
         ),
         (
-            "accessor 2: expected numbers in a buffer view",
+            "expected glTF 2.0",
             message(|f| {
                 f["accessors"][2].as_object_mut().unwrap().remove("bufferView");
             }),

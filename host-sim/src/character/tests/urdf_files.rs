@@ -45,7 +45,7 @@ fn what_is_no_rig_is_refused_with_its_line() {
     );
     assert_eq!(
         message("<child link=\"lower\"/>", "<child link=\"hand\"/>"),
-        "5:49: joint `elbow`: child: expected a link of the robot, found `hand`"
+        "5:48: joint `elbow`: child: expected a link of the robot, found `hand`"
     );
     assert_eq!(
         message("<child link=\"lower\"/>", ""),
@@ -73,10 +73,6 @@ fn what_is_no_rig_is_refused_with_its_line() {
     assert!(
         message("name=\"elbow\"", "name=\"shoulder\"")
             .contains("joint 2 `shoulder`: expected a name of its own")
-    );
-    assert!(
-        message("<robot", "<sdf").starts_with("2:1: a URDF: expected XML")
-            || robot("<sdf/>").is_err()
     );
     assert!(
         robot("<sdf/>")
