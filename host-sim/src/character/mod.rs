@@ -199,7 +199,7 @@ fn shares(stored: impl IntoIterator<Item = (usize, f64)>) -> Result<Vec<(usize, 
             shares.push((joint, share));
         }
     }
-    let sum: f64 = shares.iter().map(|(_, share)| share).sum();
+    let sum = shares.iter().fold(0.0, |sum, (_, share)| sum + share);
     if (sum - 1.0).abs() > SHARE_ROUNDING {
         return Err(refuse("weights", "a sum of 1", sum));
     }

@@ -30,8 +30,8 @@ pub struct Given {
 
 /// Radius per length of a bone of which nothing else is known.
 ///
-/// On Geno this comes nearest to the article's list of all such ratios, 38 % in the root of the mean square (its neck is
-/// thicker, its toes are flatter than that).
+/// Of the ratios from 0.03 to 0.4 that were tried, the one that comes nearest to the article's list for Geno: its weights
+/// are off by 24 % (root mean square of the logarithms), the neck's, a thick short bone, is 62 % too small.
 pub const PER_LENGTH: f64 = 0.25;
 
 /// Bones that are shorter have no direction and no surface.
@@ -147,6 +147,10 @@ fn estimated_m(character: &Character) -> Vec<f64> {
 /// It is the mean distance from the bone's axis of the skin that moves with the joint where the bone begins, weighed by
 /// surface and by the share of that joint. Where several bones begin, skin counts for the nearest of them; skin of a
 /// joint where none begins counts for the bone that ends there.
+///
+/// On Geno such cylinders give weights within 10 % of the article's (root mean square of the logarithms); toes are flat,
+/// there it is 33 %. Tried on the same list: the median distance 10 %, the distance from the bone instead of its axis 12 %, only the
+/// skin beside the bone 11 %, radii of equal surface 24 %.
 pub fn of_mesh_m(character: &Character) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0, 0.0); character.joints().len()];
     if let Some(mesh) = character.mesh() {
