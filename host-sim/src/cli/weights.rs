@@ -13,14 +13,14 @@ use super::output::{note, print};
 
 /// Weigh the joints of a character: how much of it each one moves, and how far.
 ///
-/// FILE is a skinned character (Geno.bin, glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a motion, of which the
-/// skeleton is taken (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
+/// FILE is a skinned character (Geno.bin; glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a
+/// motion, of which the skeleton is taken (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
 ///
-/// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets, by method,
+/// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets
 ///
-///   lengths    discount (L + w) of each child: its distance L and its own weight w (m);
-///   cylinders  the integral of the distance over the surfaces of all bones below it (m³);
-///   mesh       area times distance of the skin's vertices that move with it or with a joint below it (m³).
+///   by lengths    (m)   D (L + w) of each child: its distance L and its own weight w;
+///   by cylinders  (m³)  the integral of the distance over the surfaces of all bones below it;
+///   by mesh       (m³)  area times distance of all skin that moves with it.
 ///
 /// The weights printed are those over their sum, so they have no unit.
 #[derive(Debug, clap::Args)]
