@@ -87,7 +87,7 @@ impl<'a> Bars<'a> {
                 @if index.is_multiple_of(2) {
                     rect class="band" x="0" y=(px(y)) width=(px(self.width() - 10.0)) height=(px(self.row)) {}
                 }
-                text class="small" x=(px(6.0 + INDENT * depth)) y=(px(y + 0.5 * self.row + 3.6)) { (joint.name) }
+                text class="fine" x=(px(6.0 + INDENT * depth)) y=(px(y + 0.5 * self.row + 3.6)) { (joint.name) }
             }
             @for (index, weighing) in self.weighings.iter().enumerate() {
                 g class=(class(weighing.method)) transform={ "translate(" (px(self.names + COLUMN * index as f64)) " 0)" } {
@@ -97,7 +97,7 @@ impl<'a> Bars<'a> {
                         @let y = TOP + self.row * (joint as f64 + 0.5);
                         @let end = self.axis.at(*weight);
                         rect class="weight" x="0" y=(px(y - 0.34 * self.row)) width=(px(end)) height=(px(0.68 * self.row)) {}
-                        text class="small number" x=(px(COLUMN - 10.0)) y=(px(y + 3.6)) text-anchor="end" { (number(*weight)) }
+                        text class="fine" x=(px(COLUMN - 10.0)) y=(px(y + 3.6)) text-anchor="end" { (number(*weight)) }
                     }
                 }
             }
@@ -110,7 +110,7 @@ impl<'a> Bars<'a> {
             @for (value, label) in POWERS.iter().filter(|(value, _)| *value >= self.low) {
                 @let x = px(self.axis.at(*value));
                 line class="grid" x1=(x) x2=(x) y1=(px(TOP)) y2=(px(bottom)) {}
-                text class="small muted" x=(x) y=(px(bottom + 13.0)) text-anchor="middle" { (label) }
+                text class="fine muted" x=(x) y=(px(bottom + 13.0)) text-anchor="middle" { (label) }
             }
         }
     }

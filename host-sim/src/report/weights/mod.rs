@@ -51,7 +51,7 @@ fn picture(character: &Character, weighings: &[Weighing]) -> Markup {
         svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img"
             viewBox={ "0 0 " (px(width)) " " (px(height)) } aria-label=(title) {
             text class="chart-title" x="10" y="20" { (title) }
-            text class="small muted" x=(px(width - 10.0)) y="20" text-anchor="end" {
+            text class="fine muted" x=(px(width - 10.0)) y="20" text-anchor="end" {
                 "a disc's area is its joint's weight; bars on a logarithmic scale; weights sum to 1"
             }
             (view.definitions())
