@@ -8,6 +8,7 @@ pub mod plant;
 mod random;
 pub mod report;
 pub mod show;
+pub mod study;
 pub mod sweep;
 pub mod verify;
 pub mod weights;

@@ -28,6 +28,12 @@ pub(crate) enum Subject {
     Masses = 6,
     /// Lengths of a figure's bones.
     Dimensions = 7,
+    /// First parameters of a network.
+    Network = 8,
+    /// Order of training samples.
+    Batches = 9,
+    /// What is shown of many.
+    Examples = 10,
 }
 
 impl Random {

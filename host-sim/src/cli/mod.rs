@@ -12,6 +12,7 @@ mod output;
 mod page;
 mod rig;
 mod setup;
+mod study;
 mod sweep;
 mod threads;
 mod verify;
@@ -46,6 +47,7 @@ enum Command {
     Rig(rig::Args),
     Latency(latency::Args),
     Weights(weights::Args),
+    Study(study::Args),
 }
 
 /// Parses the command line and runs it.
@@ -59,6 +61,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Rig(args) => rig::run(&args),
         Command::Latency(args) => latency::run(&args),
         Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Study(args) => study::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

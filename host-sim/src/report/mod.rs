@@ -10,6 +10,7 @@ mod playback;
 mod png;
 mod scene;
 mod still;
+mod study;
 mod sweep;
 mod tables;
 pub mod weights;
@@ -21,6 +22,7 @@ use maud::{Markup, html};
 
 pub use comparison::Comparison;
 pub use playback::Playback;
+pub use study::write_study;
 pub use sweep::{Sweep, SweepError};
 
 use crate::evaluate::detail::{Detail, Spread};

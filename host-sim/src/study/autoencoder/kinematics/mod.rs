@@ -1,0 +1,86 @@
+//! Differentiable forward kinematics: from local rotations as two columns to global positions and rotations.
+//!
+//! In: `[poses, 6 joints]`, two columns per joint. Out: `[poses, 9 joints]`, per joint its position in metres with
+//! the root at the origin, and the two columns of its global rotation.
+
+mod fused;
+mod tensors;
+
+use candle_core::{Result, Tensor};
+use serde::Serialize;
+
+use crate::mocap::Skeleton;
+use fused::Fused;
+use tensors::Tensors;
+
+/// Numbers per joint that forward kinematics makes.
+pub(super) const NUMBERS: usize = 9;
+
+/// Added to squared lengths, so that a column without a length has a gradient.
+const SQUARE_MIN: f32 = 1e-12;
+
+/// How forward kinematics is written: the result is the same, the time is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// Tensor operations on one joint of all poses after the other.
+    ByJoint,
+    /// Tensor operations on all joints of one depth in the tree.
+    ByLevel,
+    /// One operation with a gradient of its own.
+    Fused,
+}
+
+impl Form {
+    /// All forms, the slowest first.
+    pub const ALL: [Self; 3] = [Self::ByJoint, Self::ByLevel, Self::Fused];
+
+    /// The form as tables name it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::ByJoint => "joint by joint",
+            Self::ByLevel => "level by level",
+            Self::Fused => "one operation",
+        }
+    }
+}
+
+/// Forward kinematics of one skeleton.
+#[derive(Debug, Clone)]
+pub(super) enum Kinematics {
+    Tensors(Tensors),
+    Fused(Fused),
+}
+
+impl Kinematics {
+    pub(super) fn new(skeleton: &Skeleton, form: Form) -> Result<Self> {
+        let depth = depths(skeleton);
+        let groups: Vec<Vec<usize>> = match form {
+            Form::Fused => return Ok(Self::Fused(Fused::new(skeleton))),
+            Form::ByJoint => (0..skeleton.joints.len()).map(|joint| vec![joint]).collect(),
+            Form::ByLevel => (0..=depth.iter().copied().max().unwrap_or(0))
+                .map(|level| (0..depth.len()).filter(|joint| depth[*joint] == level).collect())
+                .collect(),
+        };
+        Ok(Self::Tensors(Tensors::new(skeleton, &groups)?))
+    }
+
+    pub(super) fn global(&self, columns: &Tensor) -> Result<Tensor> {
+        match self {
+            Self::Tensors(tensors) => tensors.global(columns),
+            Self::Fused(fused) => columns.apply_op1(fused.clone()),
+        }
+    }
+}
+
+/// How many joints are above each joint.
+fn depths(skeleton: &Skeleton) -> Vec<usize> {
+    let mut depths: Vec<usize> = Vec::new();
+    for joint in &skeleton.joints {
+        depths.push(joint.parent.map_or(0, |parent| depths[parent] + 1));
+    }
+    depths
+}
+
+#[cfg(test)]
+mod tests;

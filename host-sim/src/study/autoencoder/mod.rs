@@ -1,0 +1,33 @@
+//! D. Holden, *Joint Error Propagation* (2025): what a loss on local rotations should count.
+//!
+//! An auto-encoder of poses is trained in five ways that differ in the loss alone, and judged by the joint positions
+//! and rotations that it reconstructs of subjects it never saw.
+
+mod adamw;
+mod anatomy;
+mod checkpoint;
+mod data;
+mod errors;
+mod kinematics;
+mod loss;
+mod method;
+mod network;
+mod report;
+mod run;
+mod samples;
+mod timing;
+mod training;
+mod two_columns;
+mod weights;
+
+pub use anatomy::Group;
+pub use checkpoint::CheckpointError;
+pub use data::{DataError, Pose, Poses};
+pub use errors::{Errors, Means, distance_cm};
+pub use kinematics::Form;
+pub use method::Method;
+pub use report::{json, tables};
+pub use run::{Error, Example, Outcome, Plan, Study, run};
+pub use timing::{StepTime, time_steps};
+pub use training::Schedule;
+pub use weights::WeightsError;

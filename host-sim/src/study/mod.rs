@@ -1,0 +1,3 @@
+//! Studies of articles that Sinew takes ideas from: what they claim, tried again on other data.
+
+pub mod autoencoder;
