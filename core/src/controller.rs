@@ -364,6 +364,35 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
+    /// The wrenches that carry the rig as it is measured, against gravity, its own motion and what is outside, and
+    /// accelerate no joint: in measured body axes, along the joints' degrees of freedom and within their limits. O(n).
+    ///
+    /// For [`TorqueSupply::share_beyond`](crate::supply::TorqueSupply::share_beyond): what a tick asks for beyond them is
+    /// what accelerates. The last tick's commands and torques in the workspace stay as they are.
+    pub fn carried<const R: usize>(
+        &self,
+        measured: &JointStates<N>,
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [Wrench],
+    ) {
+        let (bodies, measured) = (self.tree.bodies(), measured.as_slice());
+        let mut accelerations = [Motion::ZERO; N];
+        for ((body, measured), acceleration) in bodies.iter().zip(measured).zip(&mut accelerations)
+        {
+            let in_joint = body.rotation_in_joint(measured.pose.rotation);
+            *acceleration = body.joint.bias_acceleration(in_joint, measured.velocity);
+        }
+        let (gravity, scratch) = (self.gravity_m_s2, &mut workspace.scratch);
+        inverse_dynamics(bodies, measured, &accelerations, gravity, external, scratch, out);
+        for (((body, measured), limit), wrench) in
+            bodies.iter().zip(measured).zip(&self.limits).zip(out)
+        {
+            let in_joint = body.rotation_in_joint(measured.pose.rotation);
+            *wrench = limit.apply(body.joint.project_wrench(in_joint, *wrench)).value;
+        }
+    }
+
     /// State errors by body, in the axes of the method's reference frame: those that a tick with these arguments acts
     /// on. O(n).
     ///

@@ -142,6 +142,60 @@ impl<const N: usize> TorqueSupply<N> {
     }
 }
 
+impl<const N: usize> TorqueSupply<N> {
+    /// Cuts as [`Self::share`] does, but leaves what carries the rig in its pose and at its velocities
+    /// ([`Controller::carried`](crate::Controller::carried)) and cuts what accelerates it, of all joints by the same factor
+    /// whatever the weights: `τ = τ_c + s (τ_wanted - τ_c)`.
+    ///
+    /// All joints then get the same share of the accelerations that they were commanded, and none throws another about. The
+    /// sum is convex in s, so the `s` at which a line from one end to the other meets the supply is within it: no search, and a
+    /// little is left. If what carries is more than there is, it is what is cut alike.
+    ///
+    /// What is not finite of `carried`, and what it has too few of, counts as zero.
+    pub fn share_beyond(&self, torques: &mut [Limited<Wrench>], carried: &[Wrench]) {
+        let joint = |index: usize| {
+            let moment_nm = carried.get(index).map_or(Vec3::ZERO, |wrench| wrench.moment_nm);
+            let draws = self.yields.get(index).is_some_and(|yields| *yields > 0.0);
+            (if moment_nm.is_finite() { moment_nm } else { Vec3::ZERO }, draws)
+        };
+        let mut largest = 0.0_f32;
+        for (index, torque) in torques.iter().enumerate() {
+            let ((carried_nm, draws), wanted_nm) = (joint(index), torque.value.moment_nm);
+            if draws && torque.value.is_finite() {
+                largest = largest.max(carried_nm.abs().max(wanted_nm.abs()).max_element());
+            }
+        }
+        let (mut sum, mut sum_carried) = (0.0, 0.0);
+        for (index, torque) in torques.iter().enumerate() {
+            let (carried_nm, draws) = joint(index);
+            if draws && torque.value.is_finite() {
+                sum += math::length(torque.value.moment_nm / largest);
+                sum_carried += math::length(carried_nm / largest);
+            }
+        }
+        let supply = self.supply_nm / largest;
+        // Written so that NaN, of torques that are all zero, is enough.
+        if sum > supply {
+            let (of_wanted, of_carried) = if sum_carried < supply {
+                let s = (supply - sum_carried) / (sum - sum_carried);
+                (s, 1.0 - s)
+            } else {
+                (0.0, supply / sum_carried)
+            };
+            for (index, torque) in torques.iter_mut().enumerate() {
+                let (carried_nm, draws) = joint(index);
+                if draws {
+                    torque.value.moment_nm =
+                        carried_nm * of_carried + torque.value.moment_nm * of_wanted;
+                    torque.reason = Some(LimitReason::Supply);
+                }
+            }
+        }
+        // What is not finite, and what rounding has left above the supply.
+        self.share(torques);
+    }
+}
+
 /// Takes the same share of what each joint yields off what it wants, so that the sum is the supply's.
 fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: f32) {
     let joints = || wanted.iter().zip(yields);

@@ -36,6 +36,8 @@ pub struct ControllerSettings {
     pub desired_velocity: DesiredVelocity,
     /// How the error becomes a torque.
     pub law: LawName,
+    /// How the joints share what their drives have together, `disturbance.supply_nm`.
+    pub sharing: SharingName,
     /// What the gains of `pd` are multiplied with, joint by joint.
     pub gains: GainsName,
     /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
@@ -60,6 +62,7 @@ impl Default for ControllerSettings {
             differences: DifferencesName::Forward,
             desired_velocity: DesiredVelocity::Bodies,
             law: LawName::InverseDynamics,
+            sharing: SharingName::Alike,
             gains: GainsName::Uniform,
             kp: 200.0,
             implicit: false,
@@ -223,6 +226,19 @@ pub enum LawName {
     InverseDynamics,
     /// PD alone, without a model of the dynamics: what a servo does by itself.
     Pd,
+}
+
+/// How joints share what their drives have together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SharingName {
+    /// All torques are cut by the same factor.
+    Alike,
+    /// What is cut is least in squares, by the motion of the skin that it makes: weights `(lᵢ / Iᵢ)²`, of the joints' levers
+    /// and of the articulated inertias that their drives work against in the rest pose.
+    Importance,
+    /// What carries the figure is left, and what accelerates it is cut by the same factor.
+    Accelerations,
 }
 
 /// What the gains of a PD controller are multiplied with, joint by joint.

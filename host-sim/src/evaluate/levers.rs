@@ -123,6 +123,7 @@ mod tests {
 
     use super::*;
     use crate::evaluate::Setup;
+    use crate::figure::is_leaf;
     use crate::mocap::{Settings, builtin, prepare};
 
     /// The built-in figure.
@@ -148,13 +149,15 @@ mod tests {
         for (of_one, of_other) in levers_of(&one).iter().zip(levers_of(&one.scaled(1.1))) {
             assert!((of_other / of_one - 1.1).abs() < 1e-5);
         }
-        // Twice the density makes limbs thicker by a root of two, which is little against their lengths.
+        // Twice the density makes bodies thicker by a root of two: little against the lengths of what hangs on a joint.
         let heavy = BodyModel {
             bodies: one.bodies.map(|body| MassProperties { mass_kg: 2.0 * body.mass_kg, ..body }),
             ..one.clone()
         };
-        for (of_one, of_other) in levers_of(&one).iter().zip(levers_of(&heavy)) {
-            assert!((of_other / of_one - 1.0).abs() < 0.1);
+        for (body, (of_one, of_other)) in levers_of(&one).iter().zip(levers_of(&heavy)).enumerate()
+        {
+            let limit = if is_leaf(body) { 0.2 } else { 0.1 };
+            assert!((of_other / of_one - 1.0).abs() < limit, "{body}: {of_one} {of_other}");
         }
         let nothing = MassProperties {
             mass_kg: 1.0,

@@ -15,6 +15,7 @@ mod reference;
 pub mod report;
 pub mod rig;
 mod setup;
+mod supply;
 mod track;
 
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ use crate::mocap::FigureMotion;
 
 pub use controller::{
     AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,
-    MethodName, ObserverChoice, ProjectionSettings, RateTermName, WeightsName,
+    MethodName, ObserverChoice, ProjectionSettings, RateTermName, SharingName, WeightsName,
 };
 pub use detail::Detail;
 pub use disturbance::Disturbance;

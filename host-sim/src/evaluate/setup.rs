@@ -5,7 +5,6 @@ use sinew_core::control::{ControlLaw, Gains};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
 use sinew_core::importance::{RestPose, descendants_length};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionError};
-use sinew_core::supply::TorqueSupply;
 use sinew_core::{Controller, JointStates, Tree};
 use thiserror::Error;
 
@@ -254,14 +253,6 @@ impl Setup {
         let weights = weights.map_err(ProjectionError::Weights)?;
         let projection = ManifoldProjection::new(tree, weights.as_slice())?.with_sweeps(sweeps);
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
-    }
-
-    /// The supply that the drives share.
-    pub(super) fn supply(
-        &self,
-        tree: &Tree<BODY_COUNT>,
-    ) -> Result<TorqueSupply<BODY_COUNT>, RunError> {
-        Ok(TorqueSupply::new(tree, narrow(self.disturbance.supply_nm))?)
     }
 
     /// The controller of a figure, which acts once in `dt_s` seconds.

@@ -17,6 +17,7 @@ use super::estimate::Estimate;
 use super::levers::Levers;
 use super::reference::{Performance, one_step_before};
 use super::setup::Setup;
+use super::supply::Supply;
 use crate::figure::{BODIES, BODY_COUNT, BodyModel};
 use crate::mocap::FigureMotion;
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
@@ -111,7 +112,7 @@ pub fn track(
     let looks_ahead = setup.effective_controller().observer.predict;
     let ahead = if looks_ahead { setup.disturbance.latency_steps } else { 0 };
     let mut desired = Desired::new(performance, &controller, setup, ahead)?;
-    let supply = setup.supply(controller.tree())?;
+    let supply = Supply::new(setup, controller.tree(), &levers)?;
     let mut workspace = Workspace::resolving();
 
     let start = performance.start(&model.offset_m);
@@ -135,7 +136,7 @@ pub fn track(
         let targets = desired.targets(frame + ahead)?;
         estimate.compensate(targets);
         controller.tick(targets, estimate.states(), &[], &mut workspace);
-        supply.share(workspace.torques_mut());
+        supply.share(&controller, estimate.states(), &mut workspace);
         let torques = workspace.torques();
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });

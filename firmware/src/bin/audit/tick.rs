@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use sinew_core::{Transform, Workspace};
+use sinew_core::{Transform, Workspace, Wrench};
 use sinew_firmware::app::App;
 use sinew_firmware::indicator;
 use sinew_firmware::parity;
@@ -21,6 +21,9 @@ pub(crate) fn controller() {
     controller.errors(&mut targets, &measured(), &mut workspace, slice_mut());
     if let Some(supply) = construct::supply() {
         supply.share(workspace.torques_mut());
+        let mut carried = [Wrench::ZERO; N];
+        controller.carried(&measured(), slice(), &mut workspace, &mut carried);
+        supply.share_beyond(workspace.torques_mut(), &carried);
         black_box(supply.supply_nm());
     }
     black_box(workspace.aim_status());
