@@ -2,10 +2,14 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use sinew_core::control::{LimitReason, Limited};
-use sinew_core::glam::{DVec3, Vec3};
+use sinew_core::control::{Gains, LimitReason, Limited};
+use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
+use sinew_core::glam::{DVec3, Vec3, Vec3Swizzles};
+use sinew_core::state_error::Method;
 use sinew_core::supply::{SupplyError, TorqueSupply};
-use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Wrench};
+use sinew_core::{
+    Body, Controller, Inertia, JointKind, JointTargets, Motion, Transform, Tree, Workspace, Wrench,
+};
 use sinew_tests::extreme::any_vector;
 use sinew_tests::property;
 use sinew_tests::rig::CAPACITY;
@@ -86,6 +90,42 @@ proptest! {
     }
 
     #[test]
+    fn what_carries_is_left_and_the_rest_is_cut_alike((joints, share) in cases(), carrying in 0.0_f32..1.5) {
+        let (moments, others): (Vec<Vec3>, Vec<f32>) = joints.into_iter().unzip();
+        let wanted = torques(&moments);
+        // As large as what is wanted, and turned another way.
+        let carried: Vec<Wrench> = moments
+            .iter()
+            .zip(&others)
+            .map(|(moment, other)| Wrench::new((*moment + moment.yzx() * other.min(2.0)) * carrying, Vec3::ZERO))
+            .collect();
+        let supply_nm = (sum_nm(&wanted) as f32) * share;
+        let tree = star(moments.len(), JointKind::Spherical);
+        let mut given = wanted.clone();
+        TorqueSupply::new(&tree, supply_nm).unwrap().share_beyond(&mut given, &carried);
+        let rounding = 128.0 * f64::from(f32::EPSILON);
+        prop_assert!(sum_nm(&given) <= f64::from(supply_nm) * (1.0 + rounding));
+        if share > 1.001 {
+            prop_assert_eq!(&given, &wanted);
+        }
+        let of = |wrench: &Wrench| wrench.moment_nm.as_dvec3();
+        let sum_carried: f64 = carried.iter().map(|wrench| of(wrench).length()).sum();
+        let (supply, sum) = (f64::from(supply_nm), sum_nm(&wanted));
+        if share < 0.999 && sum > 0.0 {
+            let s = ((supply - sum_carried) / (sum - sum_carried)).max(0.0);
+            let left = if sum_carried < supply { 1.0 - s } else { supply / sum_carried };
+            let s = if sum_carried < supply { s } else { 0.0 };
+            // As s is known to a rounding of the sums, and s by their difference.
+            let known = rounding * (sum + sum_carried) * (1.0 + sum / (sum - sum_carried).abs());
+            for ((given, wanted), carried) in given.iter().zip(&wanted).zip(&carried) {
+                let expected = of(carried) * left + moment(wanted) * s;
+                prop_assert!((moment(given) - expected).length() <= known, "{given:?}, {expected}");
+                prop_assert_eq!(given.reason, Some(LimitReason::Supply));
+            }
+        }
+    }
+
+    #[test]
     fn equal_weights_and_torques_are_cut_alike(
         count in 1_usize..=CAPACITY,
         weight in 1e-6_f32..1e6,
@@ -122,7 +162,13 @@ proptest! {
                 prop_assert_eq!(*given, refused);
             }
         }
-        prop_assert!(sum_nm(&given) <= f64::from(supply_nm) * 1.00001 + 1e-18 * f64::from(largest(&moments)));
+        let within = f64::from(supply_nm) * 1.00001 + 1e-18 * f64::from(largest(&moments));
+        prop_assert!(sum_nm(&given) <= within);
+        let carried: Vec<_> = moments.iter().rev().map(|m| Wrench::new(*m, Vec3::ZERO)).collect();
+        let mut given = torques(&moments);
+        supply.share_beyond(&mut given, &carried);
+        prop_assert!(given.iter().all(|given| given.value.is_finite()));
+        prop_assert!(sum_nm(&given) <= within);
     }
 }
 
@@ -166,6 +212,65 @@ fn what_no_servo_drives_takes_nothing_and_keeps_everything() {
             assert!((moment(given).x - expected).abs() < 1e-6);
         }
     }
+}
+
+#[test]
+fn accelerations_are_cut_alike() {
+    let rig = sinew_tests::rig::rigs(8, sinew_tests::rig::Joints::Mixed);
+    let mut runner = proptest::test_runner::TestRunner::new(property(100));
+    runner
+        .run(&(rig, 0.0_f32..1.0), |(rig, share)| {
+            let (tree, measured) = (rig.tree.clone(), rig.states());
+            let gains = Gains::new(30.0, 5.0).unwrap();
+            let controller = Controller::new(tree.clone(), gains, Method::Local).unwrap();
+            let mut workspace = Workspace::new();
+            let mut targets = JointTargets::rest(&tree);
+            controller.tick(&mut targets, &measured, &[], &mut workspace);
+            let before = workspace.clone();
+            let mut carried = [Wrench::ZERO; CAPACITY];
+            controller.carried(&measured, &[], &mut workspace, &mut carried);
+            prop_assert_eq!(workspace.torques(), before.torques());
+            prop_assert_eq!(workspace.commands(), before.commands());
+            // The torques of the same commands by a share, and of none, are on one line: dynamics is affine.
+            let part: Vec<Motion> = tree
+                .bodies()
+                .iter()
+                .zip(measured.as_slice())
+                .zip(before.commands())
+                .map(|((body, state), command)| {
+                    let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+                    let bias = body.joint.bias_acceleration(in_joint, state.velocity);
+                    bias + (*command - bias) * share
+                })
+                .collect();
+            let (mut scratch, mut out) =
+                (vec![BodyMotion::default(); tree.len()], vec![Wrench::ZERO; tree.len()]);
+            inverse_dynamics(
+                tree.bodies(),
+                measured.as_slice(),
+                &part,
+                controller.gravity_m_s2(),
+                &[],
+                &mut scratch,
+                &mut out,
+            );
+            let size: f32 = before
+                .torques()
+                .iter()
+                .zip(&carried)
+                .map(|(a, b)| a.value.moment_nm.length() + b.moment_nm.length())
+                .sum();
+            for (index, body) in tree.bodies().iter().enumerate() {
+                let state = measured.as_slice()[index];
+                let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+                let expected = body.joint.project_wrench(in_joint, out[index]).moment_nm;
+                let wanted = before.torques()[index].value.moment_nm;
+                let line = carried[index].moment_nm.lerp(wanted, share);
+                prop_assert!((line - expected).length() <= 1e-4 * (1.0 + size), "{index}");
+            }
+            Ok(())
+        })
+        .unwrap();
 }
 
 #[test]
