@@ -126,8 +126,8 @@ fn row(example: &Example, skeleton: &Skeleton, latent: usize) -> Option<Vec<Cell
     let highest = |points: &Points| points.iter().fold(0.0, |high: f64, point| high.max(point.y));
     let (low, high) = (lowest(&desired), highest(&desired));
     let girth = mannequin.girth();
-    // Hands and head are round, and titles stand above.
-    let (upright_m, beside_m) = (high - low + 0.5 * girth, 2.0 * reach_m(&desired) + 0.3 * girth);
+    // Hands and head are round, and there are words above and below.
+    let (upright_m, beside_m) = (high - low + 0.85 * girth, 2.0 * reach_m(&desired) + 0.3 * girth);
     let focal = 6.0 * (STAGE_HEIGHT / upright_m).min(VIEW_WIDTH / beside_m);
     let camera = Camera {
         target_m: DVec3::new(desired[0].x, 0.5 * (low + high), desired[0].z),
