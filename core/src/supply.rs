@@ -149,7 +149,7 @@ impl<const N: usize> TorqueSupply<N> {
     ///
     /// All joints then get the same share of the accelerations that they were commanded, and none throws another about. The
     /// sum is convex in s, so the `s` at which a line from one end to the other meets the supply is within it: no search, and a
-    /// little is left. If what carries is more than there is, it is what is cut alike.
+    /// little is left. If what carries alone takes as much as there is, all is cut as [`Self::share`] does.
     ///
     /// What is not finite of `carried`, and what it has too few of, counts as zero.
     pub fn share_beyond(&self, torques: &mut [Limited<Wrench>], carried: &[Wrench]) {
@@ -175,23 +175,17 @@ impl<const N: usize> TorqueSupply<N> {
         }
         let supply = self.supply_nm / largest;
         // Written so that NaN, of torques that are all zero, is enough.
-        if sum > supply {
-            let (of_wanted, of_carried) = if sum_carried < supply {
-                let s = (supply - sum_carried) / (sum - sum_carried);
-                (s, 1.0 - s)
-            } else {
-                (0.0, supply / sum_carried)
-            };
+        if sum > supply && sum_carried < supply {
+            let s = (supply - sum_carried) / (sum - sum_carried);
             for (index, torque) in torques.iter_mut().enumerate() {
                 let (carried_nm, draws) = joint(index);
                 if draws {
-                    torque.value.moment_nm =
-                        carried_nm * of_carried + torque.value.moment_nm * of_wanted;
+                    torque.value.moment_nm = carried_nm * (1.0 - s) + torque.value.moment_nm * s;
                     torque.reason = Some(LimitReason::Supply);
                 }
             }
         }
-        // What is not finite, and what rounding has left above the supply.
+        // What is not finite, what carries more than there is, and what rounding has left above the supply.
         self.share(torques);
     }
 }

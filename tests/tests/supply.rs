@@ -118,9 +118,12 @@ proptest! {
         let sum_carried: f64 = carried.iter().map(|wrench| of(wrench).length()).sum();
         let (supply, sum) = (f64::from(supply_nm), sum_nm(&wanted));
         if share < 0.999 && sum > 0.0 {
-            let s = ((supply - sum_carried) / (sum - sum_carried)).max(0.0);
-            let left = if sum_carried < supply { 1.0 - s } else { supply / sum_carried };
-            let s = if sum_carried < supply { s } else { 0.0 };
+            let (s, left) = if sum_carried < supply {
+                let s = (supply - sum_carried) / (sum - sum_carried);
+                (s, 1.0 - s)
+            } else {
+                (supply / sum, 0.0)
+            };
             // As s is known to a rounding of the sums, and s by their difference.
             let known = rounding * (sum + sum_carried) * (1.0 + sum / (sum - sum_carried).abs());
             for ((given, wanted), carried) in given.iter().zip(&wanted).zip(&carried) {
