@@ -149,14 +149,15 @@ mod tests {
         for (of_one, of_other) in levers_of(&one).iter().zip(levers_of(&one.scaled(1.1))) {
             assert!((of_other / of_one - 1.1).abs() < 1e-5);
         }
-        // Twice the density makes bodies thicker by a root of two: little against the lengths of what hangs on a joint.
+        // Twice the mass makes bodies thicker by a root of two, and nothing can move more than that: little where something
+        // longer hangs on a joint.
         let heavy = BodyModel {
             bodies: one.bodies.map(|body| MassProperties { mass_kg: 2.0 * body.mass_kg, ..body }),
             ..one.clone()
         };
         for (body, (of_one, of_other)) in levers_of(&one).iter().zip(levers_of(&heavy)).enumerate()
         {
-            let limit = if is_leaf(body) { 0.2 } else { 0.1 };
+            let limit = if is_leaf(body) { 0.415 } else { 0.1 };
             assert!((of_other / of_one - 1.0).abs() < limit, "{body}: {of_one} {of_other}");
         }
         let nothing = MassProperties {
