@@ -108,10 +108,11 @@ impl<const N: usize> TorqueSupply<N> {
     /// Cuts what a tick asked of the joints to what the supply has. Moments keep their directions, and everything its
     /// bits if there is enough; cut ones have [`LimitReason::Supply`]. The sum is within the supply but for a few roundings.
     ///
-    /// What is not finite becomes zero, with [`LimitReason::NotFinite`]; what is beyond the tree's joints too, without.
+    /// What is not finite becomes zero, with [`LimitReason::NotFinite`]; what is beyond the tree's joints too, with
+    /// [`LimitReason::NoRoom`].
     pub fn share(&self, torques: &mut [Limited<Wrench>]) {
         let (torques, beyond) = torques.split_at_mut(torques.len().min(self.yields.len()));
-        beyond.fill(Limited { value: Wrench::ZERO, reason: None });
+        beyond.fill(Limited { value: Wrench::ZERO, reason: Some(LimitReason::NoRoom) });
         let mut largest = 0.0_f32;
         for (torque, yields) in torques.iter_mut().zip(&self.yields) {
             if !torque.value.is_finite() {
@@ -147,47 +148,64 @@ impl<const N: usize> TorqueSupply<N> {
     /// ([`Controller::carried`](crate::Controller::carried)) and cuts what accelerates it, of all joints by the same factor
     /// whatever the weights: `τ = τ_c + s (τ_wanted - τ_c)`.
     ///
-    /// All joints then get the same share of the accelerations that they were commanded, and none throws another about. The
-    /// sum is convex in s, so the `s` at which a line from one end to the other meets the supply is within it: no search, and a
-    /// little is left. If what carries alone takes as much as there is, all is cut as [`Self::share`] does.
+    /// Of what does not take from the supply, a free root's wrench and forces, the same share is left: so all joints get the
+    /// same share of the accelerations that they were commanded, and none throws another about. The sum is convex in s, so the
+    /// `s` at which a line from one end to the other meets the supply is within it: no search, and a little is left. If what
+    /// carries alone takes as much as there is, all is cut as [`Self::share`] does.
     ///
     /// What is not finite of `carried`, and what it has too few of, counts as zero.
     pub fn share_beyond(&self, torques: &mut [Limited<Wrench>], carried: &[Wrench]) {
-        let joint = |index: usize| {
-            let moment_nm = carried.get(index).map_or(Vec3::ZERO, |wrench| wrench.moment_nm);
-            let draws = self.yields.get(index).is_some_and(|yields| *yields > 0.0);
-            (if moment_nm.is_finite() { moment_nm } else { Vec3::ZERO }, draws)
-        };
         let mut largest = 0.0_f32;
-        for (index, torque) in torques.iter().enumerate() {
-            let ((carried_nm, draws), wanted_nm) = (joint(index), torque.value.moment_nm);
-            if draws && torque.value.is_finite() {
-                largest = largest.max(carried_nm.abs().max(wanted_nm.abs()).max_element());
-            }
+        for (wanted_nm, carried_nm) in self.counted(torques, carried) {
+            largest = largest.max(carried_nm.abs().max(wanted_nm.abs()).max_element());
         }
         let (mut sum, mut sum_carried) = (0.0, 0.0);
-        for (index, torque) in torques.iter().enumerate() {
-            let (carried_nm, draws) = joint(index);
-            if draws && torque.value.is_finite() {
-                sum += math::length(torque.value.moment_nm / largest);
-                sum_carried += math::length(carried_nm / largest);
-            }
+        for (wanted_nm, carried_nm) in self.counted(torques, carried) {
+            sum += math::length(wanted_nm / largest);
+            sum_carried += math::length(carried_nm / largest);
         }
         let supply = self.supply_nm / largest;
         // Written so that NaN, of torques that are all zero, is enough.
         if sum > supply && sum_carried < supply {
             let s = (supply - sum_carried) / (sum - sum_carried);
-            for (index, torque) in torques.iter_mut().enumerate() {
-                let (carried_nm, draws) = joint(index);
-                if draws {
-                    torque.value.moment_nm = carried_nm * (1.0 - s) + torque.value.moment_nm * s;
-                    torque.reason = Some(LimitReason::Supply);
+            for (joint, torque) in torques.iter_mut().enumerate() {
+                let value = mixed(finite_or_zero(carried.get(joint)), torque.value, s);
+                if torque.value.is_finite() && value != torque.value {
+                    *torque = Limited { value, reason: Some(LimitReason::Supply) };
                 }
             }
         }
         // What is not finite, what carries more than there is, and what rounding has left above the supply.
         self.share(torques);
     }
+
+    fn draws(&self, joint: usize) -> bool {
+        self.yields.get(joint).is_some_and(|yields| *yields > 0.0)
+    }
+
+    /// Moments that count: what is wanted, and what carries.
+    fn counted<'a>(
+        &'a self,
+        torques: &'a [Limited<Wrench>],
+        carried: &'a [Wrench],
+    ) -> impl Iterator<Item = (Vec3, Vec3)> + 'a {
+        let counts = |(joint, torque): &(usize, &Limited<Wrench>)| {
+            self.draws(*joint) && torque.value.is_finite()
+        };
+        torques.iter().enumerate().filter(counts).map(|(joint, torque)| {
+            (torque.value.moment_nm, finite_or_zero(carried.get(joint)).moment_nm)
+        })
+    }
+}
+
+fn finite_or_zero(wrench: Option<&Wrench>) -> Wrench {
+    wrench.copied().filter(|wrench| wrench.is_finite()).unwrap_or(Wrench::ZERO)
+}
+
+/// `a + t (b - a)`: `b` itself where both are the same, or `t` is 1.
+fn mixed(a: Wrench, b: Wrench, t: f32) -> Wrench {
+    let mixed = |a: Vec3, b: Vec3| b - (b - a) * (1.0 - t);
+    Wrench { moment_nm: mixed(a.moment_nm, b.moment_nm), force_n: mixed(a.force_n, b.force_n) }
 }
 
 /// Takes the same share of what each joint yields off what it wants, so that the sum is the supply's.

@@ -12,7 +12,7 @@ use sinew_core::{
 };
 use sinew_tests::extreme::any_vector;
 use sinew_tests::property;
-use sinew_tests::rig::CAPACITY;
+use sinew_tests::rig::{CAPACITY, Joints, rigs};
 
 type Torque = Limited<Wrench>;
 
@@ -129,8 +129,45 @@ proptest! {
             for ((given, wanted), carried) in given.iter().zip(&wanted).zip(&carried) {
                 let expected = of(carried) * left + moment(wanted) * s;
                 prop_assert!((moment(given) - expected).length() <= known, "{given:?}, {expected}");
-                prop_assert_eq!(given.reason, Some(LimitReason::Supply));
+                let is_cut = given.value != wanted.value;
+                prop_assert_eq!(given.reason, is_cut.then_some(LimitReason::Supply));
             }
+        }
+    }
+
+    #[test]
+    fn accelerations_of_a_free_root_are_cut_as_those_of_the_joints(
+        rig in rigs(24, Joints::Mixed),
+        share in 0.1_f32..0.9,
+    ) {
+        let bodies = rig.tree.bodies();
+        let states = rig.states();
+        let zeros = vec![Motion::ZERO; bodies.len()];
+        let needed = |accelerations: &[Motion]| {
+            let (mut scratch, mut out) = (vec![BodyMotion::default(); bodies.len()], vec![Wrench::ZERO; bodies.len()]);
+            inverse_dynamics(bodies, states.as_slice(), accelerations, Vec3::NEG_Y * 9.81, &[], &mut scratch, &mut out);
+            out
+        };
+        let (carried, commanded) = (needed(&zeros), needed(&rig.accelerations()));
+        let wanted: Vec<Torque> = commanded.iter().map(|value| Limited { value: *value, reason: None }).collect();
+        let counts = |index: usize| !matches!(bodies[index].joint, JointKind::Free);
+        let sum = |of: &dyn Fn(usize) -> Vec3| -> f64 {
+            (0..bodies.len()).filter(|index| counts(*index)).map(|index| of(index).as_dvec3().length()).sum()
+        };
+        let sum_carried = sum(&|index| carried[index].moment_nm);
+        let sum_wanted = sum(&|index| commanded[index].moment_nm);
+        prop_assume!(sum_wanted > sum_carried * 1.1 + 1e-3);
+        let supply_nm = share_nm(sum_carried, 1.0) + share_nm(sum_wanted - sum_carried, share);
+        let mut given = wanted.clone();
+        TorqueSupply::new(&rig.tree, supply_nm).unwrap().share_beyond(&mut given, &carried);
+        // What the same share of all accelerations needs, the root's among them: torques are linear in them.
+        for ((given, wanted), carried) in given.iter().zip(&commanded).zip(&carried) {
+            let way = *wanted - *carried;
+            let expected = *carried + Wrench::new(way.moment_nm * share, way.force_n * share);
+            let size = wanted.moment_nm.length() + carried.moment_nm.length() + wanted.force_n.length() + carried.force_n.length();
+            let off = given.value - expected;
+            // As the share is known: to a rounding of the sums over their difference.
+            prop_assert!(off.moment_nm.length() + off.force_n.length() <= 1e-4 * size + 1e-5, "{off:?} of {size}");
         }
     }
 

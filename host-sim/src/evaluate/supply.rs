@@ -58,7 +58,8 @@ fn weights(tree: &Tree<BODY_COUNT>, levers: &Levers) -> [f32; BODY_COUNT] {
         // A joint that cannot turn wants no torque, and its weight counts nothing.
         if mean_kg_m2 > 0.0 {
             let moved = lever_m / mean_kg_m2;
-            *weight = narrow(moved * moved);
+            // Within what weights may be: a leaf whose mass is at its joint moves nothing.
+            *weight = narrow(moved * moved).clamp(1e-12, 1e12);
         }
     }
     weights
