@@ -330,7 +330,7 @@ fn reasons_of_the_tick_stay_where_nothing_more_is_cut() {
     let before = given.clone();
     enough.share(&mut given);
     assert_eq!(given[..2], before[..2]);
-    assert_eq!(given[2], Limited { value: Wrench::ZERO, reason: None });
+    assert_eq!(given[2], Limited { value: Wrench::ZERO, reason: Some(LimitReason::NoRoom) });
     TorqueSupply::new(&tree, 1.0).unwrap().share(&mut given[..2]);
     assert_eq!(given[1].reason, Some(LimitReason::Supply));
     enough.share(&mut []);
