@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candle_core::{Device, Tensor, safetensors};
+use candle_core::{DType, Device, Tensor, WithDType, safetensors};
 
+use super::adamw::Moments;
 use super::training::Training;
 
 /// A training cannot be saved or taken up again.
@@ -26,6 +27,18 @@ pub enum CheckpointError {
         file: PathBuf,
         /// What is wrong with it.
         source: candle_core::Error,
+    },
+    /// A tensor cannot be of a training.
+    #[error("{}: tensor {tensor}: expected {expected}, found {found}; delete the file", file.display())]
+    Tensor {
+        /// The file.
+        file: PathBuf,
+        /// The tensor's name.
+        tensor: String,
+        /// What would be right.
+        expected: String,
+        /// What is there.
+        found: String,
     },
     /// The training is another one.
     #[error(
@@ -75,7 +88,8 @@ pub(super) fn save(
     fs::rename(&unfinished, file).map_err(unwritten)
 }
 
-/// Takes a training up where `file` has it, or leaves it at its beginning if there is no such file.
+/// Takes a training up where `file` has it, or leaves it at its beginning if there is no such file. A file that is
+/// refused leaves it as it was.
 pub(super) fn take_up(
     training: &mut Training,
     identity: &str,
@@ -85,28 +99,203 @@ pub(super) fn take_up(
         return Ok(());
     }
     let failed = |source| CheckpointError::Tensors { file: file.to_path_buf(), source };
-    let tensors = safetensors::load(file, &Device::Cpu).map_err(failed)?;
-    let tensor = |name: &str| {
-        let missing = || candle_core::Error::Msg(format!("there is no {name}"));
-        tensors.get(name).ok_or_else(missing)
-    };
-    let bytes = tensor(IDENTITY).and_then(Tensor::to_vec1::<u8>).map_err(failed)?;
-    let found = String::from_utf8_lossy(&bytes).into_owned();
+    let saved = Saved { file, tensors: safetensors::load(file, &Device::Cpu).map_err(failed)? };
+    let found = saved.identity()?;
     if found != identity {
         let expected = identity.to_owned();
         return Err(CheckpointError::Other { file: file.to_path_buf(), expected, found });
     }
-    let mut read = || {
-        for ((name, value), moments) in
-            training.network.parameters().iter().zip(&mut training.moments)
-        {
-            value.set(tensor(name)?)?;
-            moments.first = tensor(&format!("{name}.first_moment"))?.clone();
-            moments.second = tensor(&format!("{name}.second_moment"))?.clone();
+    let step = saved.step()?;
+    let mut values = Vec::new();
+    let mut moments = Vec::new();
+    for (name, value) in training.network.parameters() {
+        values.push(saved.numbers(name, value, Numbers::Finite)?);
+        moments.push(Moments {
+            first: saved.numbers(&format!("{name}.first_moment"), value, Numbers::Finite)?,
+            second: saved.numbers(&format!("{name}.second_moment"), value, Numbers::NotNegative)?,
+        });
+    }
+    for ((_, parameter), value) in training.network.parameters().iter().zip(&values) {
+        parameter.set(value).map_err(failed)?;
+    }
+    training.moments = moments;
+    training.step = step;
+    Ok(())
+}
+
+/// What a tensor's numbers must be.
+#[derive(Debug, Clone, Copy)]
+enum Numbers {
+    Finite,
+    /// And not below zero: means of squares, whose root is taken.
+    NotNegative,
+}
+
+impl Numbers {
+    fn holds(self, number: f32) -> bool {
+        number.is_finite() && (matches!(self, Self::Finite) || number >= 0.0)
+    }
+
+    const fn as_str(self) -> &'static str {
+        match self {
+            Self::Finite => "finite numbers",
+            Self::NotNegative => "finite numbers from 0",
         }
-        let step = tensor(STEP)?.to_vec1::<u32>()?;
-        training.step = usize::try_from(step[0]).unwrap_or(usize::MAX);
-        Ok(())
-    };
-    read().map_err(failed)
+    }
+}
+
+/// What a file holds, by name.
+struct Saved<'a> {
+    file: &'a Path,
+    tensors: HashMap<String, Tensor>,
+}
+
+impl Saved<'_> {
+    fn refused(&self, tensor: &str, expected: &str, found: String) -> CheckpointError {
+        CheckpointError::Tensor {
+            file: self.file.to_path_buf(),
+            tensor: tensor.to_owned(),
+            expected: expected.to_owned(),
+            found,
+        }
+    }
+
+    /// The tensor called `name`, if it is of the type and, where there is one, of the shape.
+    fn tensor(
+        &self,
+        name: &str,
+        dtype: DType,
+        shape: Option<&[usize]>,
+    ) -> Result<&Tensor, CheckpointError> {
+        let kind = |dtype: DType, shape: &[usize]| format!("{} {shape:?}", dtype.as_str());
+        let expected =
+            || shape.map_or_else(|| format!("{} [..]", dtype.as_str()), |shape| kind(dtype, shape));
+        let tensor = self
+            .tensors
+            .get(name)
+            .ok_or_else(|| self.refused(name, &expected(), "nothing".to_owned()))?;
+        if tensor.dtype() == dtype && shape.unwrap_or(tensor.dims()) == tensor.dims() {
+            Ok(tensor)
+        } else {
+            Err(self.refused(name, &expected(), kind(tensor.dtype(), tensor.dims())))
+        }
+    }
+
+    /// The numbers of a tensor of the type and shape, in order.
+    fn values<T: WithDType>(
+        &self,
+        name: &str,
+        shape: Option<&[usize]>,
+    ) -> Result<Vec<T>, CheckpointError> {
+        let failed = |source| CheckpointError::Tensors { file: self.file.to_path_buf(), source };
+        let tensor = self.tensor(name, T::DTYPE, shape)?;
+        tensor.flatten_all().and_then(|flat| flat.to_vec1()).map_err(failed)
+    }
+
+    fn identity(&self) -> Result<String, CheckpointError> {
+        Ok(String::from_utf8_lossy(&self.values::<u8>(IDENTITY, None)?).into_owned())
+    }
+
+    fn step(&self) -> Result<usize, CheckpointError> {
+        let steps: Vec<u32> = self.values(STEP, Some(&[1]))?;
+        Ok(usize::try_from(steps[0]).unwrap_or(usize::MAX))
+    }
+
+    /// Numbers of the shape of `like`.
+    fn numbers(&self, name: &str, like: &Tensor, must: Numbers) -> Result<Tensor, CheckpointError> {
+        let numbers: Vec<f32> = self.values(name, Some(like.dims()))?;
+        match numbers.iter().position(|number| !must.holds(*number)) {
+            Some(index) => {
+                let found = format!("{} at {index}", numbers[index]);
+                Err(self.refused(name, must.as_str(), found))
+            }
+            None => Ok(self.tensors[name].clone()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is said of a file in which one tensor is another.
+    fn refusal(name: &str, tensor: Option<Tensor>) -> String {
+        let new = || Training::new(12, 3, 1).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("training.safetensors");
+        save(&new(), "this one", &file).unwrap();
+        take_up(&mut new(), "this one", &file).unwrap();
+        let mut tensors = safetensors::load(&file, &Device::Cpu).unwrap();
+        assert!(tensors.remove(name).is_some(), "{name}");
+        tensors.extend(tensor.map(|tensor| (name.to_owned(), tensor)));
+        safetensors::save(&tensors, &file).unwrap();
+        let mut training = new();
+        let error = take_up(&mut training, "this one", &file).unwrap_err();
+        assert!(matches!(error, CheckpointError::Tensor { .. }), "{error}");
+        let bits = |training: &Training| -> Vec<Vec<f32>> {
+            let values = training.network.parameters().iter();
+            values.map(|(_, v)| v.flatten_all().unwrap().to_vec1().unwrap()).collect()
+        };
+        assert_eq!(bits(&training), bits(&new()), "it is as it was");
+        let error = error.to_string();
+        assert!(error.starts_with(&*file.to_string_lossy()), "{error}");
+        error.split_once("tensor ").unwrap().1.to_owned()
+    }
+
+    fn f32s(shape: &[usize], last: f32) -> Tensor {
+        let mut numbers = vec![0.5; shape.iter().product()];
+        *numbers.last_mut().unwrap() = last;
+        Tensor::from_vec(numbers, shape, &Device::Cpu).unwrap()
+    }
+
+    #[test]
+    fn what_is_no_step_is_refused() {
+        let none = Tensor::from_vec(Vec::<u32>::new(), 0, &Device::Cpu).unwrap();
+        let told = refusal("step", Some(none));
+        assert_eq!(told, "step: expected u32 [1], found u32 [0]; delete the file");
+        let told = refusal("step", Some(f32s(&[1], 3.0)));
+        assert_eq!(told, "step: expected u32 [1], found f32 [1]; delete the file");
+        let told = refusal("step", None);
+        assert_eq!(told, "step: expected u32 [1], found nothing; delete the file");
+        let told = refusal("identity", Some(f32s(&[2], 3.0)));
+        assert_eq!(told, "identity: expected u8 [..], found f32 [2]; delete the file");
+    }
+
+    #[test]
+    fn parameters_and_moments_of_another_shape_are_refused() {
+        let told = refusal("decoder.weight", Some(f32s(&[12, 3], 0.0)));
+        assert_eq!(
+            told,
+            "decoder.weight: expected f32 [3, 12], found f32 [12, 3]; delete the file"
+        );
+        let told = refusal("encoder.bias.first_moment", Some(f32s(&[4], 0.0)));
+        assert_eq!(
+            told,
+            "encoder.bias.first_moment: expected f32 [3], found f32 [4]; delete the file"
+        );
+        let doubles = f32s(&[3], 0.0).to_dtype(DType::F64).unwrap();
+        let told = refusal("encoder.bias", Some(doubles));
+        assert_eq!(told, "encoder.bias: expected f32 [3], found f64 [3]; delete the file");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_refused() {
+        for (name, shape, last, found) in [
+            ("encoder.bias", vec![3], f32::NAN, "NaN at 2"),
+            ("decoder.weight", vec![3, 12], f32::INFINITY, "inf at 35"),
+            ("decoder.bias.first_moment", vec![12], f32::NAN, "NaN at 11"),
+        ] {
+            let told = refusal(name, Some(f32s(&shape, last)));
+            assert_eq!(
+                told,
+                format!("{name}: expected finite numbers, found {found}; delete the file")
+            );
+        }
+        let told = refusal("encoder.bias.second_moment", Some(f32s(&[3], -1.0)));
+        assert_eq!(
+            told,
+            "encoder.bias.second_moment: expected finite numbers from 0, found -1 at 2; \
+             delete the file"
+        );
+    }
 }

@@ -21,6 +21,8 @@ use super::two_columns;
 use super::weights::{WeightsError, anatomy, weights};
 use crate::random::{Random, Subject};
 
+/// Raised when network, loss or optimiser change: a training that began under others must not go on.
+const FORMAT: u32 = 1;
 /// Steps between two checkpoints.
 const CHECKPOINT_STEPS: usize = 1_000;
 /// Test poses that are shown.
@@ -289,6 +291,8 @@ fn examples(count: usize) -> Vec<usize> {
 fn identity(plan: &Plan<'_>, run: Run<'_>) -> String {
     let mut data = Sha256::new();
     for joint in &plan.poses.skeleton.joints {
+        let parent = joint.parent.map_or(u64::MAX, |parent| parent as u64);
+        data.update(parent.to_le_bytes());
         data.update(joint.offset_m.to_array().map(f64::to_le_bytes).concat());
     }
     for rotation in plan.poses.train.iter().flatten() {
@@ -302,7 +306,7 @@ fn identity(plan: &Plan<'_>, run: Run<'_>) -> String {
         let bytes = data.finalize();
         move |index| bytes[index]
     }));
-    format!("{run} {schedule} data {digest:016x}")
+    format!("format {FORMAT}: {run} {schedule} data {digest:016x}")
 }
 
 #[cfg(test)]
@@ -381,6 +385,18 @@ mod tests {
         std::fs::write(&file, "no tensors").unwrap();
         let error = checkpoint::take_up(&mut new(), &identity, &file).unwrap_err();
         assert!(matches!(error, CheckpointError::Tensors { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_training_is_another_one_on_another_tree() {
+        let poses = Poses::built_in();
+        let weights = vec![1.0; poses.skeleton.joints.len()];
+        let run = Run { latent: 8, method: Method::Uniform, seed: 1, weights: &weights };
+        let one = identity(&plan(&poses, 30, 1), run);
+        let mut rehung = poses.clone();
+        rehung.skeleton.joints[2].parent = Some(0);
+        assert_ne!(rehung, poses);
+        assert_ne!(identity(&plan(&rehung, 30, 1), run), one);
     }
 
     #[test]
