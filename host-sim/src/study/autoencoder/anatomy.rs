@@ -52,9 +52,16 @@ pub(super) struct Anatomy {
 
 type Row = (&'static str, Group, f64, f64, &'static [&'static str]);
 
-/// The 31 joints of CMU's skeleton without their sides, after the radii that the article's list of cylinder weights
-/// back-solves to. Geno has four bones between pelvis and neck where CMU has three: those at the nearest share
-/// of the way count. A knuckle of CMU moves four fingers of Geno. Hip joints without a length are the thighs'.
+/// The 31 joints of CMU's skeleton without their sides. Geno has four bones between pelvis and neck where CMU has three:
+/// those at the nearest share of the way count. A knuckle of CMU moves four fingers of Geno. Hip joints without a
+/// length are the thighs'.
+///
+/// The radii are estimates. Thigh, clavicle, upper arm, forearm and head have those that the article's list of cylinder
+/// weights back-solves to (`tests/oracles/geno_article_radii.csv`, by the joint in which a bone ends). Others depart
+/// from it by mistake, not by intent: shank 0.045 for 0.065, foot 0.055 for 0.045, toes 0.045 for 0.055, lower neck 0.06
+/// for 0.05, upper neck 0.05 for 0.06, chest to neck 0.12 and to shoulder 0.07 for 0.09, hip 0.1 for 0.09, thumb 0.02
+/// for 0.01. The spine's 0.13 is among those of Geno's bones, from 0.09 to 0.14; one finger stands for four of 0.01.
+/// The figures of `docs/importance-study.md` are of these radii.
 const CMU: [Row; 19] = [
     ("Hips", Group::Spine, 0.0, 0.0, &["Hips"]),
     ("HipJoint", Group::Legs, 0.0, 0.0, &["UpLeg"]),
