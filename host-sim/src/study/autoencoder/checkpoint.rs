@@ -232,11 +232,11 @@ mod tests {
         let mut training = new();
         let error = take_up(&mut training, "this one", &file).unwrap_err();
         assert!(matches!(error, CheckpointError::Tensor { .. }), "{error}");
-        let bits = |training: &Training| -> Vec<Vec<f32>> {
+        let numbers = |training: &Training| -> Vec<Vec<f32>> {
             let values = training.network.parameters().iter();
             values.map(|(_, v)| v.flatten_all().unwrap().to_vec1().unwrap()).collect()
         };
-        assert_eq!(bits(&training), bits(&new()), "it is as it was");
+        assert_eq!(numbers(&training), numbers(&new()), "it is as it was");
         let error = error.to_string();
         assert!(error.starts_with(&*file.to_string_lossy()), "{error}");
         error.split_once("tensor ").unwrap().1.to_owned()
