@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const RIG: &str = r#"<robot name="arm"><link name="base"/><link name="upper"/><link name="lower"/>
 <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/></joint>
@@ -40,6 +40,49 @@ fn a_rig_is_weighed_by_all_that_it_has() {
     }
 }
 
+/// A triangle without area in a glTF of one joint.
+#[test]
+fn a_mesh_without_surface_is_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+    let weights = [1.0_f32, 0.0, 0.0, 0.0].repeat(3);
+    let bytes = floats.iter().chain(&weights).flat_map(|number| number.to_le_bytes());
+    fs::write(folder.path().join("flat.bin"), bytes.chain([0; 12]).collect::<Vec<u8>>())
+        .expect("a file");
+    let file = json!({
+        "asset": { "version": "2.0" },
+        "nodes": [{ "name": "hips" }, { "mesh": 0, "skin": 0 }],
+        "skins": [{ "joints": [0] }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "WEIGHTS_0": 1, "JOINTS_0": 2 } }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+              "min": [0.0, 0.0, 0.0], "max": [2.0, 0.0, 0.0] },
+            { "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC4" },
+            { "bufferView": 2, "componentType": 5121, "count": 3, "type": "VEC4" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 36 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 84, "byteLength": 12 },
+        ],
+        "buffers": [{ "byteLength": 96, "uri": "flat.bin" }],
+    });
+    fs::write(folder.path().join("flat.gltf"), file.to_string()).expect("a file");
+    let weights = |method: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+        command.current_dir(folder.path()).args(["weights", "flat.gltf", "--method", method]);
+        command.output().expect("the command runs")
+    };
+    let all = weights("all");
+    assert!(all.status.success(), "{}", text(&all.stderr));
+    assert_eq!(text(&all.stderr), "method mesh is left out: the file's mesh has no surface\n");
+    assert!(!text(&all.stdout).contains("mesh"), "{}", text(&all.stdout));
+    let mesh = weights("mesh");
+    assert_eq!(mesh.status.code(), Some(2));
+    let told = "method mesh: expected a mesh with a surface, found 1 triangles without area";
+    assert!(text(&mesh.stderr).contains(told), "{}", text(&mesh.stderr));
+}
+
 #[test]
 fn pictures_are_drawn_and_radii_come_from_its_own_table() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -68,9 +111,20 @@ fn what_cannot_be_done_is_said() {
             &["--method", "mesh"][..],
             "error: arm.urdf: method mesh: expected a character with a skinned mesh",
         ),
-        (&["--base", "-1"], "error: arm.urdf: base: expected a finite number, 0 or more, found -1"),
+        (&["--base", "-1"], "error: arm.urdf: base: expected a number from 0 to 1e15, found -1.0"),
+        (
+            &["--base", "1e60"],
+            "error: arm.urdf: base: expected a number from 0 to 1e15, found 1e60",
+        ),
+        (
+            &["--radii", "1e30"],
+            "error: arm.urdf: radii: expected metres from 0 to 100000, found 1e30",
+        ),
         (&["--discount", "nan"], "error: arm.urdf: discount: expected a number from 0 to 1"),
-        (&["--radii", "-0.1"], "error: arm.urdf: radii: expected metres, finite and 0 or more"),
+        (
+            &["--radii", "-0.1"],
+            "error: arm.urdf: radii: expected metres from 0 to 100000, found -0.1",
+        ),
         (&["--radii", "no.csv"], "error: no.csv: expected a CSV of radii"),
         (
             &["--picture", "a.jpg"],

@@ -461,6 +461,8 @@ fn vertices() {
     refuse(Vec3::X, 0.1, &[(0, 0.0), (1, 0.0)], expected, &["sum"]);
     let expected = E::InfluenceSum { value: f32::INFINITY };
     refuse(Vec3::X, 0.1, &[(0, 3e38), (1, 3e38)], expected, &["sum"]);
+    let expected = E::Moment { joint: 1, value: f32::INFINITY };
+    refuse(Vec3::X * 1e30, 0.1, &good, expected, &["joint 1", "distance"]);
     assert!(matches!(mesh.add(Vec3::X, f32::NAN, &good), Err(E::Area { .. })));
     assert!(matches!(mesh.add(Vec3::X, 0.1, &[(0, f32::NAN)]), Err(E::Influence { .. })));
 

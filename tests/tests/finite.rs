@@ -161,7 +161,7 @@ proptest! {
             prop_assert!(sound(cylinder_samples(&pose, &radii_m, base, points, samples.iter().copied())));
             let mut mesh = MeshSurface::new(pose, base).expect("finite, zero or more");
             for (position_m, area_m2, influences) in &vertices {
-                // What is refused changes nothing; what is taken may overflow, which is told at the end.
+                // What is refused changes nothing; sums of what is taken may overflow, which is told at the end.
                 let _ = mesh.add(*position_m, *area_m2, influences);
             }
             prop_assert!(sound(mesh.importance()));

@@ -53,7 +53,8 @@ impl<const N: usize> MeshSurface<N> {
     ///
     /// # Errors
     /// [`VertexError`], and nothing is added, if the position is not finite, the area or a weight is negative or not
-    /// finite, a joint does not exist, or the weights' sum is zero or too large for f32.
+    /// finite, a joint does not exist, the weights' sum is zero or too large for f32, or what the vertex would add to a
+    /// joint is.
     pub fn add(
         &mut self,
         position_m: Vec3,
@@ -80,12 +81,21 @@ impl<const N: usize> MeshSurface<N> {
         if !(sum > 0.0 && sum.is_finite()) {
             return Err(VertexError::InfluenceSum { value: sum });
         }
-        for &(joint, value) in influences {
-            let share_m2 = area_m2 * (value / sum);
-            for moved_by in core::iter::once(joint).chain(self.rest_pose.ancestors(joint)) {
-                let distance_m = math::length(position_m - self.rest_pose.position_m(moved_by));
-                self.weights.add(moved_by, share_m2 * distance_m);
-            }
+        let rest_pose = &self.rest_pose;
+        let moments_m3 = || {
+            influences.iter().flat_map(|&(joint, value)| {
+                let share_m2 = area_m2 * (value / sum);
+                core::iter::once(joint).chain(rest_pose.ancestors(joint)).map(move |moved_by| {
+                    let distance_m = math::length(position_m - rest_pose.position_m(moved_by));
+                    (moved_by, share_m2 * distance_m)
+                })
+            })
+        };
+        if let Some((joint, value)) = moments_m3().find(|(_, value)| !value.is_finite()) {
+            return Err(VertexError::Moment { joint, value });
+        }
+        for (joint, value) in moments_m3() {
+            self.weights.add(joint, value);
         }
         Ok(())
     }
@@ -130,6 +140,13 @@ pub enum VertexError {
         /// The sum.
         value: f32,
     },
+    /// Its area times its distance from a joint is too large for f32.
+    Moment {
+        /// The joint.
+        joint: usize,
+        /// The product in m³.
+        value: f32,
+    },
 }
 
 impl fmt::Display for VertexError {
@@ -152,8 +169,31 @@ impl fmt::Display for VertexError {
                     "the sum of the vertex' skinning weights is {value}; it must be finite and above 0"
                 )
             }
+            Self::Moment { joint, value } => write!(
+                f,
+                "the vertex' area times its distance from joint {joint} is {value} m³; it must be finite"
+            ),
         }
     }
 }
 
 impl core::error::Error for VertexError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The root's part is small enough; the elbow's is not.
+    #[test]
+    fn a_vertex_too_far_from_one_joint_is_not_added_to_others() {
+        let positions_m = [Vec3::ZERO, Vec3::X * 1e19];
+        let arm = RestPose::<2>::new(&[None, Some(0)], &positions_m).expect("an arm");
+        let mut surface = MeshSurface::new(arm, 0.1).expect("a base");
+        let before = surface.clone();
+        let refused = surface.add(Vec3::X, 1e30, &[(0, 0.5), (1, 0.5)]);
+        assert_eq!(refused, Err(VertexError::Moment { joint: 1, value: f32::INFINITY }));
+        assert_eq!(surface, before);
+        surface.add(Vec3::X, 1e10, &[(0, 0.5), (1, 0.5)]).expect("less of it");
+        assert_ne!(surface, before);
+    }
+}

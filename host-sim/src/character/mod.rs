@@ -109,7 +109,7 @@ impl Character {
 }
 
 /// Larger coordinates are damage: no character is a hundred kilometres large.
-const COORDINATE_MAX_M: f64 = 1e5;
+pub(crate) const COORDINATE_MAX_M: f64 = 1e5;
 
 /// Whether a place can be one of a character's; NaN cannot.
 fn is_place(position_m: DVec3) -> bool {

@@ -14,6 +14,11 @@ pub enum VertexArea {
 }
 
 impl Mesh {
+    /// Whether there is a surface to weigh: a triangle with an area that f32 holds.
+    pub fn has_surface(&self) -> bool {
+        self.triangle_areas_m2().iter().any(|area_m2| *area_m2 >= f64::from(f32::MIN_POSITIVE))
+    }
+
     /// Area of every triangle, in m².
     pub fn triangle_areas_m2(&self) -> Vec<f64> {
         let area_m2 = |triangle: &[usize; 3]| {

@@ -1,7 +1,7 @@
 //! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
 //!
-//! Its joints are the character's, fixed ones too; the root is the link that no joint moves, which floats. A joint is
-//! where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left,
+//! Its joints are the character's, fixed ones too; the root is the link that no joint moves, which floats. Where a joint
+//! has that link's name too, the root is called `NAME (link)`. A joint is where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left,
 //! y up and z ahead.
 
 use std::collections::BTreeMap;
@@ -30,6 +30,9 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
         return Err(refuse("a URDF", "the element `robot`", found).at(place(robot)));
     }
     let links = links(robot)?;
+    if links.is_empty() {
+        return Err(refuse("the robot", "a link", "none").at(place(robot)));
+    }
     let joints: Vec<UrdfJoint<'_>> = children(robot, "joint")
         .map(|joint| UrdfJoint::read(joint, &links))
         .collect::<Result<_, _>>()?;
@@ -74,7 +77,11 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
             Err(refuse(item, "ancestors that end at a root", "a loop").at(joint.place))
         })
         .collect::<Result<_, _>>()?;
-    let root = Joint { name: root.to_owned(), parent: None, position_m: DVec3::ZERO };
+    let mut root_name = root.to_owned();
+    while joints.iter().any(|joint| joint.name == root_name) {
+        root_name.push_str(" (link)");
+    }
+    let root = Joint { name: root_name, parent: None, position_m: DVec3::ZERO };
     let others = joints.iter().zip(positions_m).map(|(joint, position_m)| Joint {
         name: joint.name.to_owned(),
         // The root comes first.
@@ -83,6 +90,12 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     });
     Character::new(name, std::iter::once(root).chain(others).collect(), None)
 }
+
+/// What a joint may be.
+const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+
+/// Larger angles are damage: of those that are many turns, f64 has ever fewer digits within one.
+const ANGLE_MAX_RAD: f64 = 1e6;
 
 /// A joint of the file, in its parent link's frame.
 struct UrdfJoint<'a> {
@@ -98,8 +111,13 @@ impl<'a> UrdfJoint<'a> {
     fn read(joint: Node<'a, '_>, links: &BTreeMap<&str, Place>) -> Result<Self, Refusal> {
         let name = attribute(joint, "name")?;
         let in_joint = |refusal: Refusal| refusal.of(format!("joint `{name}`")).at(place(joint));
+        let joint_type = attribute(joint, "type").map_err(in_joint)?;
+        if !TYPES.contains(&joint_type) {
+            let expected = format!("one of {}", TYPES.join(", "));
+            return Err(in_joint(refuse("type", expected, format!("`{joint_type}`"))));
+        }
         let link = |tag: &str| {
-            let node = children(joint, tag).next();
+            let node = only_child(joint, tag)?;
             let node = node.ok_or_else(|| refuse(tag, "an element of this name", "none"))?;
             let link = attribute(node, "link")?;
             if links.contains_key(link) {
@@ -109,11 +127,16 @@ impl<'a> UrdfJoint<'a> {
             Err(refuse(tag, "a link of the robot", found).at(place(node)))
         };
         let (parent, child) = (link("parent").map_err(in_joint)?, link("child").map_err(in_joint)?);
-        let origin = children(joint, "origin").next();
-        let vector = |name| origin.map_or(Ok(DVec3::ZERO), |origin| vector(origin, name));
-        let origin_m = vector("xyz").map_err(in_joint)?;
+        let origin = only_child(joint, "origin").map_err(in_joint)?;
+        let vector = |name, expected, max| {
+            let vector =
+                origin.map_or(Ok(DVec3::ZERO), |origin| vector(origin, name, expected, max));
+            vector.map_err(in_joint)
+        };
+        let origin_m = vector("xyz", "three finite numbers", f64::MAX)?;
         // Roll, pitch and yaw about the parent's axes, in this order.
-        let DVec3 { x: roll, y: pitch, z: yaw } = vector("rpy").map_err(in_joint)?;
+        let expected = "three angles of at most 1000000 rad";
+        let DVec3 { x: roll, y: pitch, z: yaw } = vector("rpy", expected, ANGLE_MAX_RAD)?;
         let rotation = DMat3::from_rotation_z(yaw)
             * DMat3::from_rotation_y(pitch)
             * DMat3::from_rotation_x(roll);
@@ -138,6 +161,19 @@ fn children<'a, 'b>(node: Node<'a, 'b>, tag: &str) -> impl Iterator<Item = Node<
     node.children().filter(move |child| child.has_tag_name(tag))
 }
 
+/// The element of a name; `None` if there is none.
+fn only_child<'a, 'b>(node: Node<'a, 'b>, tag: &str) -> Result<Option<Node<'a, 'b>>, Refusal> {
+    let mut found = children(node, tag);
+    let first = found.next();
+    match found.next() {
+        None => Ok(first),
+        Some(second) => {
+            let expected = "one element of this name";
+            Err(refuse(tag, expected, 2 + found.count()).at(place(second)))
+        }
+    }
+}
+
 fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Refusal> {
     node.attribute(name).filter(|value| !value.is_empty()).ok_or_else(|| {
         let item = format!("`{}`", node.tag_name().name());
@@ -145,15 +181,15 @@ fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Refusal> {
     })
 }
 
-/// Three numbers; zeros if there is no such attribute.
-fn vector(node: Node<'_, '_>, name: &str) -> Result<DVec3, Refusal> {
+/// Three numbers of at most `max`, which `expected` says; zeros if there is no such attribute.
+fn vector(node: Node<'_, '_>, name: &str, expected: &str, max: f64) -> Result<DVec3, Refusal> {
     let Some(text) = node.attribute(name) else { return Ok(DVec3::ZERO) };
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let vector = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     vector
         .map(DVec3::from)
-        .filter(|vector| vector.is_finite())
-        .ok_or_else(|| refuse(name, "three finite numbers", format!("`{text}`")).at(place(node)))
+        .filter(|vector| vector.is_finite() && vector.abs().max_element() <= max)
+        .ok_or_else(|| refuse(name, expected, format!("`{text}`")).at(place(node)))
 }
 
 fn place(node: Node<'_, '_>) -> Place {

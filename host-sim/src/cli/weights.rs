@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum;
-use sinew_sim::character::{self, Options, VertexArea};
+use sinew_sim::character::{self, Mesh, Options, VertexArea};
 use sinew_sim::report::weights as picture;
 use sinew_sim::weights::radii::{self, Radii};
 use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
@@ -30,7 +30,7 @@ pub(super) struct Args {
     #[arg(value_name = "FILE")]
     character: PathBuf,
 
-    /// Methods; `all` for those that the file allows: a skeleton has no mesh.
+    /// Methods; `all` for those that the file allows: a skeleton has no mesh, a mesh of points no surface.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     method: Vec<MethodArg>,
 
@@ -114,7 +114,7 @@ fn metres_per_unit(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let options = Options { metres_per_unit: args.metres_per_unit, frame: args.frame };
     let character = character::read(&args.character, &options)?;
-    let methods = methods(&args.method, character.mesh().is_some());
+    let methods = methods(&args.method, character.mesh());
     let settings = Settings {
         base: args.base,
         discount: args.discount,
@@ -149,16 +149,21 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// What is asked for, each once and in the order in which methods are shown.
-fn methods(asked: &[MethodArg], has_mesh: bool) -> Vec<Method> {
+fn methods(asked: &[MethodArg], mesh: Option<&Mesh>) -> Vec<Method> {
     let all = asked.contains(&MethodArg::All);
-    if all && !has_mesh {
-        note(format_args!("method mesh is left out: the file has a skeleton only"));
+    let why_not_mesh = match mesh {
+        None => Some("the file has a skeleton only"),
+        Some(mesh) if !mesh.has_surface() => Some("the file's mesh has no surface"),
+        Some(_) => None,
+    };
+    if let (true, Some(why)) = (all, why_not_mesh) {
+        note(format_args!("method mesh is left out: {why}"));
     }
     let is_asked = |method: &Method| {
         let (one, possible) = match method {
             Method::Lengths => (MethodArg::Lengths, true),
             Method::Cylinders => (MethodArg::Cylinders, true),
-            Method::Mesh => (MethodArg::Mesh, has_mesh),
+            Method::Mesh => (MethodArg::Mesh, why_not_mesh.is_none()),
         };
         asked.contains(&one) || all && possible
     };

@@ -10,7 +10,7 @@ use super::JOINT_COUNT_MAX;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A setting makes no sense.
-    #[error("{name}: expected {expected}, found {found}")]
+    #[error("{name}: expected {expected}, found {found:?}")]
     Setting {
         /// The option.
         name: &'static str,
@@ -28,6 +28,14 @@ pub enum Error {
     /// Nothing to weigh it by.
     #[error("method mesh: expected a character with a skinned mesh, found a skeleton only")]
     NoMesh,
+    /// A mesh that weighs nothing.
+    #[error(
+        "method mesh: expected a mesh with a surface, found {triangles} triangles without area"
+    )]
+    NoSurface {
+        /// How many triangles it has.
+        triangles: usize,
+    },
     /// A file of radii that cannot be read.
     #[error("{}: expected a CSV of radii: {source}", file.display())]
     RadiusFile {

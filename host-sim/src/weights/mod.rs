@@ -120,14 +120,14 @@ pub struct Weighing {
 ///
 /// # Errors
 /// [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no sense, the radii
-/// do not fit it, or it has no mesh to weigh it by.
+/// do not fit it, or it has no mesh with a surface to weigh it by.
 pub fn weigh(
     character: &Character,
     method: Method,
     settings: &Settings,
 ) -> Result<Weighing, Error> {
     let base = settings.base_of(method);
-    check("base", base, "a finite number, 0 or more", base >= 0.0 && base.is_finite())?;
+    check("base", base, A_BASE, (0.0..=BASE_MAX).contains(&base))?;
     let rest_pose = rest_pose(character)?;
     let importance = match method {
         Method::Lengths => {
@@ -144,6 +144,11 @@ pub fn weigh(
     let weights = importance.normalised().as_slice().iter().copied().map(f64::from).collect();
     Ok(Weighing { method, base, weights })
 }
+
+/// Larger ones are damage, as they would leave nothing of the largest character's joints; f32 holds their sums.
+const BASE_MAX: f64 = 1e15;
+
+const A_BASE: &str = "a number from 0 to 1e15";
 
 fn check(name: &'static str, found: f64, expected: &'static str, good: bool) -> Result<(), Error> {
     if good { Ok(()) } else { Err(Error::Setting { name, expected, found }) }
@@ -173,6 +178,9 @@ fn by_mesh(
     base_m3: f32,
 ) -> Result<Importance<JOINT_COUNT_MAX>, Error> {
     let mesh = character.mesh().ok_or(Error::NoMesh)?;
+    if !mesh.has_surface() {
+        return Err(Error::NoSurface { triangles: mesh.triangles.len() });
+    }
     let areas_m2 = mesh.vertex_areas_m2(vertex_area);
     let mut surface = MeshSurface::new(rest_pose, base_m3)?;
     let origin_m = origin_m(character);
@@ -188,7 +196,7 @@ fn by_mesh(
     Ok(surface.importance()?)
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "core refuses what f32 cannot hold")]
+#[expect(clippy::cast_possible_truncation, reason = "what is too large for f32 is refused")]
 fn single(value: f64) -> f32 {
     value as f32
 }

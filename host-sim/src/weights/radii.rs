@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::Error;
-use crate::character::{Character, VertexArea};
+use crate::character::{COORDINATE_MAX_M, Character, VertexArea};
 
 /// Where the cylinders' radii come from. The cylinder of a joint is the bone that ends in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +41,7 @@ impl Radii {
     /// Radius of the bone that ends in each joint, in m; 0 for the root and for bones without length.
     ///
     /// # Errors
-    /// [`Error`] for a radius that is negative or not finite, a joint of the file that the character lacks, and a
+    /// [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file that the character lacks, and a
     /// bone of the character that the file lacks.
     pub fn of(&self, character: &Character) -> Result<Vec<f64>, Error> {
         match self {
@@ -59,10 +59,11 @@ impl Radii {
     }
 }
 
-const A_RADIUS: &str = "metres, finite and 0 or more";
+const A_RADIUS: &str = "metres from 0 to 100000";
 
+/// Whether a bone can be so thick: no more than a character's coordinates can be large. NaN cannot.
 fn is_radius(radius_m: f64) -> bool {
-    radius_m >= 0.0 && radius_m.is_finite()
+    (0.0..=COORDINATE_MAX_M).contains(&radius_m)
 }
 
 fn has_bone(character: &Character, joint: usize) -> bool {
@@ -79,8 +80,8 @@ struct Row {
 /// [`super::table::csv`] writes. A row without a radius says nothing.
 ///
 /// # Errors
-/// [`Error::RadiusFile`] and [`Error::RadiusColumns`] if it is no such table, [`Error::RadiusRow`] for a radius that is negative or not finite and
-/// for a joint that comes twice.
+/// [`Error::RadiusFile`] and [`Error::RadiusColumns`] if it is no such table, [`Error::RadiusRow`] for a radius that is
+/// negative, not finite or larger than any character, and for a joint that comes twice.
 pub fn read(file: &Path) -> Result<Given, Error> {
     let in_file = |source| Error::RadiusFile { file: file.to_path_buf(), source };
     let mut reader = csv::Reader::from_path(file).map_err(in_file)?;
@@ -100,7 +101,7 @@ pub fn read(file: &Path) -> Result<Given, Error> {
             Err(Error::RadiusRow { file, line, joint: joint.clone(), expected, found })
         };
         if !is_radius(radius_m) {
-            return refuse(A_RADIUS, radius_m.to_string());
+            return refuse(A_RADIUS, format!("{radius_m:?}"));
         }
         if let Some((first, _)) = rows.insert(joint.clone(), (line, radius_m)) {
             return refuse("each joint once", format!("it in line {first} too"));

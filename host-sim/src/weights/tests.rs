@@ -108,7 +108,11 @@ fn radii_that_do_not_fit_are_refused() {
     let message = |text: &str| given(text).unwrap_err();
     assert_eq!(
         message("joint,radius_m\nhand,0.04\nelbow,-1\n"),
-        "FILE:3: joint `elbow`: expected metres, finite and 0 or more, found -1"
+        "FILE:3: joint `elbow`: expected metres from 0 to 100000, found -1.0"
+    );
+    assert_eq!(
+        message("joint,radius_m\nhand,1e30\n"),
+        "FILE:2: joint `hand`: expected metres from 0 to 100000, found 1e30"
     );
     assert_eq!(
         message("joint,radius_m\nhand,0.04\nhand,0.05\n"),
@@ -140,22 +144,65 @@ fn what_cannot_be_weighed_is_refused() {
         message(Method::Mesh, &default()),
         "method mesh: expected a character with a skinned mesh, found a skeleton only"
     );
-    for base in [-0.1, f64::NAN, f64::INFINITY] {
+    for base in [-0.1, f64::NAN, f64::INFINITY, 1e60, 3e38] {
         let message = message(Method::Lengths, &Settings { base: Some(base), ..default() });
-        assert_eq!(message, format!("base: expected a finite number, 0 or more, found {base}"));
+        assert_eq!(message, format!("base: expected a number from 0 to 1e15, found {base:?}"));
     }
     let message_of = |discount| message(Method::Lengths, &Settings { discount, ..default() });
     assert_eq!(message_of(1.1), "discount: expected a number from 0 to 1, found 1.1");
-    let radii = Radii::Uniform(f64::NAN);
-    assert!(
-        message(Method::Cylinders, &Settings { radii, ..default() })
-            .starts_with("radii: expected metres")
-    );
+    for radius_m in [-0.1, f64::NAN, 1e30] {
+        let radii = Radii::Uniform(radius_m);
+        let message = message(Method::Cylinders, &Settings { radii, ..default() });
+        let expected = format!("radii: expected metres from 0 to 100000, found {radius_m:?}");
+        assert_eq!(message, expected);
+    }
     let many = (0..200).map(|i: usize| joint(&i.to_string(), i.checked_sub(1), DVec3::ZERO));
     let many = Character::new("many".into(), many.collect(), None).unwrap();
     assert_eq!(
         weigh(&many, Method::Lengths, &default()).unwrap_err().to_string(),
         "expected at most 128 joints, found 200"
+    );
+}
+
+/// Whatever is let in, comes to weights.
+#[test]
+fn the_largest_settings_are_weighed() {
+    let mut mesh = sleeve();
+    for position_m in &mut mesh.positions_m {
+        *position_m *= 6e4;
+    }
+    let radii = Radii::Uniform(crate::character::COORDINATE_MAX_M);
+    let settings = Settings { base: Some(BASE_MAX), radii, ..Settings::default() };
+    let joints = |joint: usize| Joint {
+        name: joint.to_string(),
+        parent: joint.checked_sub(1),
+        position_m: DVec3::ONE * if joint.is_multiple_of(2) { 1e5 } else { -1e5 },
+    };
+    let largest = (0..JOINT_COUNT_MAX).map(joints).collect();
+    let largest = Character::new("largest".into(), largest, Some(mesh)).unwrap();
+    for method in Method::ALL {
+        let weights = weigh(&largest, method, &settings).unwrap().weights;
+        assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-5, "{method}");
+    }
+}
+
+/// A mesh without triangles, or with all of them of no area, would leave the base of every joint.
+#[test]
+fn a_mesh_without_surface_is_refused() {
+    let message =
+        |mesh| weigh(&arm(Some(mesh)), Method::Mesh, &Settings::default()).unwrap_err().to_string();
+    assert_eq!(
+        message(Mesh { triangles: vec![], ..sleeve() }),
+        "method mesh: expected a mesh with a surface, found 0 triangles without area"
+    );
+    let mut flat = sleeve();
+    flat.positions_m.fill(DVec3::Y);
+    let count = flat.triangles.len();
+    assert_eq!(
+        message(flat),
+        format!(
+            "method mesh: expected a mesh with a surface, found {count} triangles without area"
+        )
     );
 }
 

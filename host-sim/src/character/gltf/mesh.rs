@@ -3,7 +3,7 @@
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::mesh::{Mode, Primitive};
 use ::gltf::{Node, Semantic};
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
 use super::accessor::Elements;
 use super::{Binding, Buffers, Nodes, Skeleton};
@@ -20,37 +20,60 @@ pub(super) fn add(
     nodes: &Nodes,
     buffers: &Buffers,
 ) -> Result<(), Refusal> {
-    let binding = node.skin().and_then(|skin| skeleton.skins[skin.index()].as_ref());
-    let carrier = skeleton.joint(node.index()).or(skeleton.joint_above(node.index(), nodes));
+    let Some(owner) = Owner::of(node, skeleton, nodes)? else { return Ok(()) };
     for primitive in node.mesh().iter().flat_map(::gltf::Mesh::primitives) {
         let in_primitive =
             |refusal: Refusal| refusal.of(format!("primitive {}", primitive.index()));
         let local_m = positions_m(&primitive, buffers).map_err(in_primitive)?;
         let first = mesh.positions_m.len();
         let triangles = triangles(&primitive, local_m.len(), buffers).map_err(in_primitive)?;
-        if let Some(binding) = binding {
-            let skin = skin(&primitive, local_m.len(), binding, buffers).map_err(in_primitive)?;
-            let bound = local_m.iter().zip(&skin).map(|(p, shares)| match binding.world {
-                Some(world) => world.transform_point3(*p),
-                None => shares
-                    .iter()
-                    .map(|(joint, share)| *share * skeleton.world[*joint].transform_point3(*p))
-                    .sum(),
-            });
-            mesh.positions_m.extend(bound);
-            mesh.skin.extend(skin);
-        } else if let Some(joint) = carrier {
-            let from_joint =
-                nodes.world(skeleton.nodes[joint]).inverse() * nodes.world(node.index());
-            let world = skeleton.world[joint] * from_joint;
-            mesh.positions_m.extend(local_m.iter().map(|p| world.transform_point3(*p)));
-            mesh.skin.extend(local_m.iter().map(|_| vec![(joint, 1.0)]));
-        } else {
-            return Ok(());
+        match owner {
+            Owner::Skin(binding) => {
+                let skin =
+                    skin(&primitive, local_m.len(), binding, buffers).map_err(in_primitive)?;
+                let bound = local_m.iter().zip(&skin).map(|(p, shares)| match binding.world {
+                    Some(world) => world.transform_point3(*p),
+                    None => shares
+                        .iter()
+                        .map(|(joint, share)| *share * skeleton.world[*joint].transform_point3(*p))
+                        .sum(),
+                });
+                mesh.positions_m.extend(bound);
+                mesh.skin.extend(skin);
+            }
+            Owner::Joint { joint, world } => {
+                mesh.positions_m.extend(local_m.iter().map(|p| world.transform_point3(*p)));
+                mesh.skin.extend(local_m.iter().map(|_| vec![(joint, 1.0)]));
+            }
         }
         mesh.triangles.extend(triangles.into_iter().map(|corners| corners.map(|c| first + c)));
     }
     Ok(())
+}
+
+/// What a mesh moves with.
+enum Owner<'a> {
+    Skin(&'a Binding),
+    /// The joint that it hangs on, and from the mesh to the world.
+    Joint {
+        joint: usize,
+        world: DMat4,
+    },
+}
+
+impl<'a> Owner<'a> {
+    /// `None` for scenery, of which nothing else is looked at: it may be lines or whatever a scene can hold.
+    fn of(node: &Node<'_>, skeleton: &'a Skeleton, nodes: &Nodes) -> Result<Option<Self>, Refusal> {
+        let binding = node.skin().and_then(|skin| skeleton.skins[skin.index()].as_ref());
+        if let Some(binding) = binding {
+            return Ok(Some(Self::Skin(binding)));
+        }
+        let carrier = skeleton.joint(node.index()).or(skeleton.joint_above(node.index(), nodes));
+        let Some(joint) = carrier else { return Ok(None) };
+        let from_joint =
+            nodes.world(skeleton.nodes[joint])?.inverse() * nodes.world(node.index())?;
+        Ok(Some(Self::Joint { joint, world: skeleton.world[joint] * from_joint }))
+    }
 }
 
 fn positions_m(primitive: &Primitive<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, Refusal> {

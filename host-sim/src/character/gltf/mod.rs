@@ -150,13 +150,15 @@ impl Skeleton {
             .iter()
             .position(|node| !nodes.ancestors(*node).any(|above| of_skin.contains(&above)))
             .ok_or_else(|| refuse("joints", "one that is below no other", "none"))?;
-        let meshes =
-            inverse.as_ref().map(|inverse| nodes.world(of_skin[root]) * inverse.matrix(root));
+        let meshes = match &inverse {
+            Some(inverse) => Some(nodes.world(of_skin[root])? * inverse.matrix(root)),
+            None => None,
+        };
         let mut joints = Vec::with_capacity(of_skin.len());
         for (entry, node) in of_skin.into_iter().enumerate() {
             let world = match (&meshes, &inverse) {
                 (Some(meshes), Some(inverse)) => *meshes * inverse.matrix(entry).inverse(),
-                _ => nodes.world(node),
+                _ => nodes.world(node)?,
             };
             if !world.is_finite() {
                 let found = "one that has no inverse";
@@ -206,7 +208,7 @@ impl Skeleton {
             for root in &roots {
                 parents[*root] = Some(parents.len());
             }
-            joints.push((common, None, place_m(&nodes.world(common))));
+            joints.push((common, None, place_m(&nodes.world(common)?)));
         }
         let of_skins = self.nodes.iter().zip(parents).zip(&self.world);
         let of_skins = of_skins.map(|((node, parent), world)| (*node, parent, place_m(world)));

@@ -199,6 +199,69 @@ fn a_mesh_on_a_joint_moves_with_it() {
     close(mesh.positions_m[4], [0.6, 1.0, 0.05]);
 }
 
+/// Lines, and triangles that do not come out even, on nodes that have nothing to do with the character.
+#[test]
+fn scenery_may_be_anything() {
+    let character = changed(|file| {
+        let mut mesh = file["meshes"][0].clone();
+        mesh["primitives"][0]["mode"] = 1.into();
+        file["meshes"].as_array_mut().unwrap().push(mesh.clone());
+        mesh["primitives"][0] = json!({ "attributes": { "POSITION": 0 } });
+        file["meshes"].as_array_mut().unwrap().push(mesh);
+        for mesh in [1, 2] {
+            let node = json!({ "name": "floor", "mesh": mesh, "scale": [0.0, 0.0, 0.0] });
+            file["nodes"].as_array_mut().unwrap().push(node);
+        }
+    });
+    assert_eq!(character, parse(&glb(arm())));
+}
+
+#[test]
+fn rotations_are_unit_quaternions() {
+    let rotated = |rotation: [f32; 4]| changed(|f| f["nodes"][2]["rotation"] = json!(rotation));
+    let character = rotated([0.0, 0.0, 0.706_8, 0.706_8]).unwrap();
+    assert_eq!(character, parse(&glb(arm())).unwrap());
+    for (rotation, found) in [
+        ([0.0, 0.0, 2.0, 0.0], "[0.0, 0.0, 2.0, 0.0] of length 2"),
+        ([0.0; 4], "[0.0, 0.0, 0.0, 0.0] of length 0"),
+        ([0.0, 0.0, 0.0, 0.75], "[0.0, 0.0, 0.0, 0.75] of length 0.75"),
+    ] {
+        let expected =
+            format!("node 2 `between`: rotation: expected a quaternion of length 1, found {found}");
+        assert_eq!(rotated(rotation).unwrap_err().to_string(), expected);
+    }
+    // Rounding changes the length only, which is left out.
+    let unbound = |rotation: [f32; 4]| {
+        changed(|file| {
+            file["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
+            file["nodes"][2]["rotation"] = json!(rotation);
+        })
+    };
+    close(unbound([0.0, 0.0, 0.706_8, 0.706_8]).unwrap().joints()[1].position_m, [0.0, 1.6, 0.0]);
+}
+
+#[test]
+fn nodes_that_are_used_have_an_inverse() {
+    let message = |change: fn(&mut Value)| changed(change).unwrap_err().to_string();
+    assert_eq!(
+        message(|f| f["nodes"][0]["scale"] = json!([0.01, 0.0, 0.01])),
+        "skin 0: node 0 `armature`: scale: expected three numbers other than 0, found [0.01, 0.0, 0.01]"
+    );
+    let singular = message(|f| {
+        // The third column is the sum of the others.
+        f["nodes"][1]["matrix"] =
+            json!([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    });
+    assert!(
+        singular.starts_with(
+            "skin 0: node 1 `shoulder`: matrix: expected one that has an inverse, found [[1.0,"
+        ),
+        "{singular}"
+    );
+    // Far from the same axes, however small.
+    changed(|f| f["nodes"][0]["scale"] = json!([1e-9, 0.01, -0.01])).unwrap();
+}
+
 #[test]
 fn strips_and_fans_are_triangles() {
     let mode = |mode: u32| {

@@ -30,6 +30,17 @@ fn joints_of_a_rig_are_those_of_the_file() {
 }
 
 #[test]
+fn the_root_and_a_joint_may_have_one_name() {
+    let names = |text: &str| -> Vec<String> {
+        robot(text).unwrap().joints().iter().map(|joint| joint.name.clone()).collect()
+    };
+    let shared = ROBOT.replace("joint name=\"elbow\"", "joint name=\"base\"");
+    assert_eq!(names(&shared), ["base (link)", "base", "shoulder"]);
+    let both = shared.replace("joint name=\"shoulder\"", "joint name=\"base (link)\"");
+    assert_eq!(names(&both), ["base (link) (link)", "base", "base (link)"]);
+}
+
+#[test]
 fn what_is_no_rig_is_refused_with_its_line() {
     let message = |old: &str, new: &str| {
         assert!(ROBOT.contains(old), "{old}");
@@ -58,6 +69,33 @@ fn what_is_no_rig_is_refused_with_its_line() {
     assert_eq!(
         message("<child link=\"lower\"/>", "<child link=\"upper\"/>"),
         "7:3: link `upper`: expected one joint that moves it, found `elbow` and `shoulder`"
+    );
+    assert_eq!(
+        message("type=\"fixed\"", "type=\"hinge\""),
+        "4:3: joint `elbow`: type: expected one of revolute, continuous, prismatic, fixed, floating, planar, found `hinge`"
+    );
+    assert!(
+        message(" type=\"fixed\"", "")
+            .starts_with("4:3: joint `elbow`: `joint`: expected the attribute `type`, found none")
+    );
+    assert_eq!(
+        message("<origin xyz=\"0 0 1\"/>", "<origin/><origin xyz=\"0 0 1\"/>"),
+        "5:14: joint `elbow`: origin: expected one element of this name, found 2"
+    );
+    assert!(
+        message("<parent link=\"upper\"/>", "<parent link=\"upper\"/>\n<parent link=\"base\"/>")
+            .starts_with("6:1: joint `elbow`: parent: expected one element of this name, found 2")
+    );
+    assert_eq!(
+        message("rpy=\"0 1.5707963267948966 0\"", "rpy=\"0 1e308 0\""),
+        "9:5: joint `shoulder`: rpy: expected three angles of at most 1000000 rad, found `0 1e308 0`"
+    );
+    assert!(
+        message("xyz=\"0.1 0.2 0.3\"", "xyz=\"0 1e308 0\"").contains("expected finite coordinates")
+    );
+    assert_eq!(
+        robot("<robot name=\"nothing\"/>").unwrap_err().to_string(),
+        "1:1: the robot: expected a link, found none"
     );
     let round = message("<parent link=\"base\"/>", "<parent link=\"lower\"/>");
     assert!(round.contains("expected ancestors that end at a root, found a loop"), "{round}");
