@@ -2,7 +2,7 @@
 
 use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
-use glam::{DMat4, Mat4, Quat, Vec3};
+use glam::{DMat4, DVec3, DVec4, Mat4, Quat, Vec3};
 
 use crate::character::error::{Refusal, refuse};
 
@@ -95,8 +95,8 @@ fn local(node: &Node<'_>) -> Result<DMat4, Refusal> {
 
 /// What is wrong with a node whose axes span no space.
 fn flat(node: &Node<'_>, local: &DMat4) -> Option<Refusal> {
-    let axes = [local.x_axis, local.y_axis, local.z_axis].map(|axis| axis.truncate());
-    let [x, y, z] = axes.map(|axis| axis.normalize_or_zero());
+    let axes = [local.x_axis, local.y_axis, local.z_axis].map(DVec4::truncate);
+    let [x, y, z] = axes.map(DVec3::normalize_or_zero);
     if x.cross(y).dot(z).abs() >= VOLUME_MIN {
         return None;
     }
