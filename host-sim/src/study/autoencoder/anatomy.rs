@@ -52,63 +52,63 @@ pub(super) struct Anatomy {
 
 type Row = (&'static str, Group, f64, f64, &'static [&'static str]);
 
-/// The 31 joints of CMU's skeleton without their sides. Geno has four bones between pelvis and neck where CMU has three:
-/// those at the nearest share of the way count. A knuckle of CMU moves four fingers of Geno. Hip joints without a
-/// length are the thighs'.
+/// The 31 joints of CMU's skeleton without their sides. A bone has the radius that the article's list of cylinder weights
+/// back-solves to for the bone of Geno that ends in the joint of the same name, save where the skeletons differ:
 ///
-/// The radii are estimates. Thigh, clavicle, upper arm, forearm and head have those that the article's list of cylinder
-/// weights back-solves to (`tests/oracles/geno_article_radii.csv`, by the joint in which a bone ends). Others depart
-/// from it by mistake, not by intent: shank 0.045 for 0.065, foot 0.055 for 0.045, toes 0.045 for 0.055, lower neck 0.06
-/// for 0.05, upper neck 0.05 for 0.06, chest to neck 0.12 and to shoulder 0.07 for 0.09, hip 0.1 for 0.09, thumb 0.02
-/// for 0.01. The spine's 0.13 is among those of Geno's bones, from 0.09 to 0.14; one finger stands for four of 0.01.
-/// The figures of `docs/importance-study.md` are of these radii.
+/// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean of
+///   Geno's over the same third of the way, by length and to 5 mm; counterparts are those at the nearest share of the way.
+/// - Palm and fingers are one chain for four of Geno, each with a radius of 1 cm: with 4 cm it has their surface. Its
+///   knuckle moves four fingers of Geno.
+/// - `HipJoint` and `LowerBack` lie on the hips: bones without a length, which need no radius. What hangs on a hip joint
+///   is the thigh's.
 const CMU: [Row; 19] = [
     ("Hips", Group::Spine, 0.0, 0.0, &["Hips"]),
     ("HipJoint", Group::Legs, 0.0, 0.0, &["UpLeg"]),
-    ("UpLeg", Group::Legs, 0.1, 0.0, &["UpLeg"]),
+    ("UpLeg", Group::Legs, 0.09, 0.0, &["UpLeg"]),
     ("Leg", Group::Legs, 0.065, 0.0, &["Leg"]),
-    ("Foot", Group::Feet, 0.045, 0.0, &["Foot"]),
-    ("ToeBase", Group::Feet, 0.055, 0.045, &["ToeBase"]),
+    ("Foot", Group::Feet, 0.065, 0.0, &["Foot"]),
+    ("ToeBase", Group::Feet, 0.045, 0.055, &["ToeBase"]),
     ("LowerBack", Group::Spine, 0.0, 0.0, &["Spine"]),
-    ("Spine", Group::Spine, 0.13, 0.0, &["Spine1"]),
-    ("Spine1", Group::Spine, 0.13, 0.0, &["Spine3"]),
-    ("Neck", Group::Head, 0.12, 0.0, &["Neck"]),
-    ("Neck1", Group::Head, 0.06, 0.0, &["Neck1"]),
-    ("Head", Group::Head, 0.05, 0.08, &["Head"]),
-    ("Shoulder", Group::Arms, 0.07, 0.0, &["Shoulder"]),
+    ("Spine", Group::Spine, 0.115, 0.0, &["Spine1"]),
+    ("Spine1", Group::Spine, 0.12, 0.0, &["Spine3"]),
+    ("Neck", Group::Head, 0.09, 0.0, &["Neck"]),
+    ("Neck1", Group::Head, 0.05, 0.0, &["Neck1"]),
+    ("Head", Group::Head, 0.06, 0.08, &["Head"]),
+    ("Shoulder", Group::Arms, 0.09, 0.0, &["Shoulder"]),
     ("Arm", Group::Arms, 0.07, 0.0, &["Arm"]),
     ("ForeArm", Group::Arms, 0.06, 0.0, &["ForeArm"]),
     ("Hand", Group::Hands, 0.045, 0.0, &["Hand"]),
     (
         "FingerBase",
         Group::Hands,
-        0.03,
+        0.04,
         0.0,
         &["HandIndex1", "HandMiddle1", "HandRing1", "HandPinky1"],
     ),
     (
         "HandIndex1",
         Group::Hands,
-        0.02,
-        0.02,
+        0.04,
+        0.04,
         &["HandIndex2", "HandMiddle2", "HandRing2", "HandPinky2"],
     ),
-    ("Thumb", Group::Hands, 0.02, 0.01, &["HandThumb1"]),
+    ("Thumb", Group::Hands, 0.01, 0.01, &["HandThumb1"]),
 ];
 
-/// The built-in figure without its sides; it is not compared with Geno.
+/// The built-in figure without its sides, after the same radii: its neck begins in the thorax, its foot has no toes. It
+/// is not compared with Geno.
 const FIGURE: [Row; 11] = [
     ("pelvis", Group::Spine, 0.0, 0.0, &[]),
-    ("abdomen", Group::Spine, 0.13, 0.0, &[]),
-    ("thorax", Group::Spine, 0.13, 0.0, &[]),
-    ("head", Group::Head, 0.12, 0.08, &[]),
-    ("clavicle", Group::Arms, 0.07, 0.0, &[]),
+    ("abdomen", Group::Spine, 0.115, 0.0, &[]),
+    ("thorax", Group::Spine, 0.12, 0.0, &[]),
+    ("head", Group::Head, 0.075, 0.08, &[]),
+    ("clavicle", Group::Arms, 0.09, 0.0, &[]),
     ("upper_arm", Group::Arms, 0.07, 0.0, &[]),
     ("forearm", Group::Arms, 0.06, 0.0, &[]),
-    ("hand", Group::Hands, 0.045, 0.02, &[]),
-    ("thigh", Group::Legs, 0.1, 0.0, &[]),
+    ("hand", Group::Hands, 0.045, 0.04, &[]),
+    ("thigh", Group::Legs, 0.09, 0.0, &[]),
     ("shank", Group::Legs, 0.065, 0.0, &[]),
-    ("foot", Group::Feet, 0.045, 0.055, &[]),
+    ("foot", Group::Feet, 0.065, 0.05, &[]),
 ];
 
 impl Anatomy {
@@ -139,6 +139,9 @@ impl Anatomy {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
     use super::*;
 
     #[test]
@@ -150,5 +153,29 @@ mod tests {
         assert_eq!(Anatomy::of("LowerBack").unwrap().geno, ["Spine"]);
         assert_eq!(Anatomy::of("shank_l").unwrap().group, Group::Legs);
         assert_eq!(Anatomy::of("Tail"), None);
+    }
+
+    #[test]
+    fn bones_are_as_thick_as_those_of_geno_that_end_in_the_same_joint() {
+        let file =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/oracles/geno_article_radii.csv");
+        let mut reader = csv::Reader::from_path(file).unwrap();
+        let geno: BTreeMap<String, f64> = reader.deserialize().collect::<Result<_, _>>().unwrap();
+        let fingers = 4.0 * geno["RightHandIndex1"];
+        let others = [("Spine", 0.115), ("Spine1", 0.12), ("HandIndex1", fingers), ("Thumb", 0.01)];
+        for (name, _, radius_m, end_radius_m, _) in CMU {
+            let of_geno = |suffix: &str| {
+                let of = |side: &str| geno.get(&format!("{side}{name}{suffix}"));
+                of("").or(of("Right")).copied()
+            };
+            let other = others.iter().find(|other| other.0 == name).map(|other| other.1);
+            match other.or(of_geno("")) {
+                Some(expected) => assert_eq!(radius_m, expected, "{name}"),
+                None if name == "FingerBase" => assert_eq!(radius_m, fingers),
+                None => assert_eq!(radius_m, 0.0, "{name}"),
+            }
+            let end = of_geno("End").or(other.filter(|_| !name.starts_with("Spine")));
+            assert_eq!(end_radius_m, end.unwrap_or(0.0), "end of {name}");
+        }
     }
 }
