@@ -169,13 +169,13 @@ mod tests {
                 of("").or(of("Right")).copied()
             };
             let other = others.iter().find(|other| other.0 == name).map(|other| other.1);
-            match other.or(of_geno("")) {
-                Some(expected) => assert_eq!(radius_m, expected, "{name}"),
-                None if name == "FingerBase" => assert_eq!(radius_m, fingers),
-                None => assert_eq!(radius_m, 0.0, "{name}"),
-            }
+            let palm = (name == "FingerBase").then_some(fingers);
+            let expected = other.or(of_geno("")).or(palm).unwrap_or(0.0);
             let end = of_geno("End").or(other.filter(|_| !name.starts_with("Spine")));
-            assert_eq!(end_radius_m, end.unwrap_or(0.0), "end of {name}");
+            let found = [radius_m, end_radius_m];
+            for (found, expected) in found.into_iter().zip([expected, end.unwrap_or(0.0)]) {
+                assert!((found - expected).abs() < 1e-12, "{name}: {found} {expected}");
+            }
         }
     }
 }
