@@ -130,6 +130,16 @@ fn what_cannot_be_done_is_said() {
             &["--picture", "a.jpg"],
             "error: --picture a.jpg: expected a picture named *.svg or *.png",
         ),
+        (&["--frame", "3"], "error: arm.urdf: --frame: expected a motion, or this option left out"),
+        (&["--metres-per-unit", "0.01"], "error: arm.urdf: --metres-per-unit: expected a motion"),
+        (
+            &["--method", "lengths", "--radii", "0.1"],
+            "error: --radii: expected with the method cylinders",
+        ),
+        (
+            &["--vertex-area", "article"],
+            "error: --vertex-area article: expected with the method mesh",
+        ),
         (&["--metres-per-unit", "0"], "expected a number from 0.000001 to 1000"),
     ] {
         let output = weights(folder.path(), arguments);

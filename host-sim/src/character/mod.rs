@@ -62,6 +62,20 @@ pub struct Options {
     pub frame: Option<usize>,
 }
 
+impl Options {
+    /// Refuses what only motions have a use for.
+    fn ensure_default(&self) -> Result<(), Refusal> {
+        let of_motions = "a motion, or this option left out";
+        if self.frame.is_some() {
+            return Err(refuse("--frame", of_motions, "a file of one pose"));
+        }
+        if self.metres_per_unit.is_some() {
+            return Err(refuse("--metres-per-unit", of_motions, "a file in metres"));
+        }
+        Ok(())
+    }
+}
+
 impl Character {
     /// A character of checked parts.
     ///
@@ -216,7 +230,13 @@ pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.urdf, *.bvh, *.amc or humano
 pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
+    let kind = extension.to_str();
+    if matches!(kind, Some("bin" | "glb" | "gltf" | "urdf")) {
+        options
+            .ensure_default()
+            .map_err(|refusal| Error::Refused { file: path.to_path_buf(), refusal })?;
+    }
+    match kind {
         Some("bin") => parsed(path, geno::parse),
         Some("glb" | "gltf") => parsed(path, |bytes, name| gltf::parse(bytes, name, folder)),
         Some("urdf") => parsed(path, urdf::parse),

@@ -1,6 +1,6 @@
 //! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
 //!
-//! Its joints are the character's, fixed ones too; the root is the link that no joint moves, which floats. Where a joint
+//! Its joints are the character's, fixed ones too, from the root outwards; the root is the link that no joint moves, which floats. Where a joint
 //! has that link's name too, the root is called `NAME (link)`. A joint is where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left,
 //! y up and z ahead.
 
@@ -81,14 +81,25 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     while joints.iter().any(|joint| joint.name == root_name) {
         root_name.push_str(" (link)");
     }
-    let root = Joint { name: root_name, parent: None, position_m: DVec3::ZERO };
-    let others = joints.iter().zip(positions_m).map(|(joint, position_m)| Joint {
-        name: joint.name.to_owned(),
-        // The root comes first.
-        parent: Some(movers.get(joint.parent).map_or(0, |index| index + 1)),
-        position_m: DVec3::new(position_m.y, position_m.z, position_m.x),
-    });
-    Character::new(name, std::iter::once(root).chain(others).collect(), None)
+    let mut made = vec![Joint { name: root_name, parent: None, position_m: DVec3::ZERO }];
+    // From the root outwards, each branch to its end: files may have any order. Those to come, the next one last: joints on
+    // links, and the place of what moves the link.
+    let on = |link: &str, place: usize| {
+        let on_link =
+            joints.iter().enumerate().rev().filter(move |(_, joint)| joint.parent == link);
+        on_link.map(move |(index, _)| (index, place)).collect::<Vec<_>>()
+    };
+    let mut to_come = on(root, 0);
+    while let Some((index, parent)) = to_come.pop() {
+        let (joint, position_m) = (&joints[index], positions_m[index]);
+        to_come.extend(on(joint.child, made.len()));
+        made.push(Joint {
+            name: joint.name.to_owned(),
+            parent: Some(parent),
+            position_m: DVec3::new(position_m.y, position_m.z, position_m.x),
+        });
+    }
+    Character::new(name, made, None)
 }
 
 /// What a joint may be.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_sim::character::{self, Mesh, Options, VertexArea};
 use sinew_sim::report::weights as picture;
@@ -55,7 +55,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
     radii: Option<String>,
 
-    /// Metres per unit of length of a motion whose skeleton is not a known one: 0.01 for centimetres.
+    /// Metres per unit of length of a motion that does not tell: 0.01 for centimetres. Without: as its skeleton has it, if
+    /// that is a known one.
     #[arg(long, value_name = "M", value_parser = metres_per_unit, allow_negative_numbers = true)]
     metres_per_unit: Option<f64>,
 
@@ -115,6 +116,14 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let options = Options { metres_per_unit: args.metres_per_unit, frame: args.frame };
     let character = character::read(&args.character, &options)?;
     let methods = methods(&args.method, character.mesh());
+    ensure!(
+        args.radii.is_none() || methods.contains(&Method::Cylinders),
+        "--radii: expected with the method cylinders, which alone has a use for them"
+    );
+    ensure!(
+        args.vertex_area == VertexAreaArg::Surface || methods.contains(&Method::Mesh),
+        "--vertex-area article: expected with the method mesh, which alone has a use for it"
+    );
     let settings = Settings {
         base: args.base,
         discount: args.discount,

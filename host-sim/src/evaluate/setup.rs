@@ -17,6 +17,7 @@ use super::error::RunError;
 use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, Subject};
 use crate::mocap::FigureMotion;
 use crate::plant::PlantSettings;
+use crate::weights;
 use crate::words::in_words;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
@@ -59,10 +60,6 @@ pub enum BodySource {
     /// Hanavan's solids as modified by Kwon, of a measured subject: the paper's.
     HanavanKwon,
 }
-
-/// Base and discount of the descendants' lengths, as the article's own weights have them.
-const BASE_M: f32 = 0.1;
-const DISCOUNT: f32 = 0.9;
 
 /// A setup that cannot be.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -238,15 +235,17 @@ impl Setup {
         if controller.method != MethodName::ManifoldProjection {
             return Ok(None);
         }
-        let ProjectionSettings { rotation_m, weights, root_held, sweeps, .. } =
-            controller.projection;
+        let ProjectionSettings { rotation_m, root_held, sweeps, .. } = controller.projection;
         let rotation_m = narrow(rotation_m);
-        let weights = match weights {
+        let weights = match controller.projection.weights {
             WeightsName::Uniform => {
                 BodyWeights::new(tree, &[BodyWeight::new(1.0, rotation_m); BODY_COUNT])
             }
             WeightsName::Lengths => {
-                let importance = descendants_length(&RestPose::of_tree(tree)?, BASE_M, DISCOUNT)?;
+                let usual = weights::Settings::default();
+                let base_m = narrow(usual.base_of(weights::Method::Lengths));
+                let rest_pose = RestPose::of_tree(tree)?;
+                let importance = descendants_length(&rest_pose, base_m, narrow(usual.discount))?;
                 BodyWeights::by_importance(tree, rotation_m, &importance)
             }
         };

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A base with an arm: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter turn.
+/// A base with an arm, the outer joint first: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter turn.
 const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base"/><link name="upper"/><link name="lower"><inertial><mass value="1"/></inertial></link>
@@ -19,14 +19,14 @@ fn robot(text: &str) -> Result<Character, Refusal> {
 }
 
 #[test]
-fn joints_of_a_rig_are_those_of_the_file() {
+fn joints_of_a_rig_come_from_the_root_outwards() {
     let character = robot(ROBOT).unwrap();
     let names: Vec<_> = character.joints().iter().map(|j| (j.name.as_str(), j.parent)).collect();
-    assert_eq!(names, [("base", None), ("elbow", Some(2)), ("shoulder", Some(0))]);
+    assert_eq!(names, [("base", None), ("shoulder", Some(0)), ("elbow", Some(1))]);
     // x left, y up, z ahead: of 0.1 ahead, 0.2 left, 0.3 up.
     let place = |joint: usize| character.joints()[joint].position_m;
-    assert!(place(2).distance(DVec3::new(0.2, 0.3, 0.1)) < 1e-12, "{}", place(2));
-    assert!(place(1).distance(DVec3::new(0.2, 0.3, 1.1)) < 1e-12, "{}", place(1));
+    assert!(place(1).distance(DVec3::new(0.2, 0.3, 0.1)) < 1e-12, "{}", place(1));
+    assert!(place(2).distance(DVec3::new(0.2, 0.3, 1.1)) < 1e-12, "{}", place(2));
 }
 
 #[test]
@@ -35,9 +35,9 @@ fn the_root_and_a_joint_may_have_one_name() {
         robot(text).unwrap().joints().iter().map(|joint| joint.name.clone()).collect()
     };
     let shared = ROBOT.replace("joint name=\"elbow\"", "joint name=\"base\"");
-    assert_eq!(names(&shared), ["base (link)", "base", "shoulder"]);
+    assert_eq!(names(&shared), ["base (link)", "shoulder", "base"]);
     let both = shared.replace("joint name=\"shoulder\"", "joint name=\"base (link)\"");
-    assert_eq!(names(&both), ["base (link) (link)", "base", "base (link)"]);
+    assert_eq!(names(&both), ["base (link) (link)", "base (link)", "base"]);
 }
 
 #[test]

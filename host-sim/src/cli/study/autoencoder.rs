@@ -90,7 +90,12 @@ fn factor(text: &str) -> Result<f64, String> {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let threads = args.threads.install(|| Ok(rayon::current_num_threads()))?;
-    let (poses, character) = if args.quick { (Poses::built_in(), None) } else { args.read()? };
+    let (poses, character) = if args.quick {
+        note(format_args!("built-in clips, for a moment: the figures mean nothing"));
+        (Poses::built_in(), None)
+    } else {
+        args.read()?
+    };
     let latents: &[usize] = if args.quick { &[12] } else { &[150, 24] };
     let plan = Plan {
         poses: &poses,
@@ -140,7 +145,7 @@ type Character = Vec<(String, f64)>;
 impl Args {
     /// The poses of CMU, and the importance of Geno's joints.
     fn read(&self) -> anyhow::Result<(Poses, Option<Character>)> {
-        let data = self.data.clone().or_else(|| env::var_os("SINEW_DATA").map(PathBuf::from));
+        let data = self.data.clone().or_else(|| of_environment());
         let data = data.context("the data: expected --data DIR, or SINEW_DATA, or --quick")?;
         ensure!(data.is_dir(), "{}: expected a folder", data.display());
         let geno = data.join("geno").join("Geno.bin");
@@ -155,6 +160,11 @@ impl Args {
         };
         Ok((Poses::cmu(&data.join("cmu"))?, character))
     }
+}
+
+/// What `SINEW_DATA` names; empty, it names nothing.
+fn of_environment() -> Option<PathBuf> {
+    env::var_os("SINEW_DATA").filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
 
 fn importance_by_mesh(file: &Path) -> anyhow::Result<Character> {

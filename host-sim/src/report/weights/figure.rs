@@ -13,8 +13,11 @@ use crate::weights::Weighing;
 /// Radius of the largest disc.
 const LARGEST: f64 = 34.0;
 
-/// Free width around the figure: a disc may be at its rim.
-const MARGIN: f64 = 26.0;
+/// Free width around the figure: the largest disc may be at its rim.
+const MARGIN: f64 = LARGEST;
+
+/// Height of the caption.
+const CAPTION: f64 = 26.0;
 
 /// Width of a figure, however narrow or wide the character.
 const WIDTHS: [f64; 2] = [240.0, 420.0];
@@ -46,14 +49,14 @@ impl<'a> View<'a> {
         let right = if size_m.z > size_m.x { DVec3::NEG_Z } else { DVec3::X };
         let across_m = size_m.dot(right).abs();
         let [least, most] = WIDTHS;
-        let scale =
-            ((most - 2.0 * MARGIN) / across_m).min((height - 2.0 * MARGIN) / size_m.y).min(1e9);
+        let free = height - CAPTION - 2.0 * MARGIN;
+        let scale = ((most - 2.0 * MARGIN) / across_m).min(free / size_m.y).min(1e9);
         let width = (scale * across_m + 2.0 * MARGIN).max(least);
         let middle_m = 0.5 * (low_m + high_m);
         let place = |position_m: DVec3| {
             let from_middle_m = position_m - middle_m;
             let across = from_middle_m.dot(right) * scale;
-            DVec2::new(0.5 * width + across, 0.5 * height - from_middle_m.y * scale)
+            DVec2::new(0.5 * width + across, 0.5 * (height + CAPTION) - from_middle_m.y * scale)
         };
         let skin = character.mesh().map_or_else(String::new, |mesh| skin(mesh, place));
         Self { character, joints: joints.map(place).collect(), skin, width }

@@ -18,8 +18,8 @@ use figure::View;
 /// Least height of a figure.
 const FIGURE_HEIGHT: f64 = 330.0;
 
-/// Height of the title.
-const TOP: f64 = 30.0;
+/// Height of the title and the line below it.
+const TOP: f64 = 48.0;
 
 /// Writes the picture as SVG, or as PNG if the file is named so.
 ///
@@ -51,7 +51,7 @@ fn picture(character: &Character, weighings: &[Weighing]) -> Markup {
         svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img"
             viewBox={ "0 0 " (px(width)) " " (px(height)) } aria-label=(title) {
             text class="chart-title" x="10" y="20" { (title) }
-            text class="fine muted" x=(px(width - 10.0)) y="20" text-anchor="end" {
+            text class="fine muted" x="10" y="38" {
                 "a disc's area is its joint's weight; bars on a logarithmic scale; weights sum to 1"
             }
             (view.definitions())

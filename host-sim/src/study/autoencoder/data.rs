@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
 
-use crate::mocap::{Skeleton, builtin, bvh};
+use crate::mocap::{JointSample, Skeleton, builtin, bvh, clip};
 
 /// Rate that recordings are thinned out to: CMU's `broad-12hz` has it, and neighbours at 120 Hz tell little new.
 const RATE_HZ: f64 = 12.0;
@@ -267,15 +267,12 @@ fn kept(rate_hz: f64, first: usize, count: usize) -> impl Iterator<Item = usize>
 }
 
 /// Positions of the joints with the root at the origin, in metres, and their global rotations.
-pub(super) fn forward_kinematics(skeleton: &Skeleton, pose: &[DQuat]) -> Vec<(DVec3, DQuat)> {
-    let mut world: Vec<(DVec3, DQuat)> = Vec::with_capacity(pose.len());
-    for (joint, rotation) in skeleton.joints.iter().zip(pose) {
-        world.push(joint.parent.map_or((DVec3::ZERO, *rotation), |parent| {
-            let (origin_m, turn) = world[parent];
-            (origin_m + turn * joint.offset_m, turn * *rotation)
-        }));
-    }
-    world
+pub(super) fn forward_kinematics(skeleton: &Skeleton, pose: &[DQuat]) -> Vec<JointSample> {
+    let local = skeleton.joints.iter().zip(pose).map(|(joint, rotation)| JointSample {
+        rotation: *rotation,
+        position_m: if joint.parent.is_some() { joint.offset_m } else { DVec3::ZERO },
+    });
+    clip::forward_kinematics(skeleton, &local.collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -37,10 +37,10 @@ impl Errors {
         for (original, reconstructed) in originals.iter().zip(reconstructed) {
             let worlds = [original, reconstructed].map(|pose| forward_kinematics(skeleton, pose));
             for (joint, sums) in sums.iter_mut().enumerate() {
-                let [(from_m, from), (to_m, to)] = [worlds[0][joint], worlds[1][joint]];
-                sums[0] += 100.0 * from_m.distance(to_m);
+                let [from, to] = [worlds[0][joint], worlds[1][joint]];
+                sums[0] += 100.0 * from.position_m.distance(to.position_m);
                 sums[1] += original[joint].angle_between(reconstructed[joint]).to_degrees();
-                sums[2] += from.angle_between(to).to_degrees();
+                sums[2] += from.rotation.angle_between(to.rotation).to_degrees();
             }
         }
         let mean = |joint: usize, what: usize| sums[joint][what] / originals.len() as f64;

@@ -18,7 +18,8 @@ const WRITTEN: &str = "a string takes everything";
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Spread {
     mean: f64,
-    deviation: f64,
+    /// `None` of one sample.
+    deviation: Option<f64>,
 }
 
 impl Spread {
@@ -26,12 +27,15 @@ impl Spread {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-        let deviation = if values.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 };
+        let deviation = (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt());
         Self { mean, deviation }
     }
 
     fn shown(self, decimals: usize) -> String {
-        format!("{:.decimals$} ± {:.decimals$}", self.mean, self.deviation)
+        match self.deviation {
+            Some(deviation) => format!("{:.decimals$} ± {deviation:.decimals$}", self.mean),
+            None => format!("{:.decimals$}", self.mean),
+        }
     }
 }
 
@@ -87,10 +91,14 @@ fn about(plan: &Plan<'_>) -> String {
     let list = |subjects: &std::collections::BTreeSet<String>| {
         subjects.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
     };
+    let seeds = match plan.seeds {
+        1 => "seed 1".to_owned(),
+        last => format!("seeds 1 to {last}; means and standard deviations over the seeds"),
+    };
     let mesh = if plan.character.is_some() { "" } else { "; no mesh, so no weights by it" };
     format!(
         "{} joints, {} recordings; train: {} poses of {}; test: {} poses of {}{mesh}\n\
-         {} steps of {} poses, seeds 1 to {}; means and standard deviations over the seeds\n",
+         {} steps of {} poses, {seeds}\n",
         poses.skeleton.joints.len(),
         poses.recordings,
         poses.train.len(),
@@ -99,7 +107,6 @@ fn about(plan: &Plan<'_>) -> String {
         list(&poses.test_subjects),
         schedule.steps,
         schedule.batch,
-        plan.seeds,
     )
 }
 
@@ -199,6 +206,7 @@ pub fn json(plan: &Plan<'_>, study: &Study, times: &[StepTime]) -> Value {
     let weights: serde_json::Map<String, Value> =
         study.weights.iter().map(|(method, w)| (method.as_str().to_owned(), json!(w))).collect();
     json!({
+        "schema": "sinew-study-autoencoder/1",
         "schedule": plan.schedule,
         "data": {
             "recordings": poses.recordings,
@@ -221,6 +229,6 @@ mod tests {
     fn a_spread_is_the_samples() {
         let spread = Spread::of(&[1.0, 2.0, 4.0, 5.0]);
         assert_eq!(spread.shown(3), "3.000 ± 1.826");
-        assert!(Spread::of(&[2.0]).deviation.abs() < f64::EPSILON);
+        assert_eq!(Spread::of(&[2.0]).shown(2), "2.00", "one seed tells nothing of others");
     }
 }

@@ -8,11 +8,8 @@ use sinew_core::importance::{
 use super::anatomy::Anatomy;
 use super::method::Method;
 use crate::mocap::Skeleton;
+use crate::weights;
 
-/// Base and discount of the lengths, as the article's list of weights back-solves to.
-const LENGTHS: (f32, f32) = (0.1, 0.9);
-/// Base of the cylinders: twice what the article prints, whose code halves the surfaces that stand against it.
-const CYLINDERS_BASE_M3: f32 = 0.002;
 /// Joints and end sites that there is room for.
 const CAPACITY: usize = 64;
 
@@ -54,15 +51,20 @@ pub(super) fn weights(
     character: &[(String, f64)],
 ) -> Result<Vec<f64>, WeightsError> {
     let anatomy: Vec<Anatomy> = anatomy(skeleton)?;
+    let usual = weights::Settings::default();
+    let base_of = |method| single(usual.base_of(method));
     let weights = match method {
         Method::Uniform | Method::ForwardKinematics => vec![1.0; anatomy.len()],
         Method::Lengths => {
             let (rest, _) = rest(skeleton, &anatomy)?;
-            of_joints(&descendants_length(&rest, LENGTHS.0, LENGTHS.1)?, anatomy.len())
+            let base_m = base_of(weights::Method::Lengths);
+            let discount = single(usual.discount);
+            of_joints(&descendants_length(&rest, base_m, discount)?, anatomy.len())
         }
         Method::Cylinders => {
             let (rest, radii_m) = rest(skeleton, &anatomy)?;
-            of_joints(&cylinder_surface(&rest, &radii_m, CYLINDERS_BASE_M3)?, anatomy.len())
+            let base_m3 = base_of(weights::Method::Cylinders);
+            of_joints(&cylinder_surface(&rest, &radii_m, base_m3)?, anatomy.len())
         }
         Method::Mesh => of_character(skeleton, &anatomy, character)?,
     };
@@ -95,9 +97,13 @@ fn rest(
         }
     }
     let positions_m: Vec<glam::Vec3> = positions_m.iter().map(|p| p.as_vec3()).collect();
-    #[expect(clippy::cast_possible_truncation, reason = "rounds to the core's f32")]
-    let radii_m = radii_m.iter().map(|radius_m| *radius_m as f32).collect();
+    let radii_m = radii_m.into_iter().map(single).collect();
     Ok((RestPose::new(&parents, &positions_m)?, radii_m))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounds to the core's f32")]
+fn single(value: f64) -> f32 {
+    value as f32
 }
 
 fn of_joints(importance: &Importance<CAPACITY>, joints: usize) -> Vec<f64> {

@@ -43,9 +43,11 @@ fn every_form_agrees_with_the_kinematics_in_f64() {
         let global = kinematics.global(&columns).unwrap().to_vec2::<f32>().unwrap();
         for (pose, global) in poses.iter().zip(&global) {
             let expected = forward_kinematics(&skeleton, pose);
-            for ((position_m, turn), found) in expected.iter().zip(global.chunks_exact(9)) {
-                let columns = two_columns::from_rotation(*turn);
-                for (expected, found) in position_m.to_array().iter().chain(&columns).zip(found) {
+            for (joint, found) in expected.iter().zip(global.chunks_exact(9)) {
+                let columns = two_columns::from_rotation(joint.rotation);
+                for (expected, found) in
+                    joint.position_m.to_array().iter().chain(&columns).zip(found)
+                {
                     // Five rotations in f32 on the way to a hand.
                     let off = expected - f64::from(*found);
                     assert!(off.abs() < 3e-6, "{form:?}: {expected} {found}");
