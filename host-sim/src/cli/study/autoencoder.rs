@@ -145,7 +145,7 @@ type Character = Vec<(String, f64)>;
 impl Args {
     /// The poses of CMU, and the importance of Geno's joints.
     fn read(&self) -> anyhow::Result<(Poses, Option<Character>)> {
-        let data = self.data.clone().or_else(|| of_environment());
+        let data = self.data.clone().or_else(of_environment);
         let data = data.context("the data: expected --data DIR, or SINEW_DATA, or --quick")?;
         ensure!(data.is_dir(), "{}: expected a folder", data.display());
         let geno = data.join("geno").join("Geno.bin");
