@@ -145,6 +145,7 @@ pub mod kinematics;
 pub mod math;
 mod matrix;
 pub mod observer;
+pub mod pose_space;
 pub mod projection;
 #[cfg(feature = "serde")]
 mod serial;

@@ -268,6 +268,97 @@ pub fn slerp(a: Quat, b: Quat, t: f32) -> Quat {
     unit(a * exp(log(a.conjugate() * b) * t))
 }
 
+/// Four numbers that the same is done to: what compilers make vector instructions of where there are any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Four([f32; 4]);
+
+impl Four {
+    pub(crate) const ZERO: Self = Self::all(0.0);
+    pub(crate) const ONE: Self = Self::all(1.0);
+
+    #[inline]
+    pub(crate) const fn all(x: f32) -> Self {
+        Self([x; 4])
+    }
+
+    #[inline]
+    pub(crate) fn from_fn(number: impl Fn(u16) -> f32) -> Self {
+        Self([0, 1, 2, 3].map(number))
+    }
+
+    #[inline]
+    pub(crate) fn first(self) -> f32 {
+        self.0[0]
+    }
+
+    #[inline]
+    pub(crate) fn last(self) -> f32 {
+        self.0[3]
+    }
+
+    /// What comes before each: `before` and the first three.
+    #[inline]
+    pub(crate) fn after(self, before: f32) -> Self {
+        let [a, b, c, _] = self.0;
+        Self([before, a, b, c])
+    }
+
+    /// Sum of the roots.
+    #[inline]
+    pub(crate) fn sqrt_sum(self) -> f32 {
+        let [a, b, c, d] = self.0.map(sqrt);
+        a + b + c + d
+    }
+}
+
+/// An operation on each of four pairs.
+macro_rules! by_number {
+    ($operation:ident, $name:ident, $sign:tt) => {
+        impl core::ops::$operation for Four {
+            type Output = Self;
+
+            #[inline]
+            fn $name(self, other: Self) -> Self {
+                let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+                Self([a $sign e, b $sign f, c $sign g, d $sign h])
+            }
+        }
+    };
+}
+
+by_number!(Add, add, +);
+by_number!(Sub, sub, -);
+by_number!(Mul, mul, *);
+
+/// `sin(x) / x` and `cos(x)` of four x² in [0, π²]: to 5e-7 of 1, without a root, a case or a quarter to find.
+#[inline]
+pub(crate) fn sine_over_angle_and_cosine(squared: Four) -> (Four, Four) {
+    let polynomial = |coefficients: [f32; 7]| {
+        let [last, rest @ ..] = coefficients;
+        rest.into_iter().fold(Four::all(last), |sum, next| Four::all(next) + squared * sum)
+    };
+    // From the highest power. Minimax, of the absolute error; what is left out is below 8e-10.
+    let sine = [
+        1.361_460_1e-10,
+        -2.472_925_7e-8,
+        2.753_59e-6,
+        -1.984_053_7e-4,
+        8.333_322e-3,
+        -0.166_666_66,
+        1.0,
+    ];
+    let below_one = [
+        -9.723_404e-12,
+        2.060_390_7e-9,
+        -2.753_484_7e-7,
+        2.480_055_6e-5,
+        -1.388_886_4e-3,
+        4.166_666_4e-2,
+        -0.5,
+    ];
+    (polynomial(sine), Four::ONE + squared * polynomial(below_one))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -379,6 +470,20 @@ mod tests {
         }
         assert!(worst < 2.0 * f64::from(f32::EPSILON), "{worst:e}");
         assert_eq!(atan2(0.0, 0.0).to_bits(), 0);
+    }
+
+    #[test]
+    fn sines_and_cosines_of_four_are_as_good_as_said() {
+        let mut worst = 0.0f64;
+        for step in 0..=10_000u16 {
+            let x = PI * f32::from(step) * 1e-4;
+            let (sine, cosine) = sine_over_angle_and_cosine(Four::all(x * x));
+            let exact = f64::from(x * x).sqrt();
+            let of_angle = if step == 0 { 1.0 } else { exact.sin() / exact };
+            worst = worst.max((f64::from(sine.last()) - of_angle).abs());
+            worst = worst.max((f64::from(cosine.first()) - exact.cos()).abs());
+        }
+        assert!(worst < 5e-7, "{worst:e}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 pub mod character;
 pub mod evaluate;
 pub mod figure;
+pub mod geodesic;
 pub mod mocap;
 pub mod plant;
 mod random;

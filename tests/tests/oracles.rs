@@ -32,6 +32,7 @@ fn all_are_within_their_limits() {
         "control",
         "errors",
         "finite_difference",
+        "hauberg",
         "rnea_05",
         "rnea_18",
         "rnea_32",
@@ -53,6 +54,7 @@ fn a_wrong_number_is_over_its_limit() {
     for (file, quantity, right, wrong) in [
         ("rnea_05.json", "tau", "\"tau\":[[", "\"tau\":[[1"),
         ("solids.json", "volume", "\"volume\":", "\"volume\":1"),
+        ("hauberg.json", "line energy", "\"line\":{\"energy\":", "\"line\":{\"energy\":1"),
         ("weights.json", "cylinder_exact raw", "\"radius\":[0.1,0.14", "\"radius\":[0.1,0.15"),
         ("errors.json", "local e_rot", "\"local\":[{\"e_rot\":[", "\"local\":[{\"e_rot\":[1"),
         ("finite_difference.json", "forward lin_vel", "\"lin_vel\":[[", "\"lin_vel\":[[1"),
@@ -127,9 +129,9 @@ fn what_cannot_be_computed_is_named_with_file_case_and_field() {
 
 #[test]
 fn a_kind_can_be_skipped_but_not_everything() {
-    let folder = folder_with("rnea_05.json", |text| text.replacen("rnea/1", "hauberg/1", 1));
+    let folder = folder_with("rnea_05.json", |text| text.replacen("rnea/1", "hauberg/2", 1));
     let error = refusal(&folder);
-    assert!(error.contains("hauberg/1") && error.contains("--skip"), "{error}");
+    assert!(error.contains("hauberg/2") && error.contains("--skip"), "{error}");
     let all = verify_folder(folder.path(), &[Kind::Hauberg]);
     assert!(matches!(all, Err(VerifyError::NoFile { skipped: 1, .. })), "{all:?}");
 

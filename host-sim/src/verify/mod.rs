@@ -6,6 +6,7 @@ mod control;
 mod figure;
 mod finite_difference;
 mod golden;
+mod hauberg;
 mod rnea;
 mod solids;
 mod state_errors;
@@ -25,7 +26,8 @@ use tally::Tallies;
 pub use tally::{Limit, Tally};
 
 /// The schemas that are computed.
-const COMPUTED: &str = "rnea/1, control/1, errors/1, finite_difference/1, solids/1 and weights/1";
+const COMPUTED: &str =
+    "rnea/1, control/1, errors/1, finite_difference/1, solids/1, weights/1 and hauberg/1";
 
 /// What a golden file holds: the name before the slash of its schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -156,6 +158,9 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
         }
         "weights/1" => {
             golden.for_each_case(|name, case| weights::check(name, &case, &mut tallies))?;
+        }
+        "hauberg/1" => {
+            golden.for_each_case(|name, case| hauberg::check(name, &case, &mut tallies))?;
         }
         unknown => return Err(FileError::UnknownSchema { schema: unknown.to_owned() }),
     }

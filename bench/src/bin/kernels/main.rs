@@ -29,6 +29,7 @@ use sinew_core::dynamics::{
 use sinew_core::glam::Vec3;
 use sinew_core::importance::{RestPose, cylinder_surface, descendants_length};
 use sinew_core::observer::{Observer, ObserverSettings};
+use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
@@ -88,7 +89,8 @@ fn measure_all() -> Result<(), &'static str> {
     measure::<18>(matrix)?;
     measure::<32>(matrix)?;
     importance::<18>()?;
-    importance::<64>()
+    importance::<64>()?;
+    distances::<18>()
 }
 
 /// What is executed after this is counted.
@@ -223,6 +225,30 @@ fn importance<const N: usize>() -> Result<(), &'static str> {
     let radii_m = [0.05; N];
     count::<N>("importance_cylinders", |_| {
         black_box(cylinder_surface(black_box(&rest_pose), &radii_m, 0.001).is_ok());
+    });
+    Ok(())
+}
+
+/// How far two poses are apart in space: on the straight line between them in ten steps, and directly.
+fn distances<const N: usize>() -> Result<(), &'static str> {
+    let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
+    let space = PoseSpace::new(&tree);
+    let coordinates = |time_s: f32| {
+        let mut at = [Transform::IDENTITY; N];
+        poses(tree.bodies(), time_s, &mut at);
+        space.coordinates(&at).map_err(|_| "the pose cannot be")
+    };
+    let (a, b) = (coordinates(0.3)?, coordinates(0.9)?);
+    let mut workspace = LineWorkspace::new();
+    count::<N>("pose_line_distance", |_| {
+        black_box(space.line_distance(black_box(&a), &b, 10, &mut workspace));
+    });
+    count::<N>("pose_position_distance", |_| {
+        let (a, b) = (space.body_poses(black_box(&a)), space.body_poses(&b));
+        black_box(space.position_distance(&a, &b));
+    });
+    count::<N>("pose_angle_distance", |_| {
+        black_box(space.angle_distance(black_box(&a), &b));
     });
     Ok(())
 }

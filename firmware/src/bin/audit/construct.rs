@@ -11,6 +11,7 @@ use sinew_core::importance::{
     descendants_length,
 };
 use sinew_core::observer::{Observer, ObserverSettings};
+use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::supply::TorqueSupply;
@@ -121,6 +122,32 @@ pub(crate) fn importance() {
     let Ok(importance) = surface.importance() else { return };
     black_box(importance.as_slice());
     black_box(&BodyWeights::by_importance(&tree(), black_box(0.5), &importance));
+}
+
+#[inline(never)]
+pub(crate) fn pose_space() {
+    let tree = tree();
+    let Ok(space) = PoseSpace::new(&tree).with_weights(slice()) else { return };
+    let space = black_box(space).with_root();
+    black_box((space.tree(), space.dimensions(), &space.bone_lengths_m()));
+    let Ok(pose) = space.coordinates(slice()) else { return };
+    let pose = black_box(pose);
+    black_box(pose.as_slice());
+    space.joint_poses(&pose, slice_mut());
+    let bodies = black_box(space.body_poses(&pose));
+    black_box((bodies.as_slice(), bodies.positions_m().count()));
+    black_box((space.angle_distance(&pose, &pose), space.rotation_distance(&pose, &pose)));
+    black_box(space.position_distance(&bodies, &bodies));
+    let mut workspace = LineWorkspace::new();
+    black_box(space.line_distance(&pose, &pose, black_box(10), &mut workspace));
+    black_box((space.curve_energy(slice()), space.curve_length(slice())));
+    space.jacobian_column(&bodies, black_box(1), black_box(Motion::ZERO), slice_mut());
+    space.metric_product(&bodies, slice(), slice_mut());
+    black_box(space.metric_trace(&bodies));
+    space.energy_gradient(&bodies, &bodies, &bodies, slice_mut());
+    space.in_coordinates(&pose, slice(), slice_mut());
+    black_box(&space.on_line(&pose, &pose, black_box(0.5)));
+    black_box(&space.moved(&pose, slice()));
 }
 
 #[inline(never)]

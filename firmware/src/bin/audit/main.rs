@@ -35,6 +35,7 @@ fn main() -> ! {
         construct::projections();
         construct::observers();
         construct::importance();
+        construct::pose_space();
         targets::trajectories();
         targets::differences();
         tick::controller();

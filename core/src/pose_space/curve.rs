@@ -1,0 +1,98 @@
+//! The energy of a curve through poses, which geodesics make least, and its gradient.
+
+use glam::Vec3;
+
+use super::{BodyPoses, JointCoordinates, PoseCoordinates, PoseSpace, chart};
+use crate::fixed;
+use crate::math;
+use crate::transform::{Motion, Transform};
+
+impl<const N: usize> PoseSpace<'_, N> {
+    /// Energy of a curve through poses, eq. (6): the sum of the squared distances from each to the next, m². O(n) for each.
+    ///
+    /// The integral that it stands for, eq. (5), is as many times that as there are steps.
+    pub fn curve_energy(&self, points: &[BodyPoses<N>]) -> f32 {
+        self.steps_m(points).map(|step_m| step_m * step_m).sum()
+    }
+
+    /// Length of a curve through poses, eq. (4): the sum of the distances from each to the next, m. O(n) for each.
+    pub fn curve_length(&self, points: &[BodyPoses<N>]) -> f32 {
+        self.steps_m(points).sum()
+    }
+
+    fn steps_m(&self, points: &[BodyPoses<N>]) -> impl Iterator<Item = f32> {
+        points.iter().zip(points.iter().skip(1)).map(|(a, b)| self.position_distance(a, b))
+    }
+
+    /// Gradient of a curve's energy with respect to motions of one of its inner poses, joint by joint, in body axes:
+    /// `2 Jᵀ W (2 F - F₋ - F₊)`. O(n).
+    ///
+    /// Eq. (7) of the paper has `2 (F₋ - F₊)` there, which is not the derivative of eq. (6): it disagrees with finite differences.
+    ///
+    /// `out` goes by joint; what is longer than the rig is left alone.
+    pub fn energy_gradient(
+        &self,
+        before: &BodyPoses<N>,
+        at: &BodyPoses<N>,
+        after: &BodyPoses<N>,
+        out: &mut [Motion],
+    ) {
+        let positions = before.positions_m().zip(at.positions_m()).zip(after.positions_m());
+        for (((_, weight), ((before, at), after)), out) in
+            self.weighted().zip(positions).zip(out.iter_mut())
+        {
+            // Differences of neighbours: the sum would lose the digits that they have in common.
+            let linear = ((at - before) - (after - at)) * (2.0 * weight);
+            *out = Motion { angular: Vec3::ZERO, linear };
+        }
+        if let Some(out) = out.get_mut(..self.tree.len()) {
+            self.gather(at, out);
+        }
+    }
+
+    /// A gradient with respect to motions in body axes, as one with respect to the coordinates of the pose. O(n).
+    ///
+    /// `of_motions` and `out` go by joint.
+    pub fn in_coordinates(
+        &self,
+        at: &PoseCoordinates<N>,
+        of_motions: &[Motion],
+        out: &mut [JointCoordinates],
+    ) {
+        let joints = self.tree.bodies().iter().zip(&at.joints).zip(of_motions);
+        for (((body, at), of_motion), out) in joints.zip(out) {
+            *out = chart::gradient(body, at, of_motion);
+        }
+    }
+
+    /// The pose that a straight line in coordinates from one pose to another has come to at `t`: the first at 0, the
+    /// second at 1. Every joint goes the shorter way round. O(n).
+    pub fn on_line(
+        &self,
+        a: &PoseCoordinates<N>,
+        b: &PoseCoordinates<N>,
+        t: f32,
+    ) -> PoseCoordinates<N> {
+        let joints = self.tree.bodies().iter().zip(a.joints.iter().zip(&b.joints));
+        let joints = joints.map(|(body, (a, b))| {
+            let (start, step) = chart::way(body.joint, a, b);
+            start + step * t
+        });
+        PoseCoordinates { joints: fixed::collect(joints) }
+    }
+
+    /// The pose that is moved by `motions` of its joints, body axes, as far as their kinds leave them free. O(n).
+    #[must_use]
+    pub fn moved(&self, at: &PoseCoordinates<N>, motions: &[Motion]) -> PoseCoordinates<N> {
+        let joints =
+            self.tree.bodies().iter().zip(&at.joints).zip(motions).map(|((body, at), motion)| {
+                if self.leaves_out(body) {
+                    return JointCoordinates::ZERO;
+                }
+                let pose = chart::pose(body, at);
+                let step = Transform::new(math::exp(motion.angular), motion.linear);
+                chart::coordinates(body, &(pose * step))
+            });
+        PoseCoordinates { joints: fixed::collect(joints) }
+    }
+}

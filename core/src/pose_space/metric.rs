@@ -1,0 +1,233 @@
+//! Distances between two poses, and the metric tensor at one: `JᵀWJ`, never formed.
+
+use glam::{Quat, Vec3};
+use heapless::Vec;
+
+use super::{BodyPoses, PoseCoordinates, PoseSpace, chart};
+use crate::dynamics::degrees_of_freedom;
+use crate::fixed;
+use crate::joint::JointKind;
+use crate::kinematics::of_parent;
+use crate::math;
+use crate::symmetric::Symmetric;
+use crate::transform::{Motion, Transform};
+use crate::tree::Body;
+
+impl<const N: usize> PoseSpace<'_, N> {
+    /// Joint-angle metric, eq. (1): the root of the sum of the squared differences of all coordinates (rad; m of what slides),
+    /// each the shorter way round. O(n).
+    ///
+    /// Rotation vectors of ball joints have a seam at half a turn: next to it this depends on coordinates, and the triangle
+    /// inequality may fail. [`Self::rotation_distance`] has none.
+    pub fn angle_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
+        let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
+        math::sqrt(
+            joints
+                .map(|((body, weight), (a, b))| weight * chart::way(body.joint, a, b).1.squared())
+                .sum(),
+        )
+    }
+
+    /// Metric of the product of rotation groups: the root of the sum of the squared angles (rad) between both rotations of every
+    /// joint. It does not depend on coordinates. O(n).
+    ///
+    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Motion compression using principal geodesics analysis"
+    /// (2009), in metres.
+    pub fn rotation_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
+        let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
+        let squares = joints.map(|((body, weight), (a, b))| {
+            let (a, b) = (chart::pose(body, a), chart::pose(body, b));
+            let turn = math::log(math::turn_in_body(a.rotation, b.rotation));
+            weight * turn.dot(turn)
+        });
+        math::sqrt(squares.sum())
+    }
+
+    /// How long the bones are that a joint turns: the mean distance of the next joints from it, m; 0 where there are none. O(n).
+    pub fn bone_lengths_m(&self) -> Vec<f32, N> {
+        let mut bones: Vec<(f32, f32), N> =
+            fixed::collect(self.tree.bodies().iter().map(|_| (0.0, 0.0)));
+        for body in self.tree.bodies() {
+            if let Some((sum_m, count)) = body.parent.and_then(|parent| bones.get_mut(parent)) {
+                *sum_m += math::length(body.placement.translation_m);
+                *count += 1.0;
+            }
+        }
+        fixed::collect(
+            bones.iter().map(|(sum_m, count)| if *count > 0.0 { sum_m / count } else { 0.0 }),
+        )
+    }
+
+    /// Distance through space: the root of the sum of the squared distances (m) of all joints, `|F(a) - F(b)|`. It does not keep bones
+    /// as long as they are; no way between the poses is shorter. O(n).
+    pub fn position_distance(&self, a: &BodyPoses<N>, b: &BodyPoses<N>) -> f32 {
+        let ways = self.weighted().zip(a.positions_m().zip(b.positions_m()));
+        math::sqrt(ways.map(|((_, weight), (a, b))| weight * (a - b).dot(a - b)).sum())
+    }
+
+    /// A column of the Jacobian of F: how all joints move (m/s, world axes) when one does, by `motion` in its body's axes, as far as its
+    /// kind lets it. O(n).
+    ///
+    /// `out` goes by body; what is longer than the rig is left alone.
+    pub fn jacobian_column(
+        &self,
+        at: &BodyPoses<N>,
+        joint: usize,
+        motion: Motion,
+        out: &mut [Vec3],
+    ) {
+        let moved = self.tree.bodies().get(joint).filter(|body| !self.leaves_out(body));
+        let (Some(body), Some(place)) = (moved, at.bodies.get(joint)) else {
+            return out.iter_mut().take(self.tree.len()).for_each(|out| *out = Vec3::ZERO);
+        };
+        let motion = self.let_through(body, place, at, motion).rotated(place.rotation);
+        let subtree = self.tree.subtree(joint);
+        for (index, (position, out)) in at.positions_m().zip(out).enumerate() {
+            *out = if subtree.contains(index) {
+                motion.linear + motion.angular.cross(position - place.translation_m)
+            } else {
+                Vec3::ZERO
+            };
+        }
+    }
+
+    /// `JᵀWJ v`: the metric tensor at a pose times motions of all joints (body axes), without the matrix. O(n).
+    ///
+    /// `v` and `out` go by joint, and of `v` only counts what a joint's kind leaves free. `out` is in the same axes.
+    pub fn metric_product(&self, at: &BodyPoses<N>, v: &[Motion], out: &mut [Motion]) {
+        // Outwards: how every body moves, in world axes.
+        for (index, ((body, place), v)) in
+            self.tree.bodies().iter().zip(&at.bodies).zip(v).enumerate()
+        {
+            let of_joint = self.let_through(body, place, at, *v).rotated(place.rotation);
+            let parent = of_parent(body, out, &Motion::ZERO);
+            let arm = place.translation_m
+                - of_parent(body, &at.bodies, &Transform::IDENTITY).translation_m;
+            let moved = Motion {
+                angular: parent.angular + of_joint.angular,
+                linear: parent.linear + parent.angular.cross(arm) + of_joint.linear,
+            };
+            let Some(slot) = out.get_mut(index) else { return };
+            *slot = moved;
+        }
+        for (motion, weight) in out.iter_mut().zip(&self.weights) {
+            *motion = Motion { angular: Vec3::ZERO, linear: motion.linear * *weight };
+        }
+        self.gather(at, out);
+    }
+
+    /// Jᵀ of forces on all bodies (`linear`, at the joints, world axes; `angular` zero), in place: what of them every joint feels, in body
+    /// axes, as far as its kind leaves it free.
+    pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Motion]) {
+        for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
+            let Some(of_body) = forces.get(index).copied() else { continue };
+            if let Some(parent) = body.parent
+                && let (Some(place_of_parent), Some(of_parent)) =
+                    (at.bodies.get(parent), forces.get_mut(parent))
+            {
+                let arm = place.translation_m - place_of_parent.translation_m;
+                of_parent.linear += of_body.linear;
+                of_parent.angular += of_body.angular + arm.cross(of_body.linear);
+            }
+            let felt =
+                self.let_through(body, place, at, of_body.rotated(place.rotation.conjugate()));
+            if let Some(slot) = forces.get_mut(index) {
+                *slot = felt;
+            }
+        }
+    }
+
+    /// Trace of the metric tensor `JᵀWJ` in body axes: how fast all joints move, squared and summed over all motions of one joint at a
+    /// time by 1 rad/s or 1 m/s. O(n).
+    pub fn metric_trace(&self, at: &BodyPoses<N>) -> f32 {
+        // Of what every joint carries: weight, first and second moments about the joint, world axes.
+        let mut carried: Vec<Carried, N> =
+            fixed::collect(self.weights.iter().map(|weight| Carried::point(*weight)));
+        let mut trace = 0.0;
+        for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
+            let Some(of_body) = carried.get(index).copied() else { continue };
+            if let Some(parent) = body.parent
+                && let (Some(place_of_parent), Some(of_parent)) =
+                    (at.bodies.get(parent), carried.get_mut(parent))
+            {
+                of_parent.add(&of_body, place.translation_m - place_of_parent.translation_m);
+            }
+            if self.leaves_out(body) {
+                continue;
+            }
+            let rotation_in_joint = rotation_in_joint(body, place, at);
+            for column in &body.joint.motion_subspace(rotation_in_joint) {
+                let axis = math::rotate(place.rotation, column.angular);
+                trace +=
+                    of_body.turned_about(axis) + of_body.weight * column.linear.dot(column.linear);
+            }
+        }
+        trace
+    }
+
+    /// Number of coordinates: the joints' degrees of freedom, without those of a root that does not count.
+    pub fn dimensions(&self) -> usize {
+        let bodies = self.tree.bodies();
+        let root = bodies.iter().filter(|body| self.leaves_out(body));
+        let left_out: usize = root.map(|body| body.joint.degrees_of_freedom()).sum();
+        degrees_of_freedom(bodies).saturating_sub(left_out)
+    }
+
+    fn let_through(
+        &self,
+        body: &Body,
+        place: &Transform,
+        at: &BodyPoses<N>,
+        motion: Motion,
+    ) -> Motion {
+        if self.leaves_out(body) {
+            return Motion::ZERO;
+        }
+        body.joint.project_motion(rotation_in_joint(body, place, at), motion)
+    }
+}
+
+/// Rotation of a body in its joint frame, as far as its motion subspace depends on it.
+fn rotation_in_joint<const N: usize>(body: &Body, place: &Transform, at: &BodyPoses<N>) -> Quat {
+    if !matches!(body.joint, JointKind::Universal { .. }) {
+        return Quat::IDENTITY;
+    }
+    let parent = of_parent(body, &at.bodies, &Transform::IDENTITY);
+    body.rotation_in_joint(parent.rotation.conjugate() * place.rotation)
+}
+
+/// The weights that a joint carries, seen from it.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    weight: f32,
+    /// Σ w r.
+    first: Vec3,
+    /// Σ w r rᵀ.
+    second: Symmetric,
+}
+
+impl Carried {
+    fn point(weight: f32) -> Self {
+        Self { weight, first: Vec3::ZERO, second: Symmetric::ZERO }
+    }
+
+    /// Takes in what an outer joint carries, `arm` away.
+    fn add(&mut self, outer: &Self, arm: Vec3) {
+        self.weight += outer.weight;
+        self.first += outer.first + arm * outer.weight;
+        self.second = self.second
+            + outer.second
+            + Symmetric::from_outer(arm, outer.first)
+            + Symmetric::from_outer(arm, arm * (0.5 * outer.weight));
+    }
+
+    /// `Σ w |axis × r|²` of a unit axis, or 0 of none.
+    fn turned_about(&self, axis: Vec3) -> f32 {
+        let along = axis.dot(Vec3::new(
+            self.second.x_axis().dot(axis),
+            self.second.y_axis().dot(axis),
+            self.second.z_axis().dot(axis),
+        ));
+        self.second.trace() * axis.dot(axis) - along
+    }
+}

@@ -1,0 +1,74 @@
+//! Symmetric block-tridiagonal systems, by Cholesky factors of their blocks.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the blocks on
+/// it, `above[k]` the one in row k, column k + 1. `None` if it is not positive definite. O(blocks · size³).
+pub(super) fn solve(
+    diagonal: &[DMatrix<f64>],
+    above: &[DMatrix<f64>],
+    right: &[DVector<f64>],
+) -> Option<Vec<DVector<f64>>> {
+    let mut factors: Vec<Cholesky<f64, Dyn>> = Vec::with_capacity(diagonal.len());
+    // L⁻¹ of the factor before, times the block above: what is left of it below the diagonal, transposed.
+    let mut couplings: Vec<DMatrix<f64>> = Vec::with_capacity(above.len());
+    let mut forward: Vec<DVector<f64>> = Vec::with_capacity(right.len());
+    for (k, (block, right)) in diagonal.iter().zip(right).enumerate() {
+        let (mut block, mut right) = (block.clone(), right.clone());
+        if let Some(before) = factors.last() {
+            let lower = before.l_dirty();
+            let mut coupling = above[k - 1].clone();
+            lower.solve_lower_triangular_mut(&mut coupling);
+            block.gemm_tr(-1.0, &coupling, &coupling, 1.0);
+            right.gemv_tr(-1.0, &coupling, &forward[k - 1], 1.0);
+            couplings.push(coupling);
+        }
+        let factor = Cholesky::new(block)?;
+        factor.l_dirty().solve_lower_triangular_mut(&mut right);
+        forward.push(right);
+        factors.push(factor);
+    }
+    for k in (0..factors.len()).rev() {
+        if let Some(coupling) = couplings.get(k) {
+            let (before, after) = forward.split_at_mut(k + 1);
+            before[k].gemv(-1.0, coupling, &after[0], 1.0);
+        }
+        factors[k].l_dirty().tr_solve_lower_triangular_mut(&mut forward[k]);
+    }
+    Some(forward)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solutions_are_those_of_the_whole_matrix() {
+        let number = |i: usize, j: usize, k: usize| libm::sin((3 * i + 7 * j + 11 * k + 1) as f64);
+        let (size, blocks) = (4, 5);
+        let diagonal: Vec<_> = (0..blocks)
+            .map(|k| {
+                let any = DMatrix::from_fn(size, size, |i, j| number(i, j, k));
+                any.tr_mul(&any) + DMatrix::identity(size, size) * 6.0
+            })
+            .collect();
+        let above: Vec<_> = (0..blocks - 1)
+            .map(|k| DMatrix::from_fn(size, size, |i, j| number(j, i, k + 20)))
+            .collect();
+        let right: Vec<_> =
+            (0..blocks).map(|k| DVector::from_fn(size, |i, _| number(i, 5, k))).collect();
+        let solution = solve(&diagonal, &above, &right).unwrap();
+        for k in 0..blocks {
+            let mut product = &diagonal[k] * &solution[k];
+            if k > 0 {
+                product += above[k - 1].tr_mul(&solution[k - 1]);
+            }
+            if k + 1 < blocks {
+                product += &above[k] * &solution[k + 1];
+            }
+            assert!((product - &right[k]).amax() < 1e-12);
+        }
+        let indefinite = [-&diagonal[0]];
+        assert_eq!(solve(&indefinite, &[], &right[..1]), None);
+    }
+}

@@ -1,0 +1,14 @@
+//! Geodesics between poses: the shortest ways through space that keep all bones as long as they are, and joints within
+//! their ranges. f64, in its own code: the judge of [`sinew_core::pose_space`].
+
+mod block_tridiagonal;
+mod joint;
+mod rig;
+mod solver;
+
+pub use joint::JointPosition;
+pub use rig::{Rig, RigError, RigJoint};
+pub use solver::{Geodesic, Iteration, Options, solve};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,359 @@
+//! A rig in f64: where a pose puts its joints, and how they move.
+
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{DMatrix, DVector};
+use sinew_core::projection::JointRange;
+use sinew_core::{Body, JointKind};
+use thiserror::Error;
+
+use super::joint::{Axis, JointPosition, Model};
+
+/// The rig that poses are of: its joints, their ranges, and how much it counts where each is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    pub(super) joints: Vec<Joint>,
+    /// Number of columns of the Jacobian.
+    pub(super) columns: usize,
+}
+
+/// A joint as it is given: on its parent, whose index is smaller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigJoint {
+    /// Index of the parent; `None` for the root alone, which is left out.
+    pub parent: Option<usize>,
+    /// What it leaves free.
+    pub kind: JointKind,
+    /// Rotation of the joint frame in the parent.
+    pub rotation: DQuat,
+    /// Position of the joint in the parent, m.
+    pub offset_m: DVec3,
+    /// How far it can go.
+    pub range: JointRange,
+    /// How much the square of its way counts.
+    pub weight: f64,
+}
+
+impl From<&Body> for RigJoint {
+    /// As far as its kind lets it, counting 1.
+    fn from(body: &Body) -> Self {
+        Self {
+            parent: body.parent,
+            kind: body.joint,
+            rotation: body.placement.rotation.as_dquat(),
+            offset_m: body.placement.translation_m.as_dvec3(),
+            range: JointRange::Any,
+            weight: 1.0,
+        }
+    }
+}
+
+/// A joint on its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Joint {
+    pub(super) parent: Option<usize>,
+    pub(super) model: Model,
+    rotation: DQuat,
+    offset_m: DVec3,
+    weight: f64,
+    pub(super) range: JointRange,
+    /// Whether a geodesic moves it: neither left out, nor fixed, nor without any joint that it moves.
+    pub(super) moves: bool,
+}
+
+/// What a pose is made of, when it cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RigError {
+    /// One is missing, or there are too many.
+    #[error("{what}: expected {expected}, one for each joint, found {found}")]
+    Count {
+        /// What.
+        what: &'static str,
+        /// Number of joints.
+        expected: usize,
+        /// Number given.
+        found: usize,
+    },
+    /// A joint's item is not usable.
+    #[error("joint {joint}: {what}")]
+    Joint {
+        /// The joint.
+        joint: usize,
+        /// What is wrong and what would be right.
+        what: &'static str,
+    },
+}
+
+/// Where a pose puts the joints, and how it can move them.
+#[derive(Debug, Clone)]
+pub(super) struct Placed {
+    /// F: positions of all joints in one vector, each times the root of its weight.
+    pub(super) f: DVector<f64>,
+    positions_m: Vec<DVec3>,
+    /// By column.
+    axes: Vec<(usize, Axis)>,
+}
+
+impl Rig {
+    /// A rig of joints in regular numbering, the root being left out: where it is and how it is turned counts for nothing.
+    ///
+    /// # Errors
+    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a parent does not come
+    /// first.
+    pub fn new(given: &[RigJoint]) -> Result<Self, RigError> {
+        let expected = given.len();
+        let mut joints = Vec::with_capacity(expected);
+        for (joint, given) in given.iter().enumerate() {
+            // Written so that NaN is bad.
+            let what = if !(0.0..=1e6).contains(&given.weight) {
+                "expected a weight from 0 to 1e6"
+            } else if given.parent.map_or(joint > 0, |parent| parent >= joint) {
+                "expected a parent that comes before it, and one root alone"
+            } else if !((given.rotation.length_squared() - 1.0).abs() < 1e-3
+                && given.offset_m.is_finite())
+            {
+                "expected a finite offset and a unit quaternion"
+            } else if given.kind.validate().is_err() {
+                "expected unit axes, of a universal joint perpendicular ones"
+            } else if !fits(given.range, given.kind.into()) {
+                "expected a range that a joint of its kind can have, its first end not above its second"
+            } else {
+                joints.push(Joint {
+                    parent: given.parent,
+                    model: given.kind.into(),
+                    rotation: given.rotation.normalize(),
+                    offset_m: given.offset_m,
+                    weight: given.weight,
+                    range: given.range,
+                    moves: false,
+                });
+                continue;
+            };
+            return Err(RigError::Joint { joint, what });
+        }
+        // Whether turning or sliding it moves a joint that counts.
+        let mut carries = vec![false; expected];
+        for index in (0..expected).rev() {
+            let joint = &joints[index];
+            let slides = matches!(joint.model, Model::Prismatic(_) | Model::Free);
+            let counts = joint.weight > 0.0;
+            let moves = carries[index] || (slides && counts);
+            if let Some(parent) = joint.parent {
+                carries[parent] |= carries[index] || counts;
+            }
+            joints[index].moves = moves && joints[index].parent.is_some();
+        }
+        let columns = joints
+            .iter()
+            .filter(|joint| joint.moves)
+            .map(|joint| joint.model.degrees_of_freedom())
+            .sum();
+        Ok(Self { joints, columns })
+    }
+
+    /// Checks a pose, and brings its quaternions to length 1.
+    ///
+    /// # Errors
+    /// [`RigError`] if there is not a finite state of the right kind for each joint.
+    pub fn checked(&self, pose: &[JointPosition]) -> Result<Vec<JointPosition>, RigError> {
+        if pose.len() != self.joints.len() {
+            let (expected, found) = (self.joints.len(), pose.len());
+            return Err(RigError::Count { what: "pose", expected, found });
+        }
+        let bad = self.joints.iter().zip(pose).position(|(joint, state)| !joint.model.has(state));
+        if let Some(joint) = bad {
+            let what = "expected a finite state of the joint's kind, with a unit quaternion";
+            return Err(RigError::Joint { joint, what });
+        }
+        let still = [0.0; 6];
+        Ok(self
+            .joints
+            .iter()
+            .zip(pose)
+            .map(|(joint, state)| {
+                Model::stepped(state, joint.range, &still[..joint.model.degrees_of_freedom()])
+            })
+            .collect())
+    }
+
+    /// Positions of all joints in a pose as seen from the root, m.
+    pub fn positions_m(&self, pose: &[JointPosition]) -> Vec<DVec3> {
+        self.frames(pose).into_iter().map(|(_, _, position)| position).collect()
+    }
+
+    /// Of each body: rotation of its joint frame, its own, and its position.
+    fn frames(&self, pose: &[JointPosition]) -> Vec<(DQuat, DQuat, DVec3)> {
+        let mut frames: Vec<(DQuat, DQuat, DVec3)> = Vec::with_capacity(self.joints.len());
+        for (joint, state) in self.joints.iter().zip(pose) {
+            let Some(parent) = joint.parent else {
+                frames.push((DQuat::IDENTITY, DQuat::IDENTITY, DVec3::ZERO));
+                continue;
+            };
+            let (_, of_parent, position) = frames[parent];
+            let frame = of_parent * joint.rotation;
+            let (turn, slide) = joint.model.pose(state);
+            frames.push((
+                frame,
+                (frame * turn).normalize(),
+                position + of_parent * joint.offset_m + frame * slide,
+            ));
+        }
+        frames
+    }
+
+    /// Where a pose puts the joints.
+    pub(super) fn place(&self, pose: &[JointPosition]) -> Placed {
+        let frames = self.frames(pose);
+        let mut axes = Vec::with_capacity(self.columns);
+        let mut of_joint = Vec::new();
+        for (index, (joint, state)) in self.joints.iter().zip(pose).enumerate() {
+            if joint.moves {
+                let (frame, body, _) = frames[index];
+                joint.model.axes(state, joint.range, frame, body, &mut of_joint);
+                axes.extend(of_joint.drain(..).map(|axis| (index, axis)));
+            }
+        }
+        let positions_m: Vec<_> = frames.into_iter().map(|(_, _, position)| position).collect();
+        let weighted = self
+            .joints
+            .iter()
+            .zip(&positions_m)
+            .flat_map(|(joint, position)| (*position * libm::sqrt(joint.weight)).to_array());
+        let f = DVector::from_iterator(3 * self.joints.len(), weighted);
+        Placed { f, positions_m, axes }
+    }
+
+    /// W½ J at a pose: a column for each axis of each joint that moves.
+    pub(super) fn jacobian(&self, at: &Placed) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
+        for (column, (moving, axis)) in at.axes.iter().enumerate() {
+            for (index, joint) in self.joints.iter().enumerate().skip(*moving) {
+                if !self.carries(*moving, index) {
+                    continue;
+                }
+                let arm = at.positions_m[index] - at.positions_m[*moving];
+                let moved = (axis.angular.cross(arm) + axis.linear) * libm::sqrt(joint.weight);
+                jacobian
+                    .fixed_view_mut::<3, 1>(3 * index, column)
+                    .copy_from_slice(&moved.to_array());
+            }
+        }
+        jacobian
+    }
+
+    /// Σ over all joints of `force` times the second derivative of their (weighted) positions: how the surface that F makes
+    /// bends, as seen along a force.
+    ///
+    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders' mean.
+    pub(super) fn bend(&self, at: &Placed, force: &DVector<f64>) -> DMatrix<f64> {
+        let count = self.joints.len();
+        // Of what every joint carries: the sum of forces, and Σ r fᵀ about the joint.
+        let mut sum = vec![DVec3::ZERO; count];
+        let mut moment = vec![DMat3::ZERO; count];
+        for index in (0..count).rev() {
+            let joint = &self.joints[index];
+            let own = DVec3::from_slice(&force.as_slice()[3 * index..]) * libm::sqrt(joint.weight);
+            sum[index] += own;
+            if let Some(parent) = joint.parent {
+                let arm = at.positions_m[index] - at.positions_m[parent];
+                let (force, carried) = (sum[index], moment[index]);
+                sum[parent] += force;
+                moment[parent] += carried + outer(arm, force);
+            }
+        }
+        // Σ u × f of each column.
+        let gathered: Vec<DVec3> = at
+            .axes
+            .iter()
+            .map(|(joint, axis)| {
+                let matrix = moment[*joint];
+                let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
+                matrix * axis.angular - axis.angular * trace + axis.linear.cross(sum[*joint])
+            })
+            .collect();
+        let mut bend = DMatrix::zeros(self.columns, self.columns);
+        for (inner, (of_inner, _)) in at.axes.iter().enumerate() {
+            for (outer, (of_outer, axis)) in at.axes.iter().enumerate().take(inner + 1) {
+                if !self.carries(*of_outer, *of_inner) {
+                    continue;
+                }
+                let is_ball = of_outer == of_inner
+                    && matches!(self.joints[*of_outer].model, Model::Spherical | Model::Free);
+                let value = if is_ball {
+                    let (a, b) = (axis.angular, at.axes[inner].1.angular);
+                    // Sliding in the frame that the turn does not carry: nothing.
+                    if a == DVec3::ZERO || b == DVec3::ZERO {
+                        0.0
+                    } else {
+                        0.5 * (a.dot(gathered[inner]) + b.dot(gathered[outer]))
+                    }
+                } else {
+                    axis.angular.dot(gathered[inner])
+                };
+                bend[(outer, inner)] = value;
+                bend[(inner, outer)] = value;
+            }
+        }
+        bend
+    }
+
+    /// Whether a joint is another or carries it.
+    fn carries(&self, joint: usize, mut carried: usize) -> bool {
+        while carried > joint {
+            let Some(parent) = self.joints[carried].parent else { return false };
+            carried = parent;
+        }
+        carried == joint
+    }
+
+    /// The pose after a step along all axes.
+    pub(super) fn stepped(&self, pose: &[JointPosition], step: &[f64]) -> Vec<JointPosition> {
+        let mut rest = step;
+        self.joints
+            .iter()
+            .zip(pose)
+            .map(|(joint, state)| {
+                if !joint.moves {
+                    return *state;
+                }
+                let (own, after) = rest.split_at(joint.model.degrees_of_freedom());
+                rest = after;
+                Model::stepped(state, joint.range, own)
+            })
+            .collect()
+    }
+
+    /// By column: the sign of the way out where the range ends, or 0.
+    pub(super) fn ends(&self, pose: &[JointPosition]) -> Vec<f64> {
+        let mut ends = Vec::with_capacity(self.columns);
+        for (joint, state) in self.joints.iter().zip(pose).filter(|(joint, _)| joint.moves) {
+            joint.model.ends(state, joint.range, &mut ends);
+        }
+        ends
+    }
+
+    /// The pose a share `t` of the way from one to another, each joint on its own.
+    pub(super) fn between(
+        from: &[JointPosition],
+        to: &[JointPosition],
+        t: f64,
+    ) -> Vec<JointPosition> {
+        from.iter().zip(to).map(|(from, to)| Model::between(from, to, t)).collect()
+    }
+}
+
+/// `a bᵀ`.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// Whether a joint of this kind can have this range; NaN is in none.
+fn fits(range: JointRange, model: Model) -> bool {
+    let ordered = |[least, most]: [f32; 2]| least <= most;
+    match (range, model) {
+        (JointRange::Any, _) => true,
+        (JointRange::Axis(ends), Model::Revolute(_) | Model::Prismatic(_)) => ordered(ends),
+        (JointRange::Axes(ends), Model::Universal(..)) => ends.into_iter().all(ordered),
+        (JointRange::Turn(most), Model::Spherical) => most > 0.0 && most <= std::f32::consts::PI,
+        _ => false,
+    }
+}

@@ -1,0 +1,209 @@
+use glam::{DQuat, DVec3};
+use sinew_core::JointKind;
+use sinew_core::glam::Vec3;
+use sinew_core::projection::JointRange;
+
+use super::*;
+
+/// A joint 0.3 m along x from its parent.
+fn joint(parent: Option<usize>, kind: JointKind) -> RigJoint {
+    RigJoint {
+        parent,
+        kind,
+        rotation: DQuat::IDENTITY,
+        offset_m: DVec3::X * 0.3,
+        range: JointRange::Any,
+        weight: 1.0,
+    }
+}
+
+const HINGE: JointKind = JointKind::Revolute { axis: Vec3::Z };
+const CROSS: JointKind = JointKind::Universal { first: Vec3::Y, second: Vec3::Z };
+
+/// A trunk that bends, and on it an arm of a ball, a hinge and a slide, and one of a cross and a hinge.
+fn rig_of_all_kinds() -> Vec<RigJoint> {
+    let skewed = |joint: RigJoint| RigJoint {
+        rotation: DQuat::from_scaled_axis(DVec3::new(0.3, -0.6, 0.2)),
+        offset_m: DVec3::new(0.1, 0.25, -0.05),
+        ..joint
+    };
+    vec![
+        joint(None, JointKind::Free),
+        joint(Some(0), CROSS),
+        skewed(joint(Some(1), JointKind::Spherical)),
+        joint(Some(2), HINGE),
+        joint(Some(3), JointKind::Prismatic { axis: Vec3::X }),
+        joint(Some(4), JointKind::Fixed),
+        skewed(joint(Some(1), CROSS)),
+        joint(Some(6), HINGE),
+        RigJoint { weight: 2.5, ..joint(Some(7), JointKind::Fixed) },
+    ]
+}
+
+fn pose(sign: f64) -> Vec<JointPosition> {
+    let turn = |x: f64, y: f64, z: f64| DQuat::from_scaled_axis(DVec3::new(x, y, z) * sign);
+    vec![
+        JointPosition::Free(DQuat::IDENTITY, DVec3::ZERO),
+        JointPosition::Along([0.3 * sign, -0.2 * sign]),
+        JointPosition::Turn(turn(0.4, 0.7, -0.3)),
+        JointPosition::Along([0.5 + 0.6 * sign, 0.0]),
+        JointPosition::Along([0.05 * sign, 0.0]),
+        JointPosition::Fixed,
+        JointPosition::Along([0.6 * sign, 0.9 * sign]),
+        JointPosition::Along([-0.8 * sign, 0.0]),
+        JointPosition::Fixed,
+    ]
+}
+
+#[test]
+fn derivatives_are_those_of_positions() {
+    let rig = Rig::new(&rig_of_all_kinds()).unwrap();
+    let at = pose(0.8);
+    let (placed, step) = (rig.place(&at), 1e-4);
+    let moved = |changes: &[(usize, f64)]| {
+        let mut along = vec![0.0; rig.columns];
+        for (column, change) in changes {
+            along[*column] += change;
+        }
+        rig.place(&rig.stepped(&at, &along))
+    };
+    let jacobian = rig.jacobian(&placed);
+    let force = placed.f.map(|x| libm::sin(17.0 * x) + 0.3);
+    let bend = rig.bend(&placed, &force);
+    for column in 0..rig.columns {
+        let (after, before) = (moved(&[(column, step)]), moved(&[(column, -step)]));
+        let difference = (&after.f - &before.f) / (2.0 * step);
+        assert!((difference - jacobian.column(column)).amax() < 1e-8, "column {column}");
+        for other in 0..rig.columns {
+            let at = |a: f64, b: f64| moved(&[(column, a * step), (other, b * step)]).f.dot(&force);
+            let second = (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0))
+                / (4.0 * step * step);
+            // Central differences of second order: third derivatives times h², and rounding over h².
+            assert!(
+                (second - bend[(column, other)]).abs() < 1e-6,
+                "{column} {other}: {second} {}",
+                bend[(column, other)]
+            );
+        }
+    }
+}
+
+#[test]
+fn no_other_curve_has_less_energy() {
+    let rig = Rig::new(&rig_of_all_kinds()).unwrap();
+    let geodesic = solve(&rig, &pose(1.0), &pose(-1.0), &Options::default()).unwrap();
+    assert!(geodesic.converged && geodesic.course.len() < 60, "{:?}", geodesic.course.last());
+    assert!(geodesic.length_m < geodesic.line_length_m);
+    // Steps of one size: an energy is at least the squared length over their number.
+    let steps = (geodesic.poses.len() - 1) as f64;
+    assert!((geodesic.energy_m2 * steps / geodesic.length_m.powi(2) - 1.0).abs() < 1e-3);
+    let energy = |poses: &[Vec<JointPosition>]| -> f64 {
+        let placed: Vec<_> = poses.iter().map(|pose| rig.place(pose)).collect();
+        placed.windows(2).map(|pair| (&pair[1].f - &pair[0].f).norm_squared()).sum()
+    };
+    assert!((energy(&geodesic.poses) - geodesic.energy_m2).abs() < 1e-15);
+    for k in 1..geodesic.poses.len() - 1 {
+        for column in 0..rig.columns {
+            for change in [-1e-3, 1e-3] {
+                let mut along = vec![0.0; rig.columns];
+                along[column] = change;
+                let mut poses = geodesic.poses.clone();
+                poses[k] = rig.stepped(&poses[k], &along);
+                assert!(energy(&poses) > geodesic.energy_m2 - 1e-12, "{k} {column}");
+            }
+        }
+    }
+}
+
+#[test]
+fn both_methods_find_the_same_near_by() {
+    // Of wide motions there are several minima.
+    let rig = Rig::new(&rig_of_all_kinds()).unwrap();
+    let of = |second_derivatives| {
+        let options = Options { second_derivatives, ..Options::default() };
+        solve(&rig, &pose(0.5), &pose(-0.3), &options).unwrap()
+    };
+    let (newton, gauss_newton) = (of(true), of(false));
+    assert!(newton.converged && gauss_newton.converged);
+    println!("{} {}", newton.course.len(), gauss_newton.course.len());
+    assert!((gauss_newton.energy_m2 / newton.energy_m2 - 1.0).abs() < 1e-9);
+    assert!(newton.course.len() < gauss_newton.course.len());
+}
+
+#[test]
+fn joints_stay_within_their_ranges() {
+    // An arm from one side to the other goes inwards, by bending its elbow: as far as that can.
+    let free = vec![
+        joint(None, JointKind::Fixed),
+        joint(Some(0), JointKind::Spherical),
+        joint(Some(1), HINGE),
+        joint(Some(2), JointKind::Fixed),
+    ];
+    let pose = |angle: f64| {
+        vec![
+            JointPosition::Fixed,
+            JointPosition::Turn(DQuat::from_rotation_z(angle)),
+            // Straight, both sides to bend to would be equally good.
+            JointPosition::Along([0.05, 0.0]),
+            JointPosition::Fixed,
+        ]
+    };
+    let widest = |geodesic: &Geodesic| {
+        let elbow = |pose: &Vec<JointPosition>| match pose[2] {
+            JointPosition::Along([angle, _]) => angle.abs(),
+            _ => unreachable!("a hinge"),
+        };
+        geodesic.poses.iter().map(elbow).fold(0.0, f64::max)
+    };
+    let of = |joints: &[RigJoint]| {
+        let rig = Rig::new(joints).unwrap();
+        solve(&rig, &pose(-0.9), &pose(0.9), &Options::default()).unwrap()
+    };
+    let any = of(&free);
+    let mut stiff = free.clone();
+    stiff[2].range = JointRange::Axis([-0.25, 0.25]);
+    let ranged = of(&stiff);
+    stiff[2].range = JointRange::Axis([0.0, 0.0]);
+    let locked = of(&stiff);
+    assert!(any.converged && ranged.converged && locked.converged);
+    assert!(widest(&any) > 0.3, "{}", widest(&any));
+    assert!((widest(&ranged) - 0.25).abs() < 1e-12, "{}", widest(&ranged));
+    assert_eq!(widest(&locked), 0.0);
+    assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
+
+    let mut narrow = free;
+    narrow[1].range = JointRange::Turn(0.9);
+    let narrow = of(&narrow);
+    assert!(narrow.converged);
+    for pose in &narrow.poses {
+        let JointPosition::Turn(q) = pose[1] else { unreachable!("a ball") };
+        assert!(joint::rotation_vector(q).length() < 0.9 + 1e-7);
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let good = rig_of_all_kinds();
+    for (index, bad) in [
+        (3, RigJoint { weight: f64::NAN, ..good[3] }),
+        (3, RigJoint { weight: -1.0, ..good[3] }),
+        (3, RigJoint { parent: None, ..good[3] }),
+        (3, RigJoint { parent: Some(3), ..good[3] }),
+        (2, RigJoint { offset_m: DVec3::NAN, ..good[2] }),
+        (2, RigJoint { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 2.0), ..good[2] }),
+        (3, RigJoint { range: JointRange::Turn(1.0), ..good[3] }),
+        (3, RigJoint { range: JointRange::Axis([1.0, -1.0]), ..good[3] }),
+        (3, RigJoint { kind: JointKind::Revolute { axis: Vec3::ZERO }, ..good[3] }),
+    ] {
+        let mut joints = good.clone();
+        joints[index] = bad;
+        assert!(matches!(Rig::new(&joints), Err(RigError::Joint { joint, .. }) if joint == index));
+    }
+    let rig = Rig::new(&good).unwrap();
+    let (mut missing, mut nan) = (pose(1.0), pose(1.0));
+    missing.pop();
+    nan[3] = JointPosition::Along([f64::NAN, 0.0]);
+    let of = |from: &[JointPosition]| solve(&rig, from, &pose(1.0), &Options::default());
+    assert_eq!(of(&missing), Err(RigError::Count { what: "pose", expected: 9, found: 8 }));
+    assert!(matches!(of(&nan), Err(RigError::Joint { joint: 3, .. })));
+}

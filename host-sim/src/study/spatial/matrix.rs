@@ -1,0 +1,84 @@
+//! Distances between all pairs of some things, each worked out once.
+
+use rayon::prelude::*;
+
+/// A symmetric matrix of distances, zero on its diagonal: its lower triangle, row by row, in f32.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distances {
+    count: usize,
+    below: Vec<f32>,
+}
+
+impl Distances {
+    /// The distances that `distance` has between things `i > j`, rows in parallel; `done` is told of every row with its number
+    /// of pairs. The same bits for any number of threads. Memory: two bytes for each ordered pair.
+    pub fn new<W>(
+        count: usize,
+        workspace: impl Fn() -> W + Sync,
+        distance: impl Fn(&mut W, usize, usize) -> f32 + Sync,
+        done: impl Fn(usize) + Sync,
+    ) -> Self {
+        let mut below = vec![0.0; count * count.saturating_sub(1) / 2];
+        let mut rows = Vec::with_capacity(count);
+        let mut rest = below.as_mut_slice();
+        for row in 1..count {
+            let (own, after) = rest.split_at_mut(row);
+            rows.push(own);
+            rest = after;
+        }
+        rows.into_par_iter().enumerate().for_each_init(&workspace, |workspace, (before, out)| {
+            let row = before + 1;
+            for (column, out) in out.iter_mut().enumerate() {
+                *out = distance(workspace, row, column);
+            }
+            done(row);
+        });
+        Self { count, below }
+    }
+
+    /// Number of things.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The distance of two things.
+    pub fn get(&self, a: usize, b: usize) -> f64 {
+        let (high, low) = (a.max(b), a.min(b));
+        if high == low { 0.0 } else { f64::from(self.below[high * (high - 1) / 2 + low]) }
+    }
+
+    /// The same between some of the things, in the order given.
+    #[must_use]
+    pub fn of(&self, things: &[usize]) -> Self {
+        let pairs = (1..things.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        #[expect(clippy::cast_possible_truncation, reason = "it was f32")]
+        let below = pairs.map(|(i, j)| self.get(things[i], things[j]) as f32).collect();
+        Self { count: things.len(), below }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pair_is_there_once() {
+        let place = |thing: usize| (thing * thing) as f32;
+        let calls = std::sync::atomic::AtomicUsize::new(0);
+        let distances = Distances::new(
+            6,
+            || (),
+            |(), a, b| place(a) - place(b),
+            |pairs| {
+                calls.fetch_add(pairs, std::sync::atomic::Ordering::Relaxed);
+            },
+        );
+        assert_eq!(calls.into_inner(), 15);
+        assert_eq!(distances.get(2, 5), 21.0);
+        assert_eq!(distances.get(5, 2), 21.0);
+        assert_eq!(distances.get(3, 3), 0.0);
+        let some = distances.of(&[5, 0, 2]);
+        assert_eq!([some.get(0, 1), some.get(2, 0), some.get(1, 2)], [25.0, 21.0, 4.0]);
+        assert_eq!(Distances::new(0, || (), |(), _, _| 1.0, |_| ()).count(), 0);
+    }
+}
