@@ -9,6 +9,7 @@ pub mod plant;
 mod random;
 pub mod report;
 pub mod show;
+pub mod spatial;
 pub mod study;
 pub mod sweep;
 pub mod verify;

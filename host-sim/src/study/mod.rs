@@ -1,3 +1,4 @@
 //! Studies of articles that Sinew takes ideas from: what they claim, tried again on other data.
 
 pub mod autoencoder;
+pub mod spatial;

@@ -1,20 +1,23 @@
 //! Isomap: distances along a graph of near neighbours, for [`super::mds`].
 
-use super::matrix::Distances;
+use crate::spatial::Distances;
 
 /// Distances along the graph that joins each thing with its `neighbours` nearest ones (Tenenbaum, de Silva & Langford 2000), between those things
 /// that hang together with the most others, which come first. O(n³).
 pub fn along_neighbours(distances: &Distances, neighbours: usize) -> (Vec<usize>, Distances) {
     let count = distances.count();
-    let mut along = vec![vec![f64::INFINITY; count]; count];
-    for a in 0..count {
+    let nearest = |a: usize| {
         let mut others: Vec<usize> = (0..count).filter(|b| *b != a).collect();
         others.sort_by(|b, c| distances.get(a, *b).total_cmp(&distances.get(a, *c)).then(b.cmp(c)));
-        along[a][a] = 0.0;
-        for b in others.into_iter().take(neighbours) {
-            let distance = distances.get(a, b);
-            (along[a][b], along[b][a]) = (distance, distance);
-        }
+        others.into_iter().take(neighbours).map(move |b| (a, b))
+    };
+    let mut along = vec![vec![f64::INFINITY; count]; count];
+    for (a, row) in along.iter_mut().enumerate() {
+        row[a] = 0.0;
+    }
+    for (a, b) in (0..count).flat_map(nearest) {
+        let distance = distances.get(a, b);
+        (along[a][b], along[b][a]) = (distance, distance);
     }
     // Floyd and Warshall.
     for via in 0..count {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::matrix::Distances;
+use crate::spatial::Distances;
 
 /// Places of things, in the directions that they spread most in.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +22,9 @@ pub fn classical(distances: &Distances, components: usize) -> Embedding {
     let squared = DMatrix::from_fn(count, count, |i, j| distances.get(i, j).powi(2));
     let by_row: Vec<f64> = (0..count).map(|row| squared.row(row).sum() / count as f64).collect();
     let all = by_row.iter().sum::<f64>() / count as f64;
-    let products =
-        DMatrix::from_fn(count, count, |i, j| -0.5 * (squared[(i, j)] - by_row[i] - by_row[j] + all));
+    let products = DMatrix::from_fn(count, count, |i, j| {
+        -0.5 * (squared[(i, j)] - by_row[i] - by_row[j] + all)
+    });
     let eigen = SymmetricEigen::new(products);
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));

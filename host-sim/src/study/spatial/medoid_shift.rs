@@ -1,6 +1,6 @@
 //! Medoid shift: clusters of things of which only distances are known (Sheikh, Khan & Kanade 2007).
 
-use super::matrix::Distances;
+use crate::spatial::Distances;
 
 /// Which cluster each thing is in, numbered by their first members, with a Gaussian kernel of the given bandwidth. O(n³).
 ///
@@ -11,10 +11,15 @@ pub fn clusters(distances: &Distances, bandwidth: f64) -> Vec<usize> {
     let scale = -0.5 / (bandwidth * bandwidth);
     let next: Vec<usize> = (0..count)
         .map(|at| {
-            let kernel: Vec<f64> =
-                (0..count).map(|other| libm::exp(scale * distances.get(at, other).powi(2))).collect();
+            let kernel: Vec<f64> = (0..count)
+                .map(|other| libm::exp(scale * distances.get(at, other).powi(2)))
+                .collect();
             let cost = |to: usize| -> f64 {
-                kernel.iter().enumerate().map(|(other, k)| k * distances.get(to, other).powi(2)).sum()
+                kernel
+                    .iter()
+                    .enumerate()
+                    .map(|(other, k)| k * distances.get(to, other).powi(2))
+                    .sum()
             };
             // It stays rather than go where it is no better.
             let stay = (cost(at), at);
@@ -54,12 +59,15 @@ pub fn with_clusters(distances: &Distances, wanted: usize) -> Option<(f64, Vec<u
     let count = distances.count();
     let pairs = (0..count).flat_map(|a| (0..a).map(move |b| (a, b)));
     let largest = pairs.map(|(a, b)| distances.get(a, b)).fold(0.0, f64::max);
-    (0..=100).map(|step| largest * libm::pow(0.01, 1.0 - f64::from(step) / 100.0)).find_map(|bandwidth| {
-        let of = clusters(distances, bandwidth);
-        let found = of.iter().max().map_or(0, |last| last + 1);
-        let members = |cluster: usize| of.iter().filter(|own| **own == cluster).count();
-        (found == wanted && (0..found).all(|cluster| members(cluster) >= 2)).then_some((bandwidth, of))
-    })
+    (0..=100).map(|step| largest * libm::pow(0.01, 1.0 - f64::from(step) / 100.0)).find_map(
+        |bandwidth| {
+            let of = clusters(distances, bandwidth);
+            let found = of.iter().max().map_or(0, |last| last + 1);
+            let members = |cluster: usize| of.iter().filter(|own| **own == cluster).count();
+            (found == wanted && (0..found).all(|cluster| members(cluster) >= 2))
+                .then_some((bandwidth, of))
+        },
+    )
 }
 
 #[cfg(test)]
@@ -70,7 +78,7 @@ mod tests {
     fn two_heaps_are_two_clusters() {
         let place = |thing: usize| {
             let spread = 0.3 * libm::sinf(5.0 * thing as f32);
-            if thing % 2 == 0 { spread } else { 4.0 + spread }
+            if thing.is_multiple_of(2) { spread } else { 4.0 + spread }
         };
         let distances = Distances::new(20, || (), |(), a, b| (place(a) - place(b)).abs(), |_| ());
         let (bandwidth, of) = with_clusters(&distances, 2).unwrap();

@@ -1,0 +1,180 @@
+//! Which distance of two poses, and that distance.
+
+use std::fmt;
+
+use glam::DQuat;
+use sinew_core::pose_space::{
+    BodyPoses, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
+};
+
+use super::BODY_COUNT_MAX;
+use super::rig::SpatialRig;
+
+/// What of two poses is compared. Hauberg & Pedersen (2012); all of them are `core`'s.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Metric {
+    /// Coordinates of joints, rad: eq. (1).
+    Angles,
+    /// Angles between joints' rotations times lengths of bones, m rad: Tournier et al. (2009).
+    Rotations,
+    /// Positions of joints, m.
+    Positions,
+    /// The length of the straight line between their coordinates, in space, m: eq. (4) over section 2.2.
+    Line,
+}
+
+impl Metric {
+    /// All, in the order in which they are shown.
+    pub const ALL: [Self; 4] = [Self::Angles, Self::Rotations, Self::Positions, Self::Line];
+
+    /// The name in tables and options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Angles => "angles",
+            Self::Rotations => "rotations",
+            Self::Positions => "positions",
+            Self::Line => "line",
+        }
+    }
+
+    /// The unit of the distance.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Angles => "rad",
+            Self::Rotations => "m rad",
+            Self::Positions | Self::Line => "m",
+        }
+    }
+}
+
+/// How much joints count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Weighting {
+    /// All alike.
+    Alike,
+    /// By their importance, [`SpatialRig::importance`].
+    Importance,
+}
+
+/// A distance of poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Measure {
+    /// What is compared.
+    pub metric: Metric,
+    /// How much joints count.
+    pub weighting: Weighting,
+    /// Steps that a line is sampled in.
+    pub steps: u16,
+}
+
+impl Measure {
+    /// All joints alike, lines in ten steps as in the paper.
+    pub const fn new(metric: Metric) -> Self {
+        Self { metric, weighting: Weighting::Alike, steps: 10 }
+    }
+
+    /// The same with joints by importance.
+    #[must_use]
+    pub const fn weighted(self) -> Self {
+        Self { weighting: Weighting::Importance, ..self }
+    }
+
+    /// Every metric, with joints alike and by importance.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Metric::ALL.into_iter().map(Self::new).flat_map(|measure| [measure, measure.weighted()])
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.weighting {
+            Weighting::Alike => f.pad(self.metric.name()),
+            Weighting::Importance => f.pad(&format!("{}, weighted", self.metric.name())),
+        }
+    }
+}
+
+/// A measure on a rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measuring<'r> {
+    rig: &'r SpatialRig,
+    space: PoseSpace<'r, BODY_COUNT_MAX>,
+    measure: Measure,
+}
+
+/// A pose, made ready to be compared: 3 kB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredPose {
+    coordinates: PoseCoordinates<BODY_COUNT_MAX>,
+    places: BodyPoses<BODY_COUNT_MAX>,
+}
+
+impl<'r> Measuring<'r> {
+    /// A measure on the poses of a rig.
+    ///
+    /// # Panics
+    /// Never: a rig's importance are weights.
+    pub fn new(rig: &'r SpatialRig, measure: Measure) -> Self {
+        let alike = PoseSpace::new(rig.tree());
+        let space = match measure.weighting {
+            Weighting::Alike => alike,
+            Weighting::Importance => {
+                alike.with_weights(rig.importance()).expect("importances are weights")
+            }
+        };
+        Self { rig, space, measure }
+    }
+
+    /// The measure.
+    pub const fn measure(&self) -> Measure {
+        self.measure
+    }
+
+    /// The poses, as `core` compares them.
+    pub const fn space(&self) -> &PoseSpace<'r, BODY_COUNT_MAX> {
+        &self.space
+    }
+
+    /// A pose from the local rotations of the skeleton's joints.
+    ///
+    /// # Errors
+    /// [`PoseSpaceError::Pose`] if a rotation is not finite or not unit.
+    pub fn pose(&self, rotations: &[DQuat]) -> Result<MeasuredPose, PoseSpaceError> {
+        let coordinates = self.space.coordinates(&self.rig.joint_poses(rotations))?;
+        let places = self.space.body_poses(&coordinates);
+        Ok(MeasuredPose { coordinates, places })
+    }
+
+    /// How far two poses are apart, in the metric's unit.
+    pub fn distance(&self, a: &MeasuredPose, b: &MeasuredPose, workspace: &mut Workspace) -> f32 {
+        match self.measure.metric {
+            Metric::Angles => self.space.angle_distance(&a.coordinates, &b.coordinates),
+            Metric::Rotations => self.space.rotation_distance(&a.coordinates, &b.coordinates),
+            Metric::Positions => self.position_distance(a, b),
+            Metric::Line => {
+                let (a, b) = (&a.coordinates, &b.coordinates);
+                self.space.line_distance(a, b, self.measure.steps, workspace)
+            }
+        }
+    }
+
+    /// The way straight through space, with the measure's weights: in exact numbers a line or a geodesic is never shorter.
+    pub fn position_distance(&self, a: &MeasuredPose, b: &MeasuredPose) -> f32 {
+        self.space.position_distance(&a.places, &b.places)
+    }
+}
+
+impl MeasuredPose {
+    /// What its joints leave free.
+    pub const fn coordinates(&self) -> &PoseCoordinates<BODY_COUNT_MAX> {
+        &self.coordinates
+    }
+
+    /// Where its bodies are, seen from the root.
+    pub const fn places(&self) -> &BodyPoses<BODY_COUNT_MAX> {
+        &self.places
+    }
+}
+
+/// Scratch memory for distances, one for each thread.
+pub type Workspace = LineWorkspace<BODY_COUNT_MAX>;

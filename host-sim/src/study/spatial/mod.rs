@@ -1,0 +1,6 @@
+//! S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding" (2012).
+
+pub mod isomap;
+pub mod mann_whitney;
+pub mod mds;
+pub mod medoid_shift;
