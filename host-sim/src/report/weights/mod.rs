@@ -41,10 +41,12 @@ pub fn write(path: &Path, character: &Character, weighings: &[Weighing]) -> io::
 /// A figure per method, one below the other, beside the bars of all joints.
 fn picture(character: &Character, weighings: &[Weighing]) -> Markup {
     let bars = Bars::new(character, weighings, FIGURE_HEIGHT * weighings.len() as f64);
-    let figure_height = bars.height() / weighings.len().max(1) as f64;
+    // The bars of few joints are lower than the figures.
+    let figures = weighings.len() as f64;
+    let figure_height = (bars.height() / figures.max(1.0)).max(FIGURE_HEIGHT);
     let view = View::new(character, figure_height);
     let width = libm::ceil(view.width() + bars.width());
-    let height = libm::ceil(TOP + bars.height());
+    let height = libm::ceil(TOP + bars.height().max(figure_height * figures));
     let title = format!("{}: weights of {} joints", character.name(), character.joints().len());
     let largest = weighings.iter().flat_map(|w| &w.weights).copied().fold(0.0, f64::max);
     html! {
