@@ -113,14 +113,23 @@ impl<'r> Measuring<'r> {
     /// A measure on the poses of a rig.
     ///
     /// # Panics
-    /// Never: a rig's importance are weights.
+    /// Never: a rig's importances and the squares of its bones are weights.
     pub fn new(rig: &'r SpatialRig, measure: Measure) -> Self {
         let alike = PoseSpace::new(rig.tree());
-        let space = match measure.weighting {
-            Weighting::Alike => alike,
-            Weighting::Importance => {
-                alike.with_weights(rig.importance()).expect("importances are weights")
+        let mut weights = match measure.weighting {
+            Weighting::Alike => vec![1.0; rig.tree().bodies().len()],
+            Weighting::Importance => rig.importance().to_vec(),
+        };
+        if measure.metric == Metric::Rotations {
+            for (weight, length_m) in weights.iter_mut().zip(alike.bone_lengths_m()) {
+                *weight *= length_m * length_m;
             }
+        }
+        let has_bones = weights.iter().any(|weight| *weight > 0.0);
+        let space = if has_bones {
+            alike.with_weights(&weights).expect("importances and lengths are weights")
+        } else {
+            alike
         };
         Self { rig, space, measure }
     }
@@ -178,3 +187,27 @@ impl MeasuredPose {
 
 /// Scratch memory for distances, one for each thread.
 pub type Workspace = LineWorkspace<BODY_COUNT_MAX>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mocap::builtin;
+
+    #[test]
+    fn the_same_turn_counts_more_the_longer_the_bone() {
+        let skeleton = builtin::clips()[0].skeleton.clone();
+        let rig = SpatialRig::new(&skeleton, None).unwrap();
+        let measuring = Measuring::new(&rig, Measure::new(Metric::Rotations));
+        let lengths_m = measuring.space().bone_lengths_m();
+        let at_rest = vec![DQuat::IDENTITY; skeleton.joints.len()];
+        let mut workspace = Workspace::new();
+        for (body, length_m) in lengths_m.iter().enumerate().skip(1) {
+            let mut turned = at_rest.clone();
+            let joint = skeleton.find(rig.joint(body)).unwrap();
+            turned[joint] = DQuat::from_rotation_x(0.5);
+            let [a, b] = [&at_rest, &turned].map(|pose| measuring.pose(pose).unwrap());
+            let off = measuring.distance(&a, &b, &mut workspace) - 0.5 * length_m;
+            assert!(off.abs() < 1e-6, "{}: {off}", rig.joint(body));
+        }
+    }
+}
