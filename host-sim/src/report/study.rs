@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use maud::{Markup, html};
 
 use super::chart::{self, px};
@@ -156,7 +156,7 @@ fn row(example: &Example, skeleton: &Skeleton, latent: usize) -> Option<Vec<Cell
 }
 
 /// The mannequin in a pose, its pelvis at the origin.
-fn figure(skeleton: &Skeleton, pose: &autoencoder::Pose) -> Option<(Mannequin, Points)> {
+fn figure(skeleton: &Skeleton, pose: &[DQuat]) -> Option<(Mannequin, Points)> {
     let binding = Binding::new(mapping::choose(skeleton).ok()?, skeleton).ok()?;
     let samples = skeleton.joints.iter().zip(pose);
     let frame = samples

@@ -4,8 +4,9 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::anatomy::Group;
-use super::data::{Pose, forward_kinematics};
+use super::data::forward_kinematics;
 use crate::mocap::Skeleton;
+use crate::study::recordings::Pose;
 
 /// Mean errors of every joint over many poses, with the root where it should be.
 #[derive(Debug, Clone, PartialEq, Serialize)]

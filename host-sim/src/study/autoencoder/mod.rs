@@ -22,7 +22,7 @@ mod weights;
 
 pub use anatomy::Group;
 pub use checkpoint::CheckpointError;
-pub use data::{DataError, Pose, Poses};
+pub use data::Poses;
 pub use errors::{Errors, Means, distance_cm};
 pub use kinematics::Form;
 pub use method::Method;

@@ -10,7 +10,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::anatomy::Group;
 use super::checkpoint::{self, CheckpointError};
-use super::data::{Pose, Poses};
+use super::data::Poses;
 use super::errors::Errors;
 use super::kinematics::Form;
 use super::loss::Loss;
@@ -20,6 +20,7 @@ use super::training::{Schedule, Training};
 use super::two_columns;
 use super::weights::{WeightsError, anatomy, weights};
 use crate::random::{Random, Subject};
+use crate::study::recordings::Pose;
 
 /// Raised when network, loss or optimiser change: a training that began under others must not go on.
 const FORMAT: u32 = 1;

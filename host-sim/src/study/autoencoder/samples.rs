@@ -3,9 +3,10 @@
 use candle_core::{Device, Result, Tensor};
 use glam::DQuat;
 
-use super::data::{Pose, Poses};
+use super::data::Poses;
 use super::kinematics::{Form, Kinematics};
 use super::two_columns;
+use crate::study::recordings::Pose;
 
 /// Poses, one a row.
 #[derive(Debug, Clone)]
