@@ -1,6 +1,7 @@
 //! `sinew study`: what articles claim, tried again.
 
 mod autoencoder;
+mod data;
 
 use clap::Subcommand;
 

@@ -1,10 +1,10 @@
 //! `sinew study autoencoder`: what a loss on joint rotations should count.
 
+use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::{env, fs};
 
-use anyhow::{Context as _, ensure};
+use anyhow::Context as _;
 use clap::ValueEnum;
 use sinew_sim::character;
 use sinew_sim::report::write_study;
@@ -13,6 +13,7 @@ use sinew_sim::weights::{self, Method, weigh};
 
 use super::super::output::{note, print, with_progress};
 use super::super::threads::ThreadArgs;
+use super::data::DataArgs;
 
 /// Train auto-encoders of poses with five losses, and compare what they reconstruct.
 ///
@@ -25,14 +26,8 @@ use super::super::threads::ThreadArgs;
 /// With `--out`, what is stopped goes on where it was, and pictures are written.
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Args {
-    /// Folder of the data: CMU's recordings in `cmu` with their `index.csv`, and `geno/Geno.bin`. Without: what
-    /// the environment variable `SINEW_DATA` says.
-    #[arg(long, value_name = "DIR")]
-    data: Option<PathBuf>,
-
-    /// Train on the built-in clips for a moment: no data are needed, and the figures mean nothing.
-    #[arg(long, conflicts_with = "data")]
-    quick: bool,
+    #[command(flatten)]
+    data: DataArgs,
 
     /// Latent units of the networks. Without: 150 and 24, or 12 with `--quick`.
     #[arg(long, value_name = "N,..", value_delimiter = ',')]
@@ -90,13 +85,12 @@ fn factor(text: &str) -> Result<f64, String> {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let threads = args.threads.install(|| Ok(rayon::current_num_threads()))?;
-    let (poses, character) = if args.quick {
-        note(format_args!("built-in clips, for a moment: the figures mean nothing"));
-        (Poses::built_in(), None)
-    } else {
-        args.read()?
+    let quick = args.data.quick;
+    let (poses, character) = match args.data.folder()? {
+        Some(data) => read(&data)?,
+        None => (Poses::built_in(), None),
     };
-    let latents: &[usize] = if args.quick { &[12] } else { &[150, 24] };
+    let latents: &[usize] = if quick { &[12] } else { &[150, 24] };
     let plan = Plan {
         poses: &poses,
         character: character.as_deref(),
@@ -105,9 +99,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         } else {
             args.latent.iter().map(|latent| latent.get()).collect()
         },
-        seeds: args.seeds.unwrap_or(if args.quick { 1 } else { 3 }),
+        seeds: args.seeds.unwrap_or(if quick { 1 } else { 3 }),
         schedule: Schedule {
-            steps: args.steps.map_or(if args.quick { 40 } else { 5_000 }, NonZeroUsize::get),
+            steps: args.steps.map_or(if quick { 40 } else { 5_000 }, NonZeroUsize::get),
             batch: args.batch.get(),
             position_per_m: args.position_per_m,
             ..Schedule::default()
@@ -142,29 +136,16 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// Weights of a character's joints by name.
 type Character = Vec<(String, f64)>;
 
-impl Args {
-    /// The poses of CMU, and the importance of Geno's joints.
-    fn read(&self) -> anyhow::Result<(Poses, Option<Character>)> {
-        let data = self.data.clone().or_else(of_environment);
-        let data = data.context("the data: expected --data DIR, or SINEW_DATA, or --quick")?;
-        ensure!(data.is_dir(), "{}: expected a folder", data.display());
-        let geno = data.join("geno").join("Geno.bin");
-        let character = if geno.exists() {
-            Some(importance_by_mesh(&geno)?)
-        } else {
-            note(format_args!(
-                "{}: is not there, so there are no weights by a mesh",
-                geno.display()
-            ));
-            None
-        };
-        Ok((Poses::cmu(&data.join("cmu"))?, character))
-    }
-}
-
-/// What `SINEW_DATA` names; empty, it names nothing.
-fn of_environment() -> Option<PathBuf> {
-    env::var_os("SINEW_DATA").filter(|folder| !folder.is_empty()).map(PathBuf::from)
+/// The poses of CMU, and the importance of Geno's joints.
+fn read(data: &Path) -> anyhow::Result<(Poses, Option<Character>)> {
+    let geno = data.join("geno").join("Geno.bin");
+    let character = if geno.exists() {
+        Some(importance_by_mesh(&geno)?)
+    } else {
+        note(format_args!("{}: is not there, so there are no weights by a mesh", geno.display()));
+        None
+    };
+    Ok((Poses::cmu(&data.join("cmu"))?, character))
 }
 
 fn importance_by_mesh(file: &Path) -> anyhow::Result<Character> {
