@@ -9,6 +9,7 @@ use crate::controller::{Controller, Workspace};
 use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, Resolved};
 use crate::importance::RestPose;
 use crate::observer::Observer;
+use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
 use crate::{
@@ -27,6 +28,13 @@ impl Format for Motion {
     fn format(&self, f: Formatter<'_>) {
         let (angular, linear) = (self.angular.to_array(), self.linear.to_array());
         write!(f, "Motion {{ angular: {}, linear: {} }}", angular, linear);
+    }
+}
+
+impl Format for JointCoordinates {
+    fn format(&self, f: Formatter<'_>) {
+        let (angular_rad, linear_m) = (self.angular_rad.to_array(), self.linear_m.to_array());
+        write!(f, "JointCoordinates {{ angular_rad: {}, linear_m: {} }}", angular_rad, linear_m);
     }
 }
 
@@ -180,6 +188,13 @@ impl<const N: usize, const D: usize> Format for Observer<N, D> {
 impl<const N: usize> Format for ProjectionWorkspace<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "ProjectionWorkspace");
+    }
+}
+
+/// Scratch: its name only.
+impl<const N: usize> Format for LineWorkspace<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "LineWorkspace");
     }
 }
 

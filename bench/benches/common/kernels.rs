@@ -11,6 +11,7 @@ use sinew_core::dynamics::{
     inverse_dynamics, mass_matrix, resolved_acceleration,
 };
 use sinew_core::glam::Vec3;
+use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
@@ -69,6 +70,7 @@ fn all<const N: usize>() -> Result<Vec<Kernel>, Box<dyn Error>> {
     kernels.extend(dynamics(&tree, &frames)?);
     kernels.extend(differences(&tree, &frames));
     kernels.push(projection(&tree, &frames)?);
+    kernels.extend(distances(&tree, &frames)?);
     kernels.extend(ticks(&tree, &frames)?);
     Ok(kernels)
 }
@@ -229,6 +231,30 @@ fn projection<const N: usize>(
         done(projection.project(&rig, black_box(frame), &mut workspace, &mut nearest));
         black_box(&nearest);
     }))
+}
+
+/// How far two poses are apart: on the straight line between them in ten steps, directly, and by angles.
+fn distances<const N: usize>(
+    tree: &Tree<N>,
+    frames: &[[Transform; N]],
+) -> Result<Vec<Kernel>, Box<dyn Error>> {
+    // A kernel owns what it works on, and a space borrows its rig.
+    let space = PoseSpace::<'static, N>::new(Box::leak(Box::new(tree.clone())));
+    let (a, b) = (space.coordinates(&frames[0])?, space.coordinates(&frames[FRAMES - 1])?);
+    let places = (space.body_poses(&a), space.body_poses(&b));
+    let mut workspace = LineWorkspace::new();
+    let (direct, by_angles, ends) = (space.clone(), space.clone(), (a.clone(), b.clone()));
+    Ok(vec![
+        kernel("line_distance", move || {
+            black_box(space.line_distance(black_box(&a), &b, 10, &mut workspace));
+        }),
+        kernel("position_distance", move || {
+            black_box(direct.position_distance(black_box(&places.0), &places.1));
+        }),
+        kernel("angle_distance", move || {
+            black_box(by_angles.angle_distance(black_box(&ends.0), &ends.1));
+        }),
+    ])
 }
 
 /// Whole ticks, from poses to torques: of the core with each method, and as boards run the setting for real rigs.

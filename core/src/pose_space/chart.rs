@@ -11,7 +11,6 @@ use crate::tree::Body;
 
 /// What a joint's kind leaves free, in the joint frame: numbers that a straight line can be drawn through.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JointCoordinates {
     /// Rotation vector (spherical, free), axis times angle (revolute), first axis times first angle and second axis times second
     /// angle (universal), rad.

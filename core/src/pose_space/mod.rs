@@ -60,6 +60,7 @@ use crate::tree::{Body, Tree};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PoseSpace<'t, const N: usize> {
     tree: &'t Tree<N>,
     weights: Vec<f32, N>,
@@ -68,6 +69,7 @@ pub struct PoseSpace<'t, const N: usize> {
 
 /// What of the root counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Root {
     LeftOut,
     Counted,
