@@ -8,6 +8,7 @@
 
 mod error;
 mod token;
+mod write;
 
 use std::path::Path;
 
@@ -15,6 +16,7 @@ use glam::{DQuat, DVec3};
 
 pub use error::{Error, Problem};
 use token::{Token, Tokens};
+pub use write::{WriteError, text, write};
 
 use super::clip::{JointSample, Skeleton, SkeletonJoint};
 use super::recording::{
