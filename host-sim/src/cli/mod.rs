@@ -3,9 +3,11 @@
 //! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
 mod bake;
+mod blend;
 mod clips;
 mod evaluate;
 mod figure;
+mod find;
 mod latency;
 mod methods;
 mod output;
@@ -48,6 +50,8 @@ enum Command {
     Latency(latency::Args),
     Weights(weights::Args),
     Study(study::Args),
+    Find(find::Args),
+    Blend(blend::Args),
 }
 
 /// Parses the command line and runs it.
@@ -62,6 +66,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Latency(args) => latency::run(&args),
         Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Study(args) => study::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Find(args) => find::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Blend(args) => blend::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

@@ -1,9 +1,12 @@
 //! An evaluation as one page that needs nothing but a browser, and its pictures as files.
 
+pub mod blend;
 mod chart;
 mod comparison;
+mod file;
 mod front;
 mod labels;
+pub mod moments;
 mod page;
 mod palette;
 mod playback;

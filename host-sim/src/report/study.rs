@@ -8,13 +8,11 @@ use maud::{Markup, html};
 
 use super::chart::{self, px};
 use super::scene::{
-    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, reach_m, side_view_rad,
+    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
 use super::{alone, png};
-use crate::figure::BODIES;
 use crate::mocap::mapping::{self, Binding};
 use crate::mocap::{GaplessClip, JointSample, Skeleton};
-use crate::plant::Pose;
 use crate::study::autoencoder::{self, Example, Group, Method, Study};
 
 /// Width and height of a figure in the picture of reconstructions.
@@ -167,14 +165,5 @@ fn figure(skeleton: &Skeleton, pose: &[DQuat]) -> Option<(Mannequin, Points)> {
         frame_time_s: 1.0,
         frames: vec![frame.collect()],
     });
-    let positions_m = motion.world_positions_m(0);
-    let mut poses: Vec<Pose> = Vec::new();
-    for (body, position_m) in positions_m.into_iter().enumerate() {
-        let local = motion.rotation[0][body];
-        let rotation = BODIES[body].parent.map_or(local, |parent| poses[parent].rotation * local);
-        poses.push(Pose { rotation, position_m });
-    }
-    let mannequin = Mannequin::new(&motion);
-    let points = mannequin.points(&poses);
-    Some((mannequin, points))
+    Some(posed(&motion, 0))
 }

@@ -129,7 +129,7 @@ fn check(clip: &GaplessClip, metres_per_unit: f64) -> Result<(), WriteError> {
         for (joint, sample) in clip.skeleton.joints.iter().zip(frame) {
             let what = || format!("frame {index}, joint `{}`", shown(&joint.name));
             let squared = sample.rotation.length_squared();
-            if !((squared - 1.0).abs() < 1e-6) {
+            if !(1.0 - 1e-6..=1.0 + 1e-6).contains(&squared) {
                 let expected = "a rotation by a unit quaternion";
                 return Err(WriteError::Value { what: what(), expected, value: squared });
             }
@@ -171,8 +171,11 @@ fn check_place(
     place_m: DVec3,
     metres_per_unit: f64,
 ) -> Result<(), WriteError> {
-    let far =
-        place_m.to_array().into_iter().find(|m| !((m / metres_per_unit).abs() <= MAGNITUDE_MAX));
+    let is_far = |m: &f64| {
+        let units = (m / metres_per_unit).abs();
+        units.is_nan() || units > MAGNITUDE_MAX
+    };
+    let far = place_m.to_array().into_iter().find(is_far);
     let expected = "a finite position, at most 1e9 units away";
     far.map_or(Ok(()), |value| Err(WriteError::Value { what: what(), expected, value }))
 }

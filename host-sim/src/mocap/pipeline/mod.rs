@@ -1,6 +1,7 @@
 //! From files to the figure's motion, in one line of steps.
 
 mod files;
+mod recorded;
 
 use std::path::PathBuf;
 
@@ -17,6 +18,7 @@ use crate::mocap::text::counted;
 use crate::mocap::tpose;
 
 pub use files::{ClipFile, expand};
+pub use recorded::{Recorded, carried, carrier, recorded};
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, PartialEq)]
@@ -238,14 +240,20 @@ impl Settings {
 /// # Errors
 /// [`Error::Read`], [`Error::Mapping`] and [`Error::NoRate`].
 pub fn load(file: &ClipFile, settings: &Settings) -> Result<Clip, Error> {
+    let (recording, mapping) = read(file, settings)?;
+    let clip = || file.path.display().to_string();
+    recording.into_clip(mapping).map_err(|source| Error::NoRate { clip: clip(), source })
+}
+
+/// Reads one recording, and finds its mapping.
+fn read<'a>(file: &ClipFile, settings: &'a Settings) -> Result<(Recording, &'a Mapping), Error> {
     let clip = || file.path.display().to_string();
     let recording = format::read(&file.path)?;
     let mapping =
         settings.mapping.as_ref().map_or_else(|| mapping::choose(&recording.skeleton), Ok);
     let mapping =
         mapping.map_err(|source| Error::Mapping { clip: clip(), source: source.into() })?;
-    let recording = Recording { name: file.name.clone(), ..recording };
-    recording.into_clip(mapping).map_err(|source| Error::NoRate { clip: clip(), source })
+    Ok((Recording { name: file.name.clone(), ..recording }, mapping))
 }
 
 /// Reads all clips that `paths` name, see [`expand`] and [`load`].

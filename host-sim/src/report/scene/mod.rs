@@ -3,10 +3,12 @@
 mod camera;
 mod mannequin;
 mod outline;
+mod posed;
 mod stage;
 
 pub(super) use camera::Camera;
 pub(super) use mannequin::{
     MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK, reach_m, side_view_rad,
 };
-pub(super) use stage::{STAGE_HEIGHT, STAGE_WIDTH, Stage};
+pub(super) use posed::posed;
+pub(super) use stage::{STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE};

@@ -67,6 +67,34 @@ impl Stage<'_> {
             both.map(|part| part.depth_m).sum::<f64>() / group.len() as f64
         };
         groups.sort_by(|a, b| depth_m(b).total_cmp(&depth_m(a)));
+        html! {
+            (self.backdrop())
+            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
+            path class="shadow" d=(self.shadow(self.measured.0, self.measured.1 * MEASURED_GIRTH)) {}
+            @for group in groups {
+                @for part in group.clone() { (self.part("desired", WHITE, part, &desired[part])) }
+                @for part in group { (self.part("measured", RED, part, &measured[part])) }
+            }
+        }
+    }
+
+    /// Stage, shadow and the desired figure alone, from the lit side to the dark one in these colours.
+    pub(in crate::report) fn draw_desired(&self, shades: [&str; 3]) -> Markup {
+        let parts = self.parts(self.desired.0, self.desired.1);
+        let mut order: Vec<usize> = (TRUNK..PARTS.len()).collect();
+        let trunk_m = parts[..TRUNK].iter().map(|part| part.depth_m).sum::<f64>() / TRUNK as f64;
+        order.sort_by(|a, b| parts[*b].depth_m.total_cmp(&parts[*a].depth_m));
+        let behind = order.partition_point(|part| parts[*part].depth_m > trunk_m);
+        order.splice(behind..behind, 0..TRUNK);
+        html! {
+            (self.backdrop())
+            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
+            @for part in order { (self.part("desired", shades, part, &parts[part])) }
+        }
+    }
+
+    /// The stage without anyone on it.
+    fn backdrop(&self) -> Markup {
         let clip = format!("{}-stage", self.id);
         html! {
             clipPath id=(clip) {
@@ -74,12 +102,6 @@ impl Stage<'_> {
             }
             rect class="stage" width=(px(STAGE_WIDTH)) height=(px(STAGE_HEIGHT)) rx="10" {}
             g clip-path={ "url(#" (clip) ")" } { (self.ground()) }
-            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
-            path class="shadow" d=(self.shadow(self.measured.0, self.measured.1 * MEASURED_GIRTH)) {}
-            @for group in groups {
-                @for part in group.clone() { (self.part("desired", part, &desired[part])) }
-                @for part in group { (self.part("measured", part, &measured[part])) }
-            }
         }
     }
 
@@ -125,7 +147,7 @@ impl Stage<'_> {
     }
 
     /// A part with the light from above left, across its axis.
-    fn part(&self, figure: &str, part: usize, drawn: &Drawn) -> Markup {
+    fn part(&self, figure: &str, shades: [&str; 3], part: usize, drawn: &Drawn) -> Markup {
         let [a, b] = drawn.ends;
         let (dx, dy) = (b.x - a.x, b.y - a.y);
         let length = libm::sqrt(dx * dx + dy * dy).max(1e-6);
@@ -144,7 +166,7 @@ impl Stage<'_> {
         html! {
             linearGradient id=(id) gradientUnits="userSpaceOnUse"
                 x1=(px(x + nx * r)) y1=(px(y + ny * r)) x2=(px(x - nx * r)) y2=(px(y - ny * r)) {
-                @for (offset, color) in shades(figure) {
+                @for (offset, color) in ["0", "0.5", "1"].into_iter().zip(shades) {
                     stop offset=(offset) stop-color=(color) {}
                 }
             }
@@ -199,9 +221,5 @@ impl Stage<'_> {
 }
 
 /// From the lit side to the dark one.
-fn shades(figure: &str) -> [(&'static str, &'static str); 3] {
-    match figure {
-        "desired" => [("0", "#ffffff"), ("0.55", "#e4e8ee"), ("1", "#98a2b0")],
-        _ => [("0", "#ff7b68"), ("0.5", "#d8301e"), ("1", "#7e120a")],
-    }
-}
+pub(in crate::report) const WHITE: [&str; 3] = ["#ffffff", "#e4e8ee", "#98a2b0"];
+pub(in crate::report) const RED: [&str; 3] = ["#ff7b68", "#d8301e", "#7e120a"];

@@ -3,13 +3,13 @@
 mod bars;
 mod figure;
 
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use maud::{Markup, html};
 
 use super::chart::px;
-use super::{alone, png};
+use super::file;
 use crate::character::Character;
 use crate::weights::{Method, Weighing};
 use bars::Bars;
@@ -26,16 +26,7 @@ const TOP: f64 = 48.0;
 /// # Errors
 /// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name.
 pub fn write(path: &Path, character: &Character, weighings: &[Weighing]) -> io::Result<()> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let svg = || alone(&picture(character, weighings).0);
-    match extension.to_str() {
-        Some("svg") => fs::write(path, svg()),
-        Some("png") => fs::write(path, png::png(&svg())),
-        _ => Err(io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "expected a picture named *.svg or *.png",
-        )),
-    }
+    file::write(path, &picture(character, weighings))
 }
 
 /// A figure per method, one below the other, beside the bars of all joints.

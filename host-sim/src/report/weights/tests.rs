@@ -2,6 +2,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::character::{Joint, Mesh};
+use crate::report::{alone, png};
 use crate::weights::{Settings, weigh};
 
 fn arm() -> Character {

@@ -1,0 +1,135 @@
+//! Of two clips' frames, the pair whose geodesic is shortest.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::RangeInclusive;
+
+use rayon::prelude::*;
+
+use super::pair::Pair;
+use crate::geodesic::{Options, RigError, solve};
+
+/// Where the blend's middle may be: frames of both clips.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Places {
+    /// Of the first.
+    pub a: RangeInclusive<usize>,
+    /// Of the second.
+    pub b: RangeInclusive<usize>,
+}
+
+/// The nearest pair, and what it took to find it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// Frame of the first clip.
+    pub a: usize,
+    /// Frame of the second.
+    pub b: usize,
+    /// Length of the geodesic, m.
+    pub geodesic_m: f64,
+    /// The way straight through space, m.
+    pub positions_m: f64,
+    /// The solver's iterations for this pair.
+    pub iterations: usize,
+    /// Pairs there are.
+    pub pairs: usize,
+    /// Pairs whose geodesic was computed.
+    pub solved: usize,
+    /// Those of them where the solver gave up.
+    pub gave_up: usize,
+}
+
+/// Pairs that are solved before the best is looked at again. It is part of what is told, so it does not depend on threads.
+const BATCH: usize = 8;
+
+/// No curve is shorter than the way straight through space, but for the rounding of f64.
+const ROUNDING: f64 = 1.0 - 1e-9;
+
+/// The pair of frames with the shortest geodesic, the earlier of two of the same length. Pairs are visited in the order of the
+/// way straight through space, of which no geodesic is shorter, until that is longer than the best: what is never solved
+/// cannot be it. `done` is told of every pair solved.
+///
+/// # Errors
+/// [`RigError`] if a pose is not one of the rig.
+///
+/// # Panics
+/// If there are no places, or frames beyond the clips.
+pub fn nearest(
+    pair: &Pair,
+    places: &Places,
+    done: impl Fn(usize) + Sync,
+) -> Result<Nearest, RigError> {
+    let positions = |frames: &[Vec<_>], places: &RangeInclusive<usize>| -> Vec<Vec<f64>> {
+        let positions = |frame: &Vec<_>| {
+            let all = pair.rig.positions_m(&pair.pose(frame));
+            all.into_iter().flat_map(|position| position.to_array()).collect()
+        };
+        frames[places.clone()].par_iter().map(positions).collect()
+    };
+    let of_a = positions(&pair.a.frames, &places.a);
+    let of_b = positions(&pair.b.frames, &places.b);
+    // Of every frame of the first, its nearest of the second that was not visited.
+    let after = |row: usize, last: Option<(f64, usize)>| {
+        let columns = of_b.iter().enumerate().map(|(column, b)| (way_m(&of_a[row], b), column));
+        let rest = columns.filter(|next| last.is_none_or(|last| order(last, *next).is_lt()));
+        rest.min_by(|a, b| order(*a, *b)).map(|(way_m, column)| (way_m.to_bits(), row, column))
+    };
+    let first: Vec<_> = (0..of_a.len()).into_par_iter().map(|row| after(row, None)).collect();
+    let mut open: BinaryHeap<_> = first.into_iter().flatten().map(Reverse).collect();
+    let mut best: Option<Nearest> = None;
+    let (mut solved, mut gave_up) = (0, 0);
+    loop {
+        let limit_m = best.map_or(f64::INFINITY, |best| best.geodesic_m);
+        let mut batch = Vec::with_capacity(BATCH);
+        while batch.len() < BATCH
+            && let Some(&Reverse((bits, row, column))) = open.peek()
+            && f64::from_bits(bits) * ROUNDING <= limit_m
+        {
+            open.pop();
+            open.extend(after(row, Some((f64::from_bits(bits), column))).map(Reverse));
+            batch.push((f64::from_bits(bits), row, column));
+        }
+        if batch.is_empty() {
+            break;
+        }
+        let results: Vec<_> = batch
+            .par_iter()
+            .map(|(_, row, column)| {
+                let (a, b) = (places.a.start() + row, places.b.start() + column);
+                let (from, to) = (pair.pose(&pair.a.frames[a]), pair.pose(&pair.b.frames[b]));
+                let geodesic = solve(&pair.rig, &from, &to, &Options::default());
+                done(1);
+                geodesic.map(|geodesic| (a, b, geodesic))
+            })
+            .collect();
+        for ((positions_m, ..), result) in batch.into_iter().zip(results) {
+            let (a, b, geodesic) = result?;
+            solved += 1;
+            gave_up += usize::from(!geodesic.converged);
+            let next = Nearest {
+                a,
+                b,
+                geodesic_m: geodesic.length_m,
+                positions_m,
+                iterations: geodesic.course.len(),
+                pairs: of_a.len() * of_b.len(),
+                solved: 0,
+                gave_up: 0,
+            };
+            let key = |nearest: &Nearest| (nearest.geodesic_m.to_bits(), nearest.a, nearest.b);
+            if best.is_none_or(|best| key(&next) < key(&best)) {
+                best = Some(next);
+            }
+        }
+    }
+    let best = best.expect("there are places");
+    Ok(Nearest { solved, gave_up, ..best })
+}
+
+fn way_m(a: &[f64], b: &[f64]) -> f64 {
+    libm::sqrt(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum())
+}
+
+fn order(a: (f64, usize), b: (f64, usize)) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}

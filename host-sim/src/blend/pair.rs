@@ -1,0 +1,113 @@
+//! Two clips made ready for each other: on one skeleton, at one rate.
+
+use glam::{DQuat, DVec3};
+use sinew_core::JointKind;
+use sinew_core::projection::JointRange;
+
+use crate::find::{Mismatch, same_joints};
+use crate::geodesic::{JointPosition, Rig, RigError, RigJoint};
+use crate::mocap::pipeline::{carried, carrier};
+use crate::mocap::resample::resample;
+use crate::mocap::{GaplessClip, JointSample, Skeleton};
+
+/// Two clips on the skeleton of the first, at its rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pair {
+    /// The first.
+    pub a: GaplessClip,
+    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes through space is made
+    /// as much larger as its legs are.
+    pub b: GaplessClip,
+    /// The factor of that.
+    pub scale: f64,
+    /// The joint that carries the body.
+    pub(super) carrier: usize,
+    /// What it carries, itself first, and which joints of the skeleton these are.
+    pub(super) body: Skeleton,
+    pub(super) joints: Vec<usize>,
+    pub(super) rig: Rig,
+}
+
+/// Two clips cannot be joined.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PairError {
+    /// They are of different skeletons.
+    #[error(transparent)]
+    Mismatch(#[from] Mismatch),
+    /// The skeleton cannot be a rig.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+}
+
+impl Pair {
+    /// Puts `b` on the skeleton of `a`, joints by their names, and to its rate.
+    ///
+    /// # Errors
+    /// [`PairError::Mismatch`] if their joints are not the same; [`PairError::Rig`] if bones are not finite.
+    pub fn new(a: GaplessClip, b: &GaplessClip) -> Result<Self, PairError> {
+        let order = same_joints(&a.skeleton, &b.skeleton)?;
+        let of_b = resample(b, a.rate_hz());
+        let (root_a, root_b) = (carrier(&[&a]), carrier(&[b]));
+        // If either moves its root, that carries both.
+        let carrier = if order[root_a] == root_b { root_a } else { 0 };
+        let (body, joints) = carried(&a.skeleton, carrier);
+        let (of_a, other) = (legs_m(&body), legs_m(&carried(&b.skeleton, order[carrier]).0));
+        let scale = if of_a > 0.0 && other > 0.0 { of_a / other } else { 1.0 };
+        let frame = |samples: &Vec<JointSample>| -> Vec<JointSample> {
+            let joints = a.skeleton.joints.iter().zip(&order).enumerate();
+            joints
+                .map(|(index, (joint, place))| {
+                    let JointSample { rotation, position_m } = samples[*place];
+                    let position_m = if index == carrier {
+                        position_m * scale
+                    } else {
+                        position_m - b.skeleton.joints[*place].offset_m + joint.offset_m
+                    };
+                    JointSample { rotation, position_m }
+                })
+                .collect()
+        };
+        let frames = of_b.frames.iter().map(frame).collect();
+        let b = GaplessClip { skeleton: a.skeleton.clone(), frames, ..of_b };
+        let rig = rig(&body)?;
+        Ok(Self { a, b, scale, carrier, body, joints, rig })
+    }
+
+    /// The skeleton's part that poses are compared on.
+    pub fn body(&self) -> &Skeleton {
+        &self.body
+    }
+
+    /// Local rotations of the body's joints in a frame.
+    pub fn rotations(&self, frame: &[JointSample]) -> Vec<DQuat> {
+        self.joints.iter().map(|joint| frame[*joint].rotation).collect()
+    }
+
+    /// A frame as the solver takes it.
+    pub(super) fn pose(&self, frame: &[JointSample]) -> Vec<JointPosition> {
+        let rotations = self.rotations(frame).into_iter().skip(1);
+        std::iter::once(JointPosition::Fixed).chain(rotations.map(JointPosition::Turn)).collect()
+    }
+}
+
+/// How far below its root a skeleton goes at rest, in metres.
+fn legs_m(skeleton: &Skeleton) -> f64 {
+    let rest_m = skeleton.rest_positions_m();
+    let ends =
+        skeleton.joints.iter().zip(&rest_m).flat_map(|(joint, at)| {
+            joint.end_sites_m.iter().map(move |end| *at + *end).chain([*at])
+        });
+    -ends.fold(0.0, |low: f64, end: DVec3| low.min(end.y))
+}
+
+fn rig(body: &Skeleton) -> Result<Rig, RigError> {
+    let joints = body.joints.iter().map(|joint| RigJoint {
+        parent: joint.parent,
+        kind: if joint.parent.is_some() { JointKind::Spherical } else { JointKind::Fixed },
+        rotation: DQuat::IDENTITY,
+        offset_m: if joint.parent.is_some() { joint.offset_m } else { DVec3::ZERO },
+        range: JointRange::Any,
+        weight: 1.0,
+    });
+    Rig::new(&joints.collect::<Vec<_>>())
+}

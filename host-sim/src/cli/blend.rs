@@ -1,0 +1,213 @@
+//! `sinew blend`: from one clip to another.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::ValueEnum;
+use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
+use sinew_sim::find::{Part, Reference};
+use sinew_sim::mocap::pipeline::{ClipFile, Recorded, recorded};
+use sinew_sim::mocap::{Settings, bvh, mapping::Mapping};
+use sinew_sim::report::blend as picture;
+use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
+
+use super::clips::seconds;
+use super::output::{note, print, with_progress};
+use super::threads::ThreadArgs;
+
+/// Go from one clip over to another where their poses are nearest, and write the motion as BVH.
+///
+/// Of all pairs of frames, the blend's middle is at the one whose geodesic is shortest: the way of the joints through space with
+/// bones as long as they are. In the blend both clips play on; every pose is on the geodesic between theirs, at a smooth share of
+/// its length, so that the first is left and the second entered with their own velocities. The second clip is turned about the
+/// vertical and shifted so that they meet. Feet may slide in the blend: they are not held.
+///
+///   sinew blend walk.bvh run.bvh --out walk-run.bvh
+///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png
+///   sinew blend walk.bvh@120 run.bvh@0.6s --out walk-run.bvh
+///
+/// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints. FILE@FROM..TO says where the middle may be (in
+/// frames from 0, or seconds), FILE@PLACE where it is; without, anywhere half a blend from the ends.
+///
+/// The file has the skeleton, the unit of length and the rate of A.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// The clip to leave.
+    #[arg(value_name = "A")]
+    a: Reference,
+
+    /// The clip to enter.
+    #[arg(value_name = "B")]
+    b: Reference,
+
+    /// The BVH file to write.
+    #[arg(long, value_name = "FILE.bvh")]
+    out: PathBuf,
+
+    /// Length of the blend, to an even number of A's frames. 0.5 is about a step of a walk: shorter is sharper, longer mixes what does not
+    /// belong together.
+    #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
+    seconds: f64,
+
+    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    /// Also draw figures through the blend, where the clips are near each other, and speeds into this file.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    picture: Option<PathBuf>,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// A line for each thing.
+    Text,
+    /// One JSON object, schema `sinew-blend/1`.
+    Json,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    args.threads.install(|| args.blend())
+}
+
+impl Args {
+    fn blend(&self) -> anyhow::Result<()> {
+        if let Some(path) = &self.picture {
+            picture::check(path).with_context(|| format!("--picture {}", path.display()))?;
+        }
+        if !self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
+            bail!("--out {}: expected a file named *.bvh", self.out.display());
+        }
+        let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
+        let settings = Settings { mapping, ..Settings::default() };
+        let read = |reference: &Reference| -> anyhow::Result<(Recorded, (usize, usize))> {
+            let file = ClipFile::new(&reference.file);
+            let (recorded, notices) = recorded(&file, &settings)?;
+            for notice in notices {
+                note(format_args!("{}: {notice}", file.name));
+            }
+            let frames = reference.frames(&recorded)?;
+            Ok((recorded, frames))
+        };
+        let (a, frames_a) = read(&self.a)?;
+        let (b, frames_b) = read(&self.b)?;
+        let rate_hz = a.clip.rate_hz();
+        let half = half(0.5 * self.seconds * rate_hz);
+        let (clip_a, clip_b) = (a.clip.clone(), &b.clip);
+        let pair = Pair::new(clip_a, clip_b).with_context(|| self.b.file.display().to_string())?;
+        let places = Places {
+            a: room(&self.a, frames_a, 1.0, pair.a.frames.len(), half, rate_hz)?,
+            b: room(
+                &self.b,
+                frames_b,
+                rate_hz / b.clip.rate_hz(),
+                pair.b.frames.len(),
+                half,
+                rate_hz,
+            )?,
+        };
+        let pairs = places.a.clone().count() * places.b.clone().count();
+        let nearest = with_progress(pairs, |done| blend::nearest(&pair, &places, done))?;
+        let blend = blend::blend(&pair, nearest.a, nearest.b, half)?;
+        bvh::write(&self.out, &blend.clip, a.metres_per_unit)
+            .with_context(|| format!("--out {}", self.out.display()))?;
+        let side = |recorded: &Recorded| {
+            (recorded.skipped as f64 * recorded.clip.frame_time_s, recorded.clip.rate_hz())
+        };
+        let (of_a, of_b) = (side(&a), side(&b));
+        let sides = [
+            Side { name: &a.clip.name, start_s: of_a.0, file_rate_hz: of_a.1 },
+            Side { name: &b.clip.name, start_s: of_b.0, file_rate_hz: of_b.1 },
+        ];
+        if let Some(path) = &self.picture {
+            let drawing = picture::Drawing {
+                pair: &pair,
+                mapping: &a.mapping,
+                sides,
+                nearest: &nearest,
+                blend: &blend,
+            };
+            picture::write(path, &drawing)
+                .with_context(|| format!("--picture {}", path.display()))?;
+        }
+        let outcome = Outcome {
+            a: sides[0],
+            b: sides[1],
+            nearest: &nearest,
+            line_m: line_m(&pair, nearest.a, nearest.b)?,
+            blend: &blend,
+            scale: pair.scale,
+        };
+        print(&match self.format {
+            Format::Text => blend::text(&outcome),
+            Format::Json => blend::json(&outcome),
+        })?;
+        Ok(())
+    }
+}
+
+/// Half of a blend in frames: at least one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative, and saturates"
+)]
+fn half(frames: f64) -> usize {
+    libm::round(frames).max(1.0) as usize
+}
+
+/// Where the middle may be: what was asked for, with half a blend on both sides.
+fn room(
+    reference: &Reference,
+    (first, last): (usize, usize),
+    factor: f64,
+    count: usize,
+    half: usize,
+    rate_hz: f64,
+) -> anyhow::Result<RangeInclusive<usize>> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "frames of the clip"
+    )]
+    let at_rate = |frame: usize| libm::round(frame as f64 * factor) as usize;
+    let (first, last) = (at_rate(first), at_rate(last).min(count.saturating_sub(1)));
+    let file = reference.file.display();
+    let seconds = half as f64 / rate_hz;
+    if count < 2 * half + 1 {
+        bail!(
+            "{file}: expected at least {:.3} s for the blend (see --seconds), found {:.3} s",
+            2.0 * seconds,
+            count.saturating_sub(1) as f64 / rate_hz
+        );
+    }
+    let places = first.max(half)..=last.min(count - 1 - half);
+    if places.is_empty()
+        || (reference.part != Part::Whole && first == last && first != *places.start())
+    {
+        bail!(
+            "{file}: expected a place at least {seconds:.3} s, half the blend, from both ends of the clip, of {:.3} s",
+            (count - 1) as f64 / rate_hz
+        );
+    }
+    Ok(places)
+}
+
+/// The line's length in space, as `sinew find` measures it.
+fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
+    let rig = SpatialRig::new(pair.body(), None)?;
+    let measuring = Measuring::new(&rig, Measure::new(Metric::Line));
+    let pose = |frame: &[_]| measuring.pose(&pair.rotations(frame));
+    let (a, b) = (pose(&pair.a.frames[a])?, pose(&pair.b.frames[b])?);
+    Ok(f64::from(measuring.distance(&a, &b, &mut Workspace::new())))
+}

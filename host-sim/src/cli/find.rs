@@ -1,0 +1,257 @@
+//! `sinew find`: the nearest moments in a library of clips.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context as _, ensure};
+use clap::ValueEnum;
+use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
+use sinew_sim::mocap::{Settings, mapping::Mapping};
+use sinew_sim::report::moments as picture;
+use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig};
+
+use super::output::{note, print, with_progress};
+use super::threads::ThreadArgs;
+
+/// Find the moments in clips that are most like a pose, or like a piece of a clip.
+///
+/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them. All poses are put on the skeleton of the
+/// one looked for, joints by their names: a clip with other joints is refused if it is named, and left out if it is of a folder.
+///
+///   sinew find walks/ fights/ --like punch.bvh@1.25s
+///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
+///   sinew find fights/ --like punch.bvh@1.0s..1.6s --out found.png
+///
+/// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip FILE@FROM..TO, or FILE for all of it. It is held against every
+/// place of every clip; the distance is the root mean square of the frames' distances. Of places close to each other, the nearest
+/// is a moment. Where the query itself is from does not count.
+///
+/// The result is exact: places are left out only where a lower bound shows that they are farther away.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// Clips, or folders of them (not their subfolders).
+    #[arg(value_name = "CLIP", required = true)]
+    clips: Vec<PathBuf>,
+
+    /// What to look for: FILE@FRAME, FILE@SECONDSs, FILE@FROM..TO or FILE.
+    #[arg(long, value_name = "POSE|CLIP")]
+    like: Reference,
+
+    /// What of two poses is compared.
+    #[arg(long, value_enum, default_value_t = MetricArg::Line)]
+    metric: MetricArg,
+
+    /// Joints count by their importance: the length of all bones behind them.
+    #[arg(long)]
+    weighted: bool,
+
+    /// Steps in which a line is sampled. Without: 10, as in the paper.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    steps: Option<u16>,
+
+    /// Joint that poses are seen from. Without: the skeleton's root, or the first joint below it that moves.
+    #[arg(long, value_name = "JOINT")]
+    root: Option<String>,
+
+    /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame: at 30 Hz
+    /// a fist of 6 m/s is at most 10 cm off.
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
+    rate: f64,
+
+    /// Number of moments.
+    #[arg(long, value_name = "K", default_value = "10")]
+    count: NonZeroUsize,
+
+    /// Moments of one clip are at least so far apart.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
+    apart: f64,
+
+    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+
+    /// Also draw the query and what was found into this file.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    out: Option<PathBuf>,
+
+    /// Compute every distance too, refuse to go on if the result is not the same, and tell the times of both.
+    #[arg(long)]
+    check: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MetricArg {
+    /// Joint angles, rad.
+    Angles,
+    /// Angles between joints' rotations, by lengths of bones, m rad.
+    Rotations,
+    /// Positions of joints, m.
+    Positions,
+    /// The way of the joints through space, with bones as long as they are, m.
+    Line,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// An aligned table.
+    Table,
+    /// One JSON object, schema `sinew-find/1`.
+    Json,
+    /// A row per moment.
+    Csv,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(rate) if (1.0..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("expected a number of Hz from 1 to 1000".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0 to 1000000".into()),
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    args.threads.install(|| args.search())
+}
+
+impl Args {
+    fn measure(&self) -> anyhow::Result<Measure> {
+        let metric = match self.metric {
+            MetricArg::Angles => Metric::Angles,
+            MetricArg::Rotations => Metric::Rotations,
+            MetricArg::Positions => Metric::Positions,
+            MetricArg::Line => Metric::Line,
+        };
+        ensure!(
+            self.steps.is_none() || metric == Metric::Line,
+            "--steps: expected with the metric line, which alone has steps"
+        );
+        let measure = Measure::new(metric);
+        let measure = Measure { steps: self.steps.unwrap_or(measure.steps), ..measure };
+        Ok(if self.weighted { measure.weighted() } else { measure })
+    }
+
+    fn search(&self) -> anyhow::Result<()> {
+        let measure = self.measure()?;
+        if let Some(path) = &self.out {
+            picture::check(path).with_context(|| format!("--out {}", path.display()))?;
+        }
+        let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
+        let settings = Settings { mapping, ..Settings::default() };
+        let query = Query::read(&self.like, &settings, self.rate)?;
+        for notice in &query.notices {
+            note(format_args!("{}: {notice}", query.name));
+        }
+        let rig = SpatialRig::new(&query.skeleton, self.root.as_deref())
+            .with_context(|| query.file.display().to_string())?;
+        let measuring = Measuring::new(&rig, measure);
+        let files = sinew_sim::mocap::pipeline::expand(&self.clips)?.len();
+        let library =
+            with_progress(files, |done| Library::read(&self.clips, &query, &settings, done))?;
+        tell(&library, query.poses.len());
+        ensure!(!library.clips.is_empty(), "no clip has the joints of {}", query.file.display());
+
+        let (of_query, of_clips) = (query.measured(&measuring)?, library.measured(&measuring)?);
+        let apart = frames(self.apart * self.rate);
+        let limits = Limits { count: self.count.get(), apart };
+        let mut search = Search::new(&rig, &measuring, &of_query, &of_clips);
+        if let Some((clip, poses)) = self.own(&query, &library, apart) {
+            search = search.without(clip, poses);
+        }
+        let start = Instant::now();
+        let found = with_progress(search.place_count(), |done| search.nearest(limits, done));
+        let pruned_s = start.elapsed().as_secs_f64();
+        if self.check {
+            let start = Instant::now();
+            let all =
+                with_progress(search.place_count(), |done| search.nearest_of_all(limits, done));
+            let all_s = start.elapsed().as_secs_f64();
+            ensure!(
+                all.moments == found.moments,
+                "--check: computing every distance finds other moments: this is a mistake of the program"
+            );
+            note(format_args!(
+                "checked: the same moments; {:.1} ms, and {:.1} ms by computing every distance",
+                1e3 * pruned_s,
+                1e3 * all_s
+            ));
+        }
+        if let Some(path) = &self.out {
+            picture::write(path, &query, &library, measure, &found)
+                .with_context(|| format!("--out {}", path.display()))?;
+        }
+        print(&match self.format {
+            Format::Table => find::text(&query, &library, measure, &found),
+            Format::Json => find::json(&query, &library, measure, &found),
+            Format::Csv => find::csv(&query, &library, &found),
+        })?;
+        Ok(())
+    }
+
+    /// Where the query itself is from, if that is searched.
+    fn own(
+        &self,
+        query: &Query,
+        library: &Library,
+        apart: usize,
+    ) -> Option<(usize, std::ops::Range<usize>)> {
+        let place = |file: &PathBuf| file.canonicalize().ok();
+        let clip = library.clips.iter().position(|clip| place(&clip.file) == place(&query.file))?;
+        note(format_args!("{}: where the query is from does not count", query.name));
+        if self.like.part == Part::Whole {
+            return Some((clip, 0..usize::MAX));
+        }
+        let shelved = &library.clips[clip];
+        let middle = frames((query.start_s - shelved.start_s) * self.rate - 0.5);
+        let apart = apart.max(1);
+        Some((clip, (middle + 1).saturating_sub(apart)..middle + apart))
+    }
+}
+
+/// The whole number of frames from a time on.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative, and saturates"
+)]
+fn frames(count: f64) -> usize {
+    libm::ceil(count - 1e-6).max(0.0) as usize
+}
+
+/// What was done to the clips, in few lines.
+fn tell(library: &Library, length: usize) {
+    let (t_poses, others): (Vec<_>, Vec<_>) = library
+        .clips
+        .iter()
+        .flat_map(|clip| clip.notices.iter().map(move |notice| (clip, notice)))
+        .partition(|(_, notice)| matches!(notice, sinew_sim::mocap::Notice::TPoseSkipped));
+    if !t_poses.is_empty() {
+        note(format_args!("skipped frame 0, an inserted T-pose, of {} clips", t_poses.len()));
+    }
+    for (clip, notice) in others {
+        note(format_args!("{}: {notice}", clip.name));
+    }
+    if let Some((_, why)) = library.left_out.first() {
+        let count = library.left_out.len();
+        note(format_args!("left out {count} files of other skeletons; the first: {why}"));
+    }
+    let short = library.clips.iter().filter(|clip| clip.poses.len() < length).count();
+    if short > 0 {
+        note(format_args!("{short} clips are shorter than the query: nothing is found in them"));
+    }
+}

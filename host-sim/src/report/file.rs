@@ -1,0 +1,31 @@
+//! Pictures as files.
+
+use std::path::Path;
+use std::{fs, io};
+
+use maud::Markup;
+
+use super::{alone, png};
+
+/// Whether a picture can be written under that name.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`.
+pub(super) fn check(path: &Path) -> io::Result<()> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if extension == "svg" || extension == "png" {
+        return Ok(());
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "expected a picture named *.svg or *.png"))
+}
+
+/// Writes a picture as SVG, or as PNG if the file is named so.
+///
+/// # Errors
+/// What the system says, and those of [`check`].
+pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
+    check(path)?;
+    let svg = alone(&picture.0);
+    let is_png = path.extension().unwrap_or_default().eq_ignore_ascii_case("png");
+    if is_png { fs::write(path, png::png(&svg)) } else { fs::write(path, svg) }
+}

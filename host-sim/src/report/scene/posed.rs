@@ -1,0 +1,19 @@
+//! The mannequin in a frame of a motion.
+
+use super::mannequin::{Mannequin, Points};
+use crate::figure::BODIES;
+use crate::mocap::FigureMotion;
+use crate::plant::Pose;
+
+/// The mannequin of a motion, and its points in a frame.
+pub(in crate::report) fn posed(motion: &FigureMotion, frame: usize) -> (Mannequin, Points) {
+    let mut poses: Vec<Pose> = Vec::new();
+    for (body, position_m) in motion.world_positions_m(frame).into_iter().enumerate() {
+        let local = motion.rotation[frame][body];
+        let rotation = BODIES[body].parent.map_or(local, |parent| poses[parent].rotation * local);
+        poses.push(Pose { rotation, position_m });
+    }
+    let mannequin = Mannequin::new(motion);
+    let points = mannequin.points(&poses);
+    (mannequin, points)
+}

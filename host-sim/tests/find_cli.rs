@@ -1,0 +1,243 @@
+//! `sinew find` and `sinew blend` as commands: what they print, draw and write, and their exit codes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use sinew_sim::mocap::{Settings, builtin, bvh, gaps, pipeline};
+
+/// The first built-in clips as BVH files in the folder `clips`, and their names.
+fn clips(folder: &Path, count: usize) -> Vec<String> {
+    fs::create_dir_all(folder.join("clips")).expect("a folder to write to");
+    builtin::clips()
+        .into_iter()
+        .take(count)
+        .map(|clip| {
+            let (clip, _) = gaps::fill(clip, 0.5).expect("short gaps");
+            let file = folder.join("clips").join(format!("{}.bvh", clip.name));
+            bvh::write(&file, &clip, 1.0).expect("a clip that can be written");
+            clip.name
+        })
+        .collect()
+}
+
+fn sinew(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+    command.current_dir(folder).args(arguments).output().expect("the command runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> (Value, String) {
+    let output = sinew(folder, &[arguments, &["--format", "json"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    (serde_json::from_slice(&output.stdout).expect("JSON"), text(&output.stderr))
+}
+
+#[test]
+fn a_moment_is_found_where_it_is_and_the_same_with_every_means() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 3);
+    // The query is a copy: the clip itself counts.
+    let query = folder.path().join("query.bvh");
+    fs::copy(folder.path().join("clips").join(format!("{}.bvh", names[1])), query).expect("a copy");
+    for (like, start_s, unit) in
+        [("query.bvh@240", 2.0, "m"), ("query.bvh@2s", 2.0, "m"), ("query.bvh@2s..2.5s", 2.0, "m")]
+    {
+        for metric in ["line", "positions", "angles", "rotations"] {
+            let arguments =
+                ["find", "clips", "--like", like, "--metric", metric, "--check", "--weighted"];
+            let (found, told) = json(folder.path(), &arguments);
+            assert!(told.contains("checked: the same moments"), "{told}");
+            let first = &found["moments"][0];
+            assert_eq!(first["clip"], names[1], "{like}, {metric}");
+            assert!((first["time_s"].as_f64().unwrap() - start_s).abs() < 1e-6, "{first}");
+            assert_eq!(first["frame"], 240);
+            assert!(first["distance"].as_f64().unwrap() < 1e-3, "{first}");
+            if metric == "line" {
+                assert_eq!(found["unit"], unit);
+                let computed = found["computed"].as_f64().unwrap();
+                assert!(computed < 0.5 * found["distances"].as_f64().unwrap(), "{found}");
+            }
+            let moments = found["moments"].as_array().unwrap();
+            assert_eq!(moments.len(), 10);
+            for (k, a) in moments.iter().enumerate() {
+                for b in &moments[..k] {
+                    let apart_s = a["time_s"].as_f64().unwrap() - b["time_s"].as_f64().unwrap();
+                    assert!(a["clip"] != b["clip"] || apart_s.abs() > 0.5 - 1e-6);
+                    assert!(b["distance"].as_f64() <= a["distance"].as_f64());
+                }
+            }
+        }
+    }
+    let one = sinew(folder.path(), &["find", "clips", "--like", "query.bvh@2s", "--threads", "1"]);
+    let two = sinew(folder.path(), &["find", "clips", "--like", "query.bvh@2s", "--threads", "2"]);
+    assert_eq!(text(&one.stdout), text(&two.stdout));
+    assert!(
+        text(&one.stdout)
+            .starts_with("like the pose of query at 2.000 s, by line\n3 clips at 30 Hz")
+    );
+}
+
+#[test]
+fn where_the_query_is_from_does_not_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 2);
+    let like = format!("clips/{}.bvh@2s", names[0]);
+    let (found, told) = json(folder.path(), &["find", "clips", "--like", &like]);
+    assert!(told.contains(&format!("{}: where the query is from does not count", names[0])));
+    for moment in found["moments"].as_array().unwrap() {
+        let apart_s = (moment["time_s"].as_f64().unwrap() - 2.0).abs();
+        assert!(moment["clip"] != names[0].as_str() || apart_s > 0.5 - 1e-6, "{moment}");
+    }
+    let csv = sinew(
+        folder.path(),
+        &["find", "clips", "--like", &like, "--format", "csv", "--count", "3"],
+    );
+    let csv = text(&csv.stdout);
+    assert!(
+        csv.starts_with("clip,file,time_s,frame,distance\n") && csv.lines().count() == 4,
+        "{csv}"
+    );
+}
+
+#[test]
+fn other_skeletons_are_left_out_of_folders_and_refused_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 1);
+    let file = |name: &str| folder.path().join("clips").join(name);
+    let whole = fs::read_to_string(file(&format!("{}.bvh", names[0]))).expect("a file");
+    fs::write(folder.path().join("query.bvh"), &whole).expect("a file");
+    let hair = "JOINT hair\n{\nOFFSET 0 0.1 0\nCHANNELS 0\n}\nEnd Site";
+    fs::write(file("hair.bvh"), whole.replacen("End Site", hair, 1)).expect("a file");
+    let (found, told) = json(folder.path(), &["find", "clips", "--like", "query.bvh@9"]);
+    assert_eq!((&found["clips"], &found["left_out"]), (&1.into(), &1.into()));
+    assert!(told.contains("left out 1 files of other skeletons; the first: "), "{told}");
+    let refused = sinew(folder.path(), &["find", "clips/hair.bvh", "--like", "query.bvh@9"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let why = "error: clips/hair.bvh: joint `hair`: expected no joint of that name";
+    assert!(text(&refused.stderr).contains(why), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn a_blend_is_a_file_that_is_read_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 2);
+    let [a, b] = [0, 1].map(|clip| format!("clips/{}.bvh", names[clip]));
+    let (a_part, b_part) = (format!("{a}@1.0s..1.4s"), format!("{b}@2s..2.4s"));
+    let arguments = ["blend", &a_part, &b_part, "--out", "joined.bvh", "--picture", "joined.svg"];
+    let (told, _) = json(folder.path(), &arguments);
+    let number = |name: &str| told[name].as_f64().unwrap();
+    assert!(number("positions_m") <= number("geodesic_m"), "{told}");
+    assert!(number("geodesic_m") <= number("line_m") * (1.0 + 1e-3), "{told}");
+    assert!(number("solved") < number("pairs") && told["not_converged"] == 0, "{told}");
+    assert!((1.0..=1.4).contains(&told["middle_a"]["time_s"].as_f64().unwrap()), "{told}");
+    assert!((2.0..=2.4).contains(&told["middle_b"]["time_s"].as_f64().unwrap()), "{told}");
+    assert!((number("blend_s") - 0.5).abs() < 1e-9);
+    let read = |file: &str| {
+        let path = PathBuf::from(folder.path().join(file));
+        pipeline::recorded(&pipeline::ClipFile::new(&path), &Settings::default()).expect("a clip").0
+    };
+    let (joined, first) = (read("joined.bvh"), read(&a));
+    assert_eq!(joined.clip.frames.len() as f64, number("frames"));
+    assert_eq!(
+        (joined.clip.skeleton, joined.clip.frame_time_s.to_bits()),
+        (first.clip.skeleton, first.clip.frame_time_s.to_bits())
+    );
+    // Up to the blend it is the first clip.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a frame")]
+    let leaves = told["leaves_a"]["frame"].as_u64().unwrap() as usize;
+    for (joined, first) in
+        joined.clip.frames[..=leaves].iter().flatten().zip(first.clip.frames.iter().flatten())
+    {
+        assert!(joined.position_m.distance(first.position_m) < 1e-6);
+        assert!(joined.rotation.dot(first.rotation).abs() > 1.0 - 1e-12);
+    }
+    let picture = fs::read_to_string(folder.path().join("joined.svg")).expect("a picture");
+    assert!(!picture.contains("NaN") && !picture.contains("inf") && !picture.contains("var("));
+}
+
+#[test]
+fn pictures_are_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 1);
+    for (part, name) in [("@2s", "pose.svg"), ("@2s..2.4s", "clip.png")] {
+        let like = format!("clips/{}.bvh{part}", names[0]);
+        let output = sinew(
+            folder.path(),
+            &["find", "clips", "--like", &like, "--count", "3", "--out", name],
+        );
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(fs::metadata(folder.path().join(name)).expect("a picture").len() > 5000);
+    }
+    let svg = fs::read_to_string(folder.path().join("pose.svg")).expect("a picture");
+    assert_eq!(svg.matches("class=\"stage\"").count(), 4);
+}
+
+#[test]
+fn what_cannot_be_done_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = clips(folder.path(), 1);
+    let file = format!("clips/{}.bvh", names[0]);
+    let at = |part: &str| format!("{file}@{part}");
+    let (bad, far, backwards, start) = (at("x"), at("999999"), at("20..10"), at("0.1s"));
+    let pose = at("9");
+    let own = format!("{file}@");
+    for (arguments, told) in [
+        (
+            vec!["find", "clips", "--like", &bad],
+            "expected FILE@FRAME (from 0), FILE@SECONDSs, FILE@FROM..TO",
+        ),
+        (vec!["find", "clips", "--like", &own], "after the last @"),
+        (vec!["find", "clips", "--like", &far], "expected a place from frame 0 (0.000 s) to frame"),
+        (vec!["find", "clips", "--like", &backwards], "expected FROM before TO, found 20..10"),
+        (vec!["find", "--like", &pose], "CLIP"),
+        (vec!["find", "no.bvh", "--like", &pose], "no.bvh: cannot be read"),
+        (
+            vec!["find", "clips", "--like", &pose, "--root", "tail"],
+            "root tail: expected a joint of the skeleton",
+        ),
+        (
+            vec!["find", "clips", "--like", &pose, "--rate", "nan"],
+            "expected a number of Hz from 1 to 1000",
+        ),
+        (vec!["find", "clips", "--like", &pose, "--count", "0"], "--count"),
+        (
+            vec!["find", "clips", "--like", &pose, "--apart", "-1"],
+            "expected a number of seconds from 0",
+        ),
+        (
+            vec!["find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
+            "--steps: expected with the metric line",
+        ),
+        (
+            vec!["find", "clips", "--like", &pose, "--out", "a.jpg"],
+            "expected a picture named *.svg or *.png",
+        ),
+        (vec!["blend", &file, &file, "--out", "a.txt"], "--out a.txt: expected a file named *.bvh"),
+        (
+            vec!["blend", &file, &file, "--out", "a.bvh", "--seconds", "900"],
+            "expected at least 900.000 s for the blend",
+        ),
+        (
+            vec!["blend", &start, &file, "--out", "a.bvh"],
+            "expected a place at least 0.250 s, half the blend, from both ends",
+        ),
+        (
+            vec!["blend", &file, &file, "--out", "no/a.bvh", "--seconds", "0"],
+            "expected a number of seconds above 0",
+        ),
+        (
+            vec!["blend", &pose, &pose, "--out", "no/a.bvh", "--seconds", "0.1"],
+            "no/a.bvh: cannot be written",
+        ),
+    ] {
+        let output = sinew(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+}
