@@ -40,7 +40,7 @@ pub struct Nearest {
 }
 
 /// Pairs that are solved before the best is looked at again. It is part of what is told, so it does not depend on threads.
-const BATCH: usize = 8;
+const BATCH: usize = 4;
 
 /// No curve is shorter than the way straight through space, but for the rounding of f64.
 const ROUNDING: f64 = 1.0 - 1e-9;

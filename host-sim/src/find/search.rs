@@ -80,7 +80,7 @@ impl Work {
 }
 
 /// Places that are looked at before the limit is set anew. It is part of the result's work, so it does not depend on threads.
-const BATCH: usize = 256;
+const BATCH: usize = 32;
 
 /// Of a sum that is a bound, every so many frames.
 const EVERY: usize = 8;

@@ -27,11 +27,13 @@ const GAP: f64 = 4.0;
 const WIDTH: f64 = FIGURES as f64 * (CELL + GAP) - GAP;
 /// Height of the title and the line below it.
 const TOP: f64 = 46.0;
-/// Where the charts begin, and how high they are.
+/// Where the charts begin, how high they are with their titles, and what is below them.
 const CHARTS: f64 = TOP + CELL_HEIGHT + 30.0;
-const CHART_HEIGHT: f64 = 300.0;
-/// Side of the largest map, and cells along it.
-const MAP: f64 = 300.0;
+const CHART_TOP: f64 = 24.0;
+const CHART: f64 = 280.0;
+const HEIGHT: f64 = CHARTS + CHART_TOP + CHART + 78.0;
+/// Width of the widest map, and cells along it.
+const MAP: f64 = 420.0;
 const CELLS: usize = 60;
 /// Steps of the colours.
 const LEVELS: f64 = 9.0;
@@ -80,7 +82,8 @@ impl Drawing<'_> {
         let seconds = (self.blend.last - self.blend.first) as f64 * motion.dt_s;
         html! {
             svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"
-                viewBox={ "0 0 " (px(WIDTH)) " " (px(CHARTS + CHART_HEIGHT + 70.0)) } aria-label=(title) {
+                viewBox={ "0 0 " (px(WIDTH)) " " (px(HEIGHT)) } aria-label=(title) {
+                rect width=(px(WIDTH)) height=(px(HEIGHT)) fill="#ffffff" {}
                 text class="chart-title" x="4" y="18" { (title) }
                 text class="tick" x="4" y="36" {
                     (format!("a blend of {seconds:.2} s along geodesics, from the first clip (blue) to the second (orange); times from its middle"))
@@ -159,7 +162,7 @@ impl Drawing<'_> {
             frames.filter_map(|frame| measuring.pose(&self.pair.rotations(frame)).ok()).collect()
         };
         let (of_a, of_b) = (poses(a), poses(b));
-        let side = MAP / longest.div_ceil(every) as f64;
+        let side = (MAP / of_a.len() as f64).min(CHART / of_b.len() as f64);
         let distance =
             |i: usize, j: usize| f64::from(measuring.position_distance(&of_a[i], &of_b[j]));
         let all = || (0..of_a.len()).flat_map(|i| (0..of_b.len()).map(move |j| (i, j)));
@@ -168,7 +171,26 @@ impl Drawing<'_> {
             .fold((f64::INFINITY, 0.0_f64), |(low, high), distance| {
                 (low.min(distance), high.max(distance))
             });
-        let (left, bottom) = (58.0, 24.0 + side * of_b.len() as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8")]
+        let level = |distance: f64| {
+            let share = if high > low { (high - distance) / (high - low) } else { 0.0 };
+            (share * LEVELS).min(LEVELS - 1.0) as usize
+        };
+        // Neighbours of one colour are one rectangle.
+        let rows: Vec<Vec<(usize, usize, usize)>> = (0..of_b.len())
+            .map(|j| {
+                let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+                for i in 0..of_a.len() {
+                    let level = level(distance(i, j));
+                    match runs.last_mut() {
+                        Some((same, _, to)) if *same == level => *to = i + 1,
+                        _ => runs.push((level, i, i + 1)),
+                    }
+                }
+                runs
+            })
+            .collect();
+        let (left, bottom) = (58.0, CHART_TOP + side * of_b.len() as f64);
         let right = left + side * of_a.len() as f64;
         let at = |i: usize, j: usize| {
             let place = |frame: usize| (frame as f64 / every as f64 + 0.5) * side;
@@ -187,11 +209,12 @@ impl Drawing<'_> {
         let (x, y) = at(i, j);
         html! {
             text class="chart-title" x="4" y="10" { (format!("Distance through space: {low:.2} m (dark) to {high:.2} m")) }
-            @for (i, j) in all() {
-                @let level = if high > low { ((high - distance(i, j)) / (high - low) * LEVELS).min(LEVELS - 1.0) } else { 0.0 };
-                g class={ "heat heat-" (format!("{:.0}", libm::floor(level))) } {
-                    rect x=(format!("{:.2}", left + side * i as f64)) y=(format!("{:.2}", bottom - side * (j + 1) as f64))
-                        width=(format!("{:.2}", side + 0.15)) height=(format!("{:.2}", side + 0.15)) {}
+            @for (row, runs) in rows.iter().enumerate() {
+                @for (level, from, to) in runs {
+                    g class={ "heat heat-" (level) } {
+                        rect x=(format!("{:.2}", left + side * *from as f64)) y=(format!("{:.2}", bottom - side * (row + 1) as f64))
+                            width=(format!("{:.2}", side * (to - from) as f64 + 0.15)) height=(format!("{:.2}", side + 0.15)) {}
+                    }
                 }
             }
             path class="miss" d=(line([at(i - half, j - half), at(i + half, j + half)])) {}
@@ -220,7 +243,8 @@ impl Drawing<'_> {
         // A step is between two frames.
         let time_s = |step: usize| (step as f64 + 0.5 - middle) * dt_s;
         let highest = all[from..to].iter().chain(of_a).chain(of_b).copied().fold(0.0, f64::max);
-        let (left, right, top, bottom) = (46.0, 0.5 * WIDTH - 14.0, 24.0, 24.0 + MAP);
+        let (left, right) = (46.0, 0.5 * WIDTH - 14.0);
+        let (top, bottom) = (CHART_TOP, CHART_TOP + CHART);
         let across = Axis::exact([time_s(from), time_s(to - 1)], [left, right]);
         let up = Axis::from_zero(highest, [bottom, top]);
         let course = |start: usize, speeds: &[f64]| {

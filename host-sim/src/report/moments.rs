@@ -85,6 +85,7 @@ fn picture(drawing: &Drawing<'_>) -> Markup {
     html! {
         svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"
             viewBox={ "0 0 " (px(width)) " " (px(height)) } aria-label=(title) {
+            rect width=(px(width)) height=(px(height)) fill="#ffffff" {}
             text class="chart-title" x="4" y="18" { (title) }
             text class="tick" x="4" y="36" {
                 "white: what is looked for; red: what was found, pelvis on pelvis"
@@ -175,7 +176,7 @@ impl Drawing<'_> {
 }
 
 /// One camera for all cells, from the side of the first: all are seen alike.
-fn camera(cells: &[Cell]) -> (Camera, f64) {
+fn camera(cells: &[Cell]) -> Camera {
     let figures =
         || cells.iter().flat_map(|cell| [Some(&cell.query), cell.found.as_ref()]).flatten();
     let heights = || figures().flat_map(|(_, points)| points.iter().map(|point| point.y));
@@ -186,24 +187,26 @@ fn camera(cells: &[Cell]) -> (Camera, f64) {
     let girth = mannequin.girth();
     // Hands and head are round, and there are words above and below.
     let (upright_m, beside_m) = (high - low + 0.95 * girth, 2.0 * reach + 0.3 * girth);
-    let camera = Camera {
+    Camera {
         target_m: DVec3::new(points[0].x, 0.5 * (low + high) + 0.04 * girth, points[0].z),
         yaw_rad: side_view_rad(points),
         pitch_rad: 0.2,
         distance_m: 6.0,
         focal: 6.0 * (STAGE_HEIGHT / upright_m).min(VIEW_WIDTH / beside_m),
         center: [0.5 * STAGE_WIDTH, 0.5 * STAGE_HEIGHT],
-    };
-    (camera, low - 0.04 * girth)
+    }
 }
 
 impl Cell {
-    fn draw(&self, index: usize, (camera, ground_m): (Camera, f64)) -> Markup {
+    fn draw(&self, index: usize, camera: Camera) -> Markup {
         let id = format!("moment-{index}");
         let (mannequin, desired) = &self.query;
         let desired = (desired, mannequin.girth());
         let measured = self.found.as_ref().map(|(mannequin, points)| (points, mannequin.girth()));
         let measured_or = measured.unwrap_or(desired);
+        let both = desired.0.iter().chain(measured_or.0);
+        let low = both.fold(f64::INFINITY, |low, point| low.min(point.y));
+        let ground_m = low - 0.04 * desired.1;
         let stage = Stage { id: &id, camera, ground_m, desired, measured: measured_or };
         if measured.is_some() { stage.draw() } else { stage.draw_desired(WHITE) }
     }
