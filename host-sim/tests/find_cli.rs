@@ -241,3 +241,24 @@ fn what_cannot_be_done_is_said() {
         assert!(output.stdout.is_empty(), "{arguments:?}");
     }
 }
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn cmu_is_searched_exactly_and_mostly_spared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = std::env::var_os("SINEW_DATA").expect("SINEW_DATA is set");
+    let broad = Path::new(&data).join("cmu/broad-12hz");
+    let of = |file: &str| broad.join(file).display().to_string();
+    let folder_of_clips = broad.display().to_string();
+    for (like, least) in [("05_05.bvh@5s", 0.95), ("05_10.bvh@4s..6s", 0.95)] {
+        let like = of(like);
+        let arguments = ["find", &folder_of_clips, "--like", &like, "--rate", "12", "--check"];
+        let (found, told) = json(folder.path(), &arguments);
+        assert!(told.contains("checked: the same moments"), "{told}");
+        // The files of 31 joints; the others are of other skeletons.
+        assert_eq!((&found["clips"], &found["left_out"]), (&175.into(), &81.into()));
+        let computed = found["computed"].as_f64().unwrap();
+        let spared = 1.0 - computed / found["distances"].as_f64().unwrap();
+        assert!(spared > least, "{like}: {spared}");
+    }
+}
