@@ -106,12 +106,7 @@ pub fn text(outcome: &Outcome<'_>) -> String {
     );
     line(
         "found",
-        format!(
-            "of {} pairs of frames, {} geodesics solved ({:.3} %)",
-            nearest.pairs,
-            nearest.solved,
-            100.0 * nearest.solved as f64 / nearest.pairs as f64
-        ),
+        format!("of {} pairs of frames, {} geodesics solved", nearest.pairs, nearest.solved),
     );
     line(
         "iterations",

@@ -104,7 +104,7 @@ fn both_clips_go_on_and_nothing_jumps() {
     let pair = pair();
     assert!((pair.scale - 0.8).abs() < 1e-12, "{}", pair.scale);
     let (at_a, at_b, half) = (70, 60, 15);
-    let joined = blend(&pair, at_a, at_b, half).unwrap();
+    let joined = blend(&pair, at_a, at_b, half, |_| ()).unwrap();
     assert_eq!((joined.first, joined.last, joined.gave_up), (at_a - half, at_a + half, 0));
     assert_eq!(joined.clip.frames.len(), at_a + pair.b.frames.len() - at_b);
     // Each clip alone is as it was: the first the same, the second in its poses, and its way only turned and shifted.
@@ -152,7 +152,7 @@ fn a_blend_of_a_clip_with_itself_is_the_clip() {
     let found = nearest(&pair, &places, |_| ()).unwrap();
     assert_eq!((found.a, found.b), (50, 50));
     assert!(found.geodesic_m < 1e-9);
-    let joined = blend(&pair, 50, 50, 12).unwrap();
+    let joined = blend(&pair, 50, 50, 12, |_| ()).unwrap();
     for (a, b) in worlds(&joined.clip).iter().flatten().zip(worlds(&clip).iter().flatten()) {
         assert!(a.distance(*b) < 1e-6, "{a} {b}");
     }

@@ -51,14 +51,20 @@ pub struct Peak {
 /// shifted so that both are at the same place there, seen from above. In the blend both clips play on. The pose is on the
 /// geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk: at both ends it has neither velocity nor
 /// acceleration, so that each clip is left and entered with its own). The body's place goes along the line, its
-/// orientation along the great arc, by the same share.
+/// orientation along the great arc, by the same share. `done` is told of every frame of the blend.
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.
 ///
 /// # Panics
 /// If a clip has no `half` frames before and after its place, or `half` is 0.
-pub fn blend(pair: &Pair, at_a: usize, at_b: usize, half: usize) -> Result<Blend, RigError> {
+pub fn blend(
+    pair: &Pair,
+    at_a: usize,
+    at_b: usize,
+    half: usize,
+    done: impl Fn(usize) + Sync,
+) -> Result<Blend, RigError> {
     let shift = Shift::new(pair, at_a, at_b);
     let of_a = &pair.a.frames[at_a - half..=at_a + half];
     let of_b: Vec<_> =
@@ -68,7 +74,9 @@ pub fn blend(pair: &Pair, at_a: usize, at_b: usize, half: usize) -> Result<Blend
         .into_par_iter()
         .map(|k| {
             let share = least_jerk(k as f64 / (2 * half) as f64);
-            between(pair, &of_a[k], &during[k], share)
+            let frame = between(pair, &of_a[k], &during[k], share);
+            done(1);
+            frame
         })
         .collect();
     let (mut frames, mut iterations, mut gave_up) = (pair.a.frames[..at_a - half].to_vec(), 0, 0);

@@ -16,19 +16,23 @@ use super::clips::seconds;
 use super::output::{note, print, with_progress};
 use super::threads::ThreadArgs;
 
-/// Go from one clip over to another where their poses are nearest, and write the motion as BVH.
+/// Go from one clip over to another where their poses are nearest, and write the motion as
+/// BVH.
 ///
-/// Of all pairs of frames, the blend's middle is at the one whose geodesic is shortest: the way of the joints through space with
-/// bones as long as they are. In the blend both clips play on; every pose is on the geodesic between theirs, at a smooth share of
-/// its length, so that the first is left and the second entered with their own velocities. The second clip is turned about the
-/// vertical and shifted so that they meet. Feet may slide in the blend: they are not held.
+/// Of all pairs of frames, the blend's middle is at the one whose geodesic is shortest: the
+/// way of the joints through space with bones as long as they are. In the blend both clips
+/// play on; every pose is on the geodesic between theirs, at a smooth share of its length,
+/// so that the first is left and the second entered with their own velocities. The second
+/// clip is turned about the vertical and shifted so that they meet. Feet may slide in the
+/// blend: they are not held.
 ///
 ///   sinew blend walk.bvh run.bvh --out walk-run.bvh
 ///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png
 ///   sinew blend walk.bvh@120 run.bvh@0.6s --out walk-run.bvh
 ///
-/// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints. FILE@FROM..TO says where the middle may be (in
-/// frames from 0, or seconds), FILE@PLACE where it is; without, anywhere half a blend from the ends.
+/// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints.
+/// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
+/// where it is; without, anywhere half a blend from the ends.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]
@@ -88,6 +92,12 @@ impl Args {
         if !self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
             bail!("--out {}: expected a file named *.bvh", self.out.display());
         }
+        let place = |file: &PathBuf| file.canonicalize().ok();
+        if let Some(out) = place(&self.out)
+            && [&self.a, &self.b].iter().any(|clip| place(&clip.file) == Some(out.clone()))
+        {
+            bail!("--out {}: expected another file than the clips", self.out.display());
+        }
         let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
         let settings = Settings { mapping, ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(Recorded, (usize, usize))> {
@@ -118,7 +128,9 @@ impl Args {
         };
         let pairs = places.a.clone().count() * places.b.clone().count();
         let nearest = with_progress(pairs, |done| blend::nearest(&pair, &places, done))?;
-        let blend = blend::blend(&pair, nearest.a, nearest.b, half)?;
+        let blend = with_progress(2 * half + 1, |done| {
+            blend::blend(&pair, nearest.a, nearest.b, half, done)
+        })?;
         bvh::write(&self.out, &blend.clip, a.metres_per_unit)
             .with_context(|| format!("--out {}", self.out.display()))?;
         let side = |recorded: &Recorded| {

@@ -16,18 +16,21 @@ use super::threads::ThreadArgs;
 
 /// Find the moments in clips that are most like a pose, or like a piece of a clip.
 ///
-/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them. All poses are put on the skeleton of the
-/// one looked for, joints by their names: a clip with other joints is refused if it is named, and left out if it is of a folder.
+/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them. All
+/// poses are put on the skeleton of the one looked for, joints by their names: a clip with
+/// other joints is refused if it is named, and left out if it is of a folder.
 ///
 ///   sinew find walks/ fights/ --like punch.bvh@1.25s
 ///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
 ///   sinew find fights/ --like punch.bvh@1.0s..1.6s --out found.png
 ///
-/// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip FILE@FROM..TO, or FILE for all of it. It is held against every
-/// place of every clip; the distance is the root mean square of the frames' distances. Of places close to each other, the nearest
-/// is a moment. Where the query itself is from does not count.
+/// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip FILE@FROM..TO, or FILE
+/// for all of it. It is held against every place of every clip; the distance is the root
+/// mean square of the frames' distances. Of places close to each other, the nearest is a
+/// moment. Where the query itself is from does not count.
 ///
-/// The result is exact: places are left out only where a lower bound shows that they are farther away.
+/// The result is exact: places are left out only where a lower bound shows that they are
+/// farther away.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {

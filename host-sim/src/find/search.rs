@@ -79,8 +79,10 @@ impl Work {
     }
 }
 
-/// Places that are looked at before the limit is set anew. It is part of the result's work, so it does not depend on threads.
-const BATCH: usize = 32;
+/// Places that are looked at before the limit is set anew: few where each takes long. It is part of the result's work, so it
+/// does not depend on threads.
+const LINES: usize = 32;
+const OTHERS: usize = 512;
 
 /// Of a sum that is a bound, every so many frames.
 const EVERY: usize = 8;
@@ -151,10 +153,11 @@ impl<'a> Search<'a> {
                 Known::AtLeast(sum) => open.push(Reverse((sum.to_bits(), index))),
             }
         }
+        let most = if self.is_line() { LINES } else { OTHERS };
         loop {
             let limit = computed.limit();
-            let mut batch = Vec::with_capacity(BATCH);
-            while batch.len() < BATCH
+            let mut batch = Vec::with_capacity(most);
+            while batch.len() < most
                 && let Some(&Reverse((bits, index))) = open.peek()
                 && f64::from_bits(bits) <= limit
             {
