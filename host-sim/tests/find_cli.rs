@@ -1,7 +1,7 @@
 //! `sinew find` and `sinew blend` as commands: what they print, draw and write, and their exit codes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -138,18 +138,17 @@ fn a_blend_is_a_file_that_is_read_again() {
     assert!((2.0..=2.4).contains(&told["middle_b"]["time_s"].as_f64().unwrap()), "{told}");
     assert!((number("blend_s") - 0.5).abs() < 1e-9);
     let read = |file: &str| {
-        let path = PathBuf::from(folder.path().join(file));
+        let path = folder.path().join(file);
         pipeline::recorded(&pipeline::ClipFile::new(&path), &Settings::default()).expect("a clip").0
     };
     let (joined, first) = (read("joined.bvh"), read(&a));
-    assert_eq!(joined.clip.frames.len() as f64, number("frames"));
+    assert_eq!(joined.clip.frames.len() as u64, told["frames"].as_u64().unwrap());
     assert_eq!(
         (joined.clip.skeleton, joined.clip.frame_time_s.to_bits()),
         (first.clip.skeleton, first.clip.frame_time_s.to_bits())
     );
     // Up to the blend it is the first clip.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a frame")]
-    let leaves = told["leaves_a"]["frame"].as_u64().unwrap() as usize;
+    let leaves = usize::try_from(told["leaves_a"]["frame"].as_u64().unwrap()).unwrap();
     for (joined, first) in
         joined.clip.frames[..=leaves].iter().flatten().zip(first.clip.frames.iter().flatten())
     {
