@@ -12,8 +12,8 @@ use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
 use crate::blend::{Blend, Nearest, Pair, Side};
-use crate::mocap::FigureMotion;
 use crate::mocap::mapping::{Binding, Mapping};
+use crate::mocap::{FigureMotion, GaplessClip};
 use crate::spatial::{Measure, MeasuredPose, Measuring, Metric, SpatialRig};
 
 /// Figures in the row.
@@ -32,7 +32,7 @@ const CHARTS: f64 = TOP + CELL_HEIGHT + 30.0;
 const CHART_TOP: f64 = 24.0;
 const CHART: f64 = 280.0;
 const HEIGHT: f64 = CHARTS + CHART_TOP + CHART + 78.0;
-/// Width of the widest map, and cells along it.
+/// Width of the map, and most cells along a side.
 const MAP: f64 = 420.0;
 const CELLS: usize = 60;
 /// Steps of the colours.
@@ -155,14 +155,14 @@ impl Drawing<'_> {
     fn map(&self, rig: &SpatialRig) -> Markup {
         let measuring = Measuring::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;
-        let longest = a.frames.len().max(b.frames.len());
-        let every = longest.div_ceil(CELLS);
-        let poses = |clip: &crate::mocap::GaplessClip| -> Vec<MeasuredPose> {
+        let every = [a, b].map(|clip| clip.frames.len().div_ceil(CELLS));
+        let poses = |clip: &GaplessClip, every: usize| -> Vec<MeasuredPose> {
             let frames = clip.frames.iter().step_by(every);
-            frames.filter_map(|frame| measuring.pose(&self.pair.rotations(frame)).ok()).collect()
+            let pose = |frame: &Vec<_>| measuring.pose(&self.pair.rotations(frame));
+            frames.map(|frame| pose(frame).expect("the solver took it")).collect()
         };
-        let (of_a, of_b) = (poses(a), poses(b));
-        let side = (MAP / of_a.len() as f64).min(CHART / of_b.len() as f64);
+        let (of_a, of_b) = (poses(a, every[0]), poses(b, every[1]));
+        let (wide, tall) = (MAP / of_a.len() as f64, CHART / of_b.len() as f64);
         let distance =
             |i: usize, j: usize| f64::from(measuring.position_distance(&of_a[i], &of_b[j]));
         let all = || (0..of_a.len()).flat_map(|i| (0..of_b.len()).map(move |j| (i, j)));
@@ -190,11 +190,10 @@ impl Drawing<'_> {
                 runs
             })
             .collect();
-        let (left, bottom) = (58.0, CHART_TOP + side * of_b.len() as f64);
-        let right = left + side * of_a.len() as f64;
+        let (left, right, bottom) = (58.0, 58.0 + MAP, CHART_TOP + CHART);
         let at = |i: usize, j: usize| {
-            let place = |frame: usize| (frame as f64 / every as f64 + 0.5) * side;
-            (left + place(i), bottom - place(j))
+            let place = |frame: usize, every: usize| frame as f64 / every as f64 + 0.5;
+            (left + wide * place(i, every[0]), bottom - tall * place(j, every[1]))
         };
         let half = (self.blend.last - self.blend.first) / 2;
         let Nearest { a: i, b: j, geodesic_m, .. } = *self.nearest;
@@ -205,15 +204,15 @@ impl Drawing<'_> {
         };
         let [side_a, side_b] = self.sides;
         let across = axis(side_a, a.frames.len(), [left, right]);
-        let up = axis(side_b, b.frames.len(), [bottom, bottom - side * of_b.len() as f64]);
+        let up = axis(side_b, b.frames.len(), [bottom, CHART_TOP]);
         let (x, y) = at(i, j);
         html! {
             text class="chart-title" x="4" y="10" { (format!("Distance through space: {low:.2} m (dark) to {high:.2} m")) }
             @for (row, runs) in rows.iter().enumerate() {
                 @for (level, from, to) in runs {
                     g class={ "heat heat-" (level) } {
-                        rect x=(format!("{:.2}", left + side * *from as f64)) y=(format!("{:.2}", bottom - side * (row + 1) as f64))
-                            width=(format!("{:.2}", side * (to - from) as f64 + 0.15)) height=(format!("{:.2}", side + 0.15)) {}
+                        rect x=(format!("{:.2}", left + wide * *from as f64)) y=(format!("{:.2}", bottom - tall * (row + 1) as f64))
+                            width=(format!("{:.2}", wide * (to - from) as f64 + 0.15)) height=(format!("{:.2}", tall + 0.15)) {}
                     }
                 }
             }
