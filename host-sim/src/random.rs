@@ -34,6 +34,8 @@ pub(crate) enum Subject {
     Batches = 9,
     /// What is shown of many.
     Examples = 10,
+    /// Pairs of poses.
+    Pairs = 11,
 }
 
 impl Random {

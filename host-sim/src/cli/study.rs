@@ -2,6 +2,9 @@
 
 mod autoencoder;
 mod data;
+mod geodesic_ratio;
+mod mds;
+mod results;
 
 use clap::Subcommand;
 
@@ -15,11 +18,15 @@ pub(super) struct Args {
 #[derive(Debug, Subcommand)]
 enum Study {
     Autoencoder(autoencoder::Args),
+    GeodesicRatio(geodesic_ratio::Args),
+    Mds(mds::Args),
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.study {
         Study::Autoencoder(args) => autoencoder::run(args),
+        Study::GeodesicRatio(args) => geodesic_ratio::run(args),
+        Study::Mds(args) => mds::run(args),
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures of the auto-encoder's study: reconstructed poses, and errors by group of joints.
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use glam::{DQuat, DVec3};
 use maud::{Markup, html};
@@ -10,7 +10,7 @@ use super::chart::{self, px};
 use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
-use super::{alone, png};
+use super::write_all;
 use crate::mocap::mapping::{self, Binding};
 use crate::mocap::{GaplessClip, JointSample, Skeleton};
 use crate::study::autoencoder::{self, Example, Group, Method, Study};
@@ -29,26 +29,17 @@ const GAP: f64 = 4.0;
 /// # Errors
 /// What the system says.
 pub fn write_study(study: &Study, skeleton: &Skeleton, folder: &Path) -> io::Result<Vec<PathBuf>> {
-    fs::create_dir_all(folder)?;
     let mut latents: Vec<usize> = study.outcomes.iter().map(|outcome| outcome.latent).collect();
     latents.dedup();
-    let mut written = Vec::new();
+    let mut pictures = Vec::new();
     for latent in latents {
-        let mut pictures = vec![(format!("autoencoder-errors-{latent}"), errors(study, latent))];
+        pictures.push((format!("autoencoder-errors-{latent}"), errors(study, latent)));
         // Only a skeleton that maps on the mannequin can be drawn.
         if let Some(drawn) = reconstructions(study, skeleton, latent) {
             pictures.push((format!("autoencoder-poses-{latent}"), drawn));
         }
-        for (name, picture) in pictures {
-            let svg = alone(&picture.0);
-            for (extension, bytes) in [("png", png::png(&svg)), ("svg", svg.into_bytes())] {
-                let path = folder.join(format!("{name}.{extension}"));
-                fs::write(&path, bytes)?;
-                written.push(path);
-            }
-        }
     }
-    Ok(written)
+    write_all(&pictures, folder)
 }
 
 /// The colours of methods in charts: those of methods of control, which no chart shows beside them.

@@ -7,8 +7,10 @@ mod distribution;
 mod front;
 mod groups;
 mod heat_map;
+mod histogram;
 mod joints;
 mod legend;
+mod plane;
 mod ratios;
 
 use std::fmt::Write as _;
@@ -21,8 +23,10 @@ pub(super) use distribution::distribution;
 pub(super) use front::{Front, Joined, Reference, Spot};
 pub(super) use groups::groups;
 pub(super) use heat_map::heat_map;
+pub(super) use histogram::{Histograms, Panel};
 pub(super) use joints::joints;
 pub(super) use legend::{legend, legend_lines};
+pub(super) use plane::{Plane, planes};
 pub(super) use ratios::{Ratio, ratios};
 
 use crate::evaluate::ErrorTotals;

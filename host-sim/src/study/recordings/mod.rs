@@ -67,7 +67,7 @@ pub struct Recordings {
 }
 
 /// CMU's skeletons of 31 joints, by their names in the index.
-const CMU_KINDS: [&str; 2] = ["cgspeed-mb", "asfamc"];
+pub const CMU_KINDS: [&str; 2] = ["cgspeed-mb", "asfamc"];
 /// The file whose skeleton all of CMU's are put on: the ASF form of subject 135 keeps the bones of thorax and palm, that
 /// the other conversion lost.
 const CMU_REFERENCE: &str = "broad-12hz/135_03.bvh";

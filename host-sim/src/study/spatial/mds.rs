@@ -9,7 +9,15 @@ use crate::spatial::Distances;
 pub struct Embedding {
     /// By thing, then by component, in the distances' unit; every component's largest entry is positive.
     pub places: Vec<Vec<f64>>,
-    /// What every component has of the sum of all positive eigenvalues, largest first, of all of them.
+    /// How much every component holds.
+    pub spectrum: Spectrum,
+}
+
+/// How much of the things' spread every component holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// What every component has of the sum of all positive eigenvalues, largest first, of all of them; none where all things are
+    /// in one place.
     pub shares: Vec<f64>,
     /// The sum of all negative eigenvalues against that of the positive ones: how far the distances are from those of
     /// points in any space.
@@ -19,18 +27,10 @@ pub struct Embedding {
 /// Places in at most `components` dimensions (Torgerson 1952). O(n³).
 pub fn classical(distances: &Distances, components: usize) -> Embedding {
     let count = distances.count();
-    let squared = DMatrix::from_fn(count, count, |i, j| distances.get(i, j).powi(2));
-    let by_row: Vec<f64> = (0..count).map(|row| squared.row(row).sum() / count as f64).collect();
-    let all = by_row.iter().sum::<f64>() / count as f64;
-    let products = DMatrix::from_fn(count, count, |i, j| {
-        -0.5 * (squared[(i, j)] - by_row[i] - by_row[j] + all)
-    });
-    let eigen = SymmetricEigen::new(products);
+    let eigen = SymmetricEigen::new(products(distances));
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let values: Vec<f64> = order.iter().map(|index| eigen.eigenvalues[*index]).collect();
-    let positive: f64 = values.iter().filter(|value| **value > 0.0).sum();
-    let negative: f64 = values.iter().filter(|value| **value < 0.0).sum();
     let mut places = vec![Vec::new(); count];
     for (index, value) in order.iter().zip(&values).take(components) {
         let vector = eigen.eigenvectors.column(*index);
@@ -39,11 +39,35 @@ pub fn classical(distances: &Distances, components: usize) -> Embedding {
             place.push(sign * entry * libm::sqrt(value.max(0.0)));
         }
     }
-    let share = |part: f64| if positive > 0.0 { part / positive } else { 0.0 };
-    Embedding {
-        places,
-        shares: values.iter().filter(|value| **value > 0.0).map(|value| share(*value)).collect(),
-        negative_share: share(-negative),
+    Embedding { places, spectrum: Spectrum::new(&values) }
+}
+
+/// How much every component holds, without the places: a few times faster. O(n³).
+pub fn spectrum(distances: &Distances) -> Spectrum {
+    let mut values = products(distances).symmetric_eigenvalues().as_slice().to_vec();
+    values.sort_by(|a, b| b.total_cmp(a));
+    Spectrum::new(&values)
+}
+
+/// Scalar products of the places around their middle: `-½ J D² J`.
+fn products(distances: &Distances) -> DMatrix<f64> {
+    let count = distances.count();
+    let squared = DMatrix::from_fn(count, count, |i, j| distances.get(i, j).powi(2));
+    let by_row: Vec<f64> = (0..count).map(|row| squared.row(row).sum() / count as f64).collect();
+    let all = by_row.iter().sum::<f64>() / count as f64;
+    DMatrix::from_fn(count, count, |i, j| -0.5 * (squared[(i, j)] - by_row[i] - by_row[j] + all))
+}
+
+impl Spectrum {
+    /// Of eigenvalues, the largest first.
+    fn new(values: &[f64]) -> Self {
+        let positive: f64 = values.iter().filter(|value| **value > 0.0).sum();
+        let negative: f64 = values.iter().filter(|value| **value < 0.0).sum();
+        let shares = values.iter().filter(|value| **value > 0.0).map(|value| value / positive);
+        Self {
+            shares: shares.collect(),
+            negative_share: if positive > 0.0 { -negative / positive } else { 0.0 },
+        }
     }
 }
 
@@ -70,7 +94,10 @@ mod tests {
             }
         }
         // 3 by 1: nine tenths of the spread is along the longer side.
-        assert!((embedding.shares[0] - 0.9).abs() < 1e-6, "{:?}", embedding.shares);
-        assert!(embedding.negative_share < 1e-6);
+        let Spectrum { shares, negative_share } = &embedding.spectrum;
+        assert!((shares[0] - 0.9).abs() < 1e-6, "{shares:?}");
+        assert!(*negative_share < 1e-6);
+        let alone = spectrum(&distances);
+        assert!((alone.shares[0] - shares[0]).abs() < 1e-12, "{alone:?}");
     }
 }
