@@ -8,6 +8,7 @@ use maud::Markup;
 use super::chart::{Histograms, Panel, Plane, planes};
 use super::write_all;
 use crate::spatial::{Metric, Weighting};
+use crate::study::recordings::DataSet;
 use crate::study::spatial::components::{self, Figure, OfRecording};
 use crate::study::spatial::geodesic_ratio::{LOWEST_OF_PAPER, Outcome, Pair};
 
@@ -30,7 +31,7 @@ pub fn write_geodesic_ratio(outcomes: &[Outcome], folder: &Path) -> io::Result<V
         }
     });
     let picture = Histograms {
-        title: "Length of the geodesic against the line's, by the largest turn of a joint",
+        title: "Geodesic against line, by the largest turn of a joint",
         axis: "r = L(geodesic) / L(line)",
         range: [0.7, 1.0],
         bin: 0.01,
@@ -82,18 +83,21 @@ fn walks(study: &components::Study, walkers: [&str; 2]) -> Markup {
         }
     };
     let things = [("local", walkers[0]), ("world", walkers[1])];
-    planes("Two people's walks, the first two components", &things, &SHOWN.map(plane))
+    planes("Two recordings in one embedding: the first two components", &things, &SHOWN.map(plane))
 }
 
 fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
     type Is = fn(&OfRecording) -> bool;
-    let kinds: [(&str, &str, Is); 3] = [
+    let all: [(&str, &str, Is); 4] = [
         ("local", "CMU, 31 joints", OfRecording::is_cmu_31),
         ("egocentric", "CMU, other skeletons", OfRecording::is_other_cmu),
-        ("world", "other data", |one| !one.is_cmu_31() && !one.is_other_cmu()),
+        ("world", "Bandai", |one| one.data_set == DataSet::Bandai),
+        ("accumulated", "built-in", |one| one.data_set == DataSet::BuiltIn),
     ];
+    let is_there = |kind: &&(_, _, Is)| study.recordings.iter().any(|one| kind.2(one));
+    let kinds: Vec<_> = all.iter().filter(is_there).collect();
     let panel = |(metric, name): (Metric, &str)| {
-        let values = kinds.map(|(_, _, is)| {
+        let values = kinds.iter().map(|(_, _, is)| {
             let own = study.recordings.iter().filter(|one| is(one));
             components::Study::figures(own, metric, Weighting::Alike, of)
                 .into_iter()
@@ -103,11 +107,11 @@ fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
         let mode = components::mode_of_paper(metric).map(|mode| 100.0 * mode);
         Panel {
             title: name.to_owned(),
-            values: values.into(),
+            values: values.collect(),
             mark: mode.map(|mode| (mode, format!("mode of the paper: {mode:.0} %"))),
         }
     };
-    let present = kinds.map(|(class, name, _)| (class, name));
+    let present: Vec<_> = kinds.iter().map(|(class, name, _)| (*class, *name)).collect();
     Histograms {
         title,
         axis: "share of the first component (%)",

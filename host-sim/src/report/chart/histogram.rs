@@ -38,18 +38,22 @@ impl Histograms<'_> {
         let top = if self.kinds.len() > 1 { 28.0 + KEY } else { 28.0 };
         let height = top + (LINE + PANEL) * self.panels.len() as f64 + 40.0;
         let x = Axis::exact(self.range, [44.0, WIDTH - 14.0]);
-        let key_width = (WIDTH - 20.0) / self.kinds.len() as f64;
+        let mut left = 10.0;
+        let key = self.kinds.iter().map(|(class, label)| {
+            let at = left;
+            // A letter is some 7 units wide.
+            left += 40.0 + 7.0 * label.chars().count() as f64;
+            (class, label, at)
+        });
+        let key: Vec<_> = if self.kinds.len() > 1 { key.collect() } else { Vec::new() };
         chart(
             height,
             self.title,
             &self.description(),
             &html! {
-                @if self.kinds.len() > 1 {
-                    @for (index, (class, label)) in self.kinds.iter().enumerate() {
-                        @let left = 10.0 + key_width * index as f64;
-                        g class=(class) { rect class="count" x=(px(left)) y="30" width="12" height="12" {} }
-                        text class="tick" x=(px(left + 18.0)) y="40" { (label) }
-                    }
+                @for (class, label, left) in key {
+                    g class=(class) { rect class="count" x=(px(left)) y="30" width="12" height="12" {} }
+                    text class="tick" x=(px(left + 18.0)) y="40" { (label) }
                 }
                 @for (index, panel) in self.panels.iter().enumerate() {
                     @let bottom = top + (LINE + PANEL) * (index as f64 + 1.0);

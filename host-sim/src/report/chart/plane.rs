@@ -67,7 +67,7 @@ impl Plane {
             rect class="frame" x=(px(frame.left)) y=(px(frame.top)) width=(px(frame.right - frame.left)) height=(px(frame.bottom - frame.top)) {}
             @for ((class, _), way) in things.iter().zip(&self.ways) {
                 g class=(class) {
-                    path class="stroke thin" d=(line(way.iter().map(|place| (x.at(place[0]), y.at(place[1]))))) {}
+                    path class="stroke way" d=(line(way.iter().map(|place| (x.at(place[0]), y.at(place[1]))))) {}
                     @for place in way {
                         circle class="marker" cx=(px(x.at(place[0]))) cy=(px(y.at(place[1]))) r="2.6" {}
                     }
