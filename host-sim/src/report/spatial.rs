@@ -8,8 +8,7 @@ use maud::Markup;
 use super::chart::{Histograms, Panel, Plane, planes};
 use super::write_all;
 use crate::spatial::{Metric, Weighting};
-use crate::study::recordings::DataSet;
-use crate::study::spatial::components::{self, Figure, OfRecording};
+use crate::study::spatial::components::{self, Figure, Part};
 use crate::study::spatial::geodesic_ratio::{LOWEST_OF_PAPER, Outcome, Pair};
 
 /// Writes the histograms of geodesics over lines into a folder, as SVG and PNG, and gives their paths.
@@ -87,18 +86,11 @@ fn walks(study: &components::Study, walkers: [&str; 2]) -> Markup {
 }
 
 fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
-    type Is = fn(&OfRecording) -> bool;
-    let all: [(&str, &str, Is); 4] = [
-        ("local", "CMU, 31 joints", OfRecording::is_cmu_31),
-        ("egocentric", "CMU, other skeletons", OfRecording::is_other_cmu),
-        ("world", "Bandai", |one| one.data_set == DataSet::Bandai),
-        ("accumulated", "built-in", |one| one.data_set == DataSet::BuiltIn),
-    ];
-    let is_there = |kind: &&(_, _, Is)| study.recordings.iter().any(|one| kind.2(one));
-    let kinds: Vec<_> = all.iter().filter(is_there).collect();
+    let is_there = |part: &Part| study.recordings.iter().any(|one| one.part() == *part);
+    let parts: Vec<Part> = Part::ALL.into_iter().filter(is_there).collect();
     let panel = |(metric, name): (Metric, &str)| {
-        let values = kinds.iter().map(|(_, _, is)| {
-            let own = study.recordings.iter().filter(|one| is(one));
+        let values = parts.iter().map(|part| {
+            let own = study.recordings.iter().filter(|one| one.part() == *part);
             components::Study::figures(own, metric, Weighting::Alike, of)
                 .into_iter()
                 .map(|x| 100.0 * x)
@@ -111,14 +103,24 @@ fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
             mark: mode.map(|mode| (mode, format!("mode of the paper: {mode:.0} %"))),
         }
     };
-    let present: Vec<_> = kinds.iter().map(|(class, name, _)| (*class, *name)).collect();
+    let kinds: Vec<_> = parts.iter().map(|part| (class(*part), part.name())).collect();
     Histograms {
         title,
         axis: "share of the first component (%)",
         range: [0.0, 100.0],
         bin: 5.0,
-        kinds: &present,
+        kinds: &kinds,
         panels: SHOWN.map(panel).into(),
     }
     .draw()
+}
+
+/// The colours of parts: those of methods of control, which no chart shows beside them.
+const fn class(part: Part) -> &'static str {
+    match part {
+        Part::Cmu31 => "local",
+        Part::CmuOthers => "egocentric",
+        Part::Bandai => "world",
+        Part::BuiltIn => "accumulated",
+    }
 }

@@ -164,15 +164,43 @@ pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Erro
     Ok(Study { walks, first_frames: first.frames.len(), recordings })
 }
 
-impl OfRecording {
-    /// Whether it is of CMU, on a skeleton of 31 joints as they were recorded on.
-    pub fn is_cmu_31(&self) -> bool {
-        self.data_set == DataSet::Cmu && CMU_KINDS.contains(&self.kind.as_str())
-    }
+/// Recordings that are alike in how they were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// CMU's, on the skeletons of 31 joints that they were recorded on.
+    Cmu31,
+    /// CMU's, carried over to other skeletons.
+    CmuOthers,
+    /// Bandai's.
+    Bandai,
+    /// The built-in clips.
+    BuiltIn,
+}
 
-    /// Whether it is of CMU, carried over to another skeleton.
-    pub fn is_other_cmu(&self) -> bool {
-        self.data_set == DataSet::Cmu && !self.is_cmu_31()
+impl Part {
+    /// All, in the order in which they are shown.
+    pub const ALL: [Self; 4] = [Self::Cmu31, Self::CmuOthers, Self::Bandai, Self::BuiltIn];
+
+    /// The name in tables and pictures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cmu31 => "CMU, 31 joints",
+            Self::CmuOthers => "CMU, other skeletons",
+            Self::Bandai => "Bandai",
+            Self::BuiltIn => "built-in",
+        }
+    }
+}
+
+impl OfRecording {
+    /// Which part it is of.
+    pub fn part(&self) -> Part {
+        match self.data_set {
+            DataSet::Cmu if CMU_KINDS.contains(&self.kind.as_str()) => Part::Cmu31,
+            DataSet::Cmu => Part::CmuOthers,
+            DataSet::Bandai => Part::Bandai,
+            DataSet::BuiltIn => Part::BuiltIn,
+        }
     }
 
     fn under(&self, metric: Metric, weighting: Weighting) -> &Components {

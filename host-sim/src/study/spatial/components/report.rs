@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use serde_json::{Value, json};
 
-use super::{Figure, OfRecording, Plan, Study, mode_of_paper};
+use super::{Figure, OfRecording, Part, Plan, Study, mode_of_paper};
 use crate::spatial::{Metric, Weighting};
 use crate::study::recordings::{Class, Sequence};
 use crate::study::spatial::mann_whitney;
@@ -130,22 +130,18 @@ fn kinds(study: &Study) -> Vec<(String, Vec<&OfRecording>)> {
         }
     };
     add("all", &|_| true);
-    add("CMU, 31 joints", &OfRecording::is_cmu_31);
-    let mut names: Vec<&str> = study.recordings.iter().map(|one| one.kind.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    for name in names {
-        add(&format!("skeleton {name}"), &|one| one.kind == name);
-    }
-    for (class, name) in [
-        (Class::Walk, "walking"),
-        (Class::Run, "running"),
-        (Class::Punch, "punches"),
-        (Class::Kick, "kicks"),
-        (Class::Mixed, "both"),
-        (Class::Other, "other motion"),
-    ] {
-        add(name, &|one| one.class == class);
+    for part in Part::ALL {
+        add(part.name(), &|one| one.part() == part);
+        for (class, name) in [
+            (Class::Walk, "walking"),
+            (Class::Run, "running"),
+            (Class::Punch, "punches"),
+            (Class::Kick, "kicks"),
+            (Class::Mixed, "both"),
+            (Class::Other, "other motion"),
+        ] {
+            add(&format!("- {name}"), &|one| one.part() == part && one.class == class);
+        }
     }
     for (low, high) in [(0, 30), (30, 60), (60, 120), (120, 240), (240, usize::MAX)] {
         let name = match high {
