@@ -1,6 +1,6 @@
 //! Pictures as files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use maud::Markup;
@@ -28,4 +28,22 @@ pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
     let svg = alone(&picture.0);
     let is_png = path.extension().unwrap_or_default().eq_ignore_ascii_case("png");
     if is_png { fs::write(path, png::png(&svg)) } else { fs::write(path, svg) }
+}
+
+/// Writes pictures as SVG and PNG into a folder, and gives their paths.
+///
+/// # Errors
+/// What the system says.
+pub(super) fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder)?;
+    let mut written = Vec::new();
+    for (name, picture) in pictures {
+        let svg = alone(&picture.0);
+        for (extension, bytes) in [("png", png::png(&svg)), ("svg", svg.into_bytes())] {
+            let path = folder.join(format!("{name}.{extension}"));
+            fs::write(&path, bytes)?;
+            written.push(path);
+        }
+    }
+    Ok(written)
 }

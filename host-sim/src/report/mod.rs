@@ -19,7 +19,7 @@ mod sweep;
 mod tables;
 pub mod weights;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::{fs, io};
 
 use maud::{Markup, html};
@@ -154,21 +154,6 @@ fn alone(svg: &str) -> String {
         "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
     };
     format!("{head}<style>{style}</style>{ground}{content}\n")
-}
-
-/// Writes pictures as SVG and PNG into a folder, and gives their paths.
-fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
-    fs::create_dir_all(folder)?;
-    let mut written = Vec::new();
-    for (name, picture) in pictures {
-        let svg = alone(&picture.0);
-        for (extension, bytes) in [("png", png::png(&svg)), ("svg", svg.into_bytes())] {
-            let path = folder.join(format!("{name}.{extension}"));
-            fs::write(&path, bytes)?;
-            written.push(path);
-        }
-    }
-    Ok(written)
 }
 
 /// Errors over time of one clip with every method.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use maud::Markup;
 
 use super::chart::{Histograms, Panel, Plane, planes};
-use super::write_all;
+use super::file::write_all;
 use crate::spatial::{Metric, Weighting};
 use crate::study::spatial::components::{self, Figure, Part};
 use crate::study::spatial::geodesic_ratio::{LOWEST_OF_PAPER, Outcome, Pair};

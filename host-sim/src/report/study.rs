@@ -7,10 +7,10 @@ use glam::{DQuat, DVec3};
 use maud::{Markup, html};
 
 use super::chart::{self, px};
+use super::file::write_all;
 use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
-use super::write_all;
 use crate::mocap::mapping::{self, Binding};
 use crate::mocap::{GaplessClip, JointSample, Skeleton};
 use crate::study::autoencoder::{self, Example, Group, Method, Study};
