@@ -41,14 +41,14 @@ struct Found {
 fn main() -> Result<(), Box<dyn Error>> {
     let quick = std::env::args().any(|argument| argument == "--quick" || argument == "--test")
         || !std::env::args().any(|argument| argument == "--bench");
-    let pairs = pairs(if quick { 3 } else { 60 })?;
+    let pairs = pairs(if quick { 3 } else { 40 })?;
     let mut contenders = [
         contender("Newton, block-tridiagonal", |pair| ours(pair, Options::default())),
         contender("the same, first derivatives", |pair| {
             ours(pair, Options { second_derivatives: false, ..Options::default() })
         }),
-        contender("argmin L-BFGS, gradient 1e-5", |pair| l_bfgs(pair, 1e-5)),
-        contender("argmin L-BFGS, gradient 1e-8", |pair| l_bfgs(pair, 1e-8)),
+        contender("argmin L-BFGS, gradient 1e-4", |pair| l_bfgs(pair, 1e-4)),
+        contender("argmin L-BFGS, gradient 1e-6", |pair| l_bfgs(pair, 1e-6)),
     ];
     for (turn, pair) in pairs.iter().enumerate() {
         for shift in 0..contenders.len() {

@@ -9,8 +9,9 @@ use clap::ValueEnum;
 use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
 use sinew_sim::mocap::{Settings, mapping::Mapping};
 use sinew_sim::report::moments as picture;
-use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig};
+use sinew_sim::spatial::{Measuring, SpatialRig};
 
+use super::measure::MeasureArgs;
 use super::output::{note, print, with_progress};
 use super::threads::ThreadArgs;
 
@@ -42,21 +43,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "POSE|CLIP")]
     like: Reference,
 
-    /// What of two poses is compared.
-    #[arg(long, value_enum, default_value_t = MetricArg::Line)]
-    metric: MetricArg,
-
-    /// Joints count by their importance: the length of all bones behind them.
-    #[arg(long)]
-    weighted: bool,
-
-    /// Steps in which a line is sampled. Without: 10, as in the paper.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
-    steps: Option<u16>,
-
-    /// Joint that poses are seen from. Without: the skeleton's root, or the first joint below it that moves.
-    #[arg(long, value_name = "JOINT")]
-    root: Option<String>,
+    #[command(flatten)]
+    measure: MeasureArgs,
 
     /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame: at 30 Hz
     /// a fist of 6 m/s is at most 10 cm off.
@@ -92,18 +80,6 @@ pub(super) struct Args {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MetricArg {
-    /// Joint angles, rad.
-    Angles,
-    /// Angles between joints' rotations, by lengths of bones, m rad.
-    Rotations,
-    /// Positions of joints, m.
-    Positions,
-    /// The way of the joints through space, with bones as long as they are, m.
-    Line,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// An aligned table.
     Table,
@@ -133,24 +109,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    fn measure(&self) -> anyhow::Result<Measure> {
-        let metric = match self.metric {
-            MetricArg::Angles => Metric::Angles,
-            MetricArg::Rotations => Metric::Rotations,
-            MetricArg::Positions => Metric::Positions,
-            MetricArg::Line => Metric::Line,
-        };
-        ensure!(
-            self.steps.is_none() || metric == Metric::Line,
-            "--steps: expected with the metric line, which alone has steps"
-        );
-        let measure = Measure::new(metric);
-        let measure = Measure { steps: self.steps.unwrap_or(measure.steps), ..measure };
-        Ok(if self.weighted { measure.weighted() } else { measure })
-    }
-
     fn search(&self) -> anyhow::Result<()> {
-        let measure = self.measure()?;
+        let measure = self.measure.measure()?;
         if let Some(path) = &self.out {
             picture::check(path).with_context(|| format!("--out {}", path.display()))?;
         }
@@ -160,7 +120,7 @@ impl Args {
         for notice in &query.notices {
             note(format_args!("{}: {notice}", query.name));
         }
-        let rig = SpatialRig::new(&query.skeleton, self.root.as_deref())
+        let rig = SpatialRig::new(&query.skeleton, self.measure.root.as_deref())
             .with_context(|| query.file.display().to_string())?;
         let measuring = Measuring::new(&rig, measure);
         let files = sinew_sim::mocap::pipeline::expand(&self.clips)?.len();

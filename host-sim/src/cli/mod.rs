@@ -9,6 +9,7 @@ mod evaluate;
 mod figure;
 mod find;
 mod latency;
+mod measure;
 mod methods;
 mod output;
 mod page;

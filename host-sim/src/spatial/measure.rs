@@ -11,7 +11,7 @@ use super::BODY_COUNT_MAX;
 use super::rig::SpatialRig;
 
 /// What of two poses is compared. Hauberg & Pedersen (2012); all of them are `core`'s.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Metric {
     /// Coordinates of joints, rad: eq. (1).
     Angles,
