@@ -139,6 +139,17 @@ impl Model {
         }
     }
 
+    /// How much the end of the range that the state is at bends inwards, per rad, seen across the first axis: of turns up to `m`
+    /// from the middle, ½ cot(m/2) (the second derivative of the angle across the way out).
+    pub(super) fn bend_of_end(state: &JointPosition, range: JointRange) -> Option<f64> {
+        match (range, *state) {
+            (JointRange::Turn(most), JointPosition::Turn(q)) if is_at_end(q, most) => {
+                Some(0.5 / libm::tan(0.5 * f64::from(most)))
+            }
+            _ => None,
+        }
+    }
+
     /// The state after a step along its axes, brought back within the range.
     pub(super) fn stepped(state: &JointPosition, range: JointRange, step: &[f64]) -> JointPosition {
         let within = |x: f64, [least, most]: [f32; 2]| x.max(f64::from(least)).min(f64::from(most));

@@ -331,6 +331,20 @@ impl Rig {
         ends
     }
 
+    /// Columns of the ways out of ranges that end in a sphere, at their ends, and how much each sphere bends across its way out: see
+    /// [`Model::bend_of_end`]. The two columns after are across.
+    pub(super) fn spheres(&self, pose: &[JointPosition]) -> Vec<(usize, f64)> {
+        let mut column = 0;
+        let mut spheres = Vec::new();
+        for (joint, state) in self.joints.iter().zip(pose).filter(|(joint, _)| joint.moves) {
+            if let Some(bend) = Model::bend_of_end(state, joint.range) {
+                spheres.push((column, bend));
+            }
+            column += joint.model.degrees_of_freedom();
+        }
+        spheres
+    }
+
     /// The pose a share `t` of the way from one to another, each joint on its own.
     pub(super) fn between(
         from: &[JointPosition],

@@ -191,6 +191,15 @@ impl Model {
             if options.second_derivatives {
                 diagonal += rig.bend(at, &force);
             }
+            // Who goes along the end of a turn's range is brought back onto it, uphill.
+            for (column, bend) in rig.spheres(&curve.poses[k]) {
+                if held[column] {
+                    for across in [column + 1, column + 2] {
+                        diagonal[(across, across)] += downhill[column] * bend;
+                        convex[(across, across)] += downhill[column] * bend;
+                    }
+                }
+            }
             for (index, _) in held.iter().enumerate().filter(|(_, held)| **held) {
                 downhill[index] = 0.0;
                 hold(&mut diagonal, index);

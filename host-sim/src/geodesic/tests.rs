@@ -170,14 +170,26 @@ fn joints_stay_within_their_ranges() {
     assert!((widest(&ranged) - 0.25).abs() < 1e-12, "{}", widest(&ranged));
     assert!(widest(&locked) <= 0.0);
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
+}
 
-    let mut narrow = free;
-    narrow[1].range = JointRange::Turn(0.9);
-    let narrow = of(&narrow);
-    assert!(narrow.converged);
-    for pose in &narrow.poses {
-        let JointPosition::Turn(q) = pose[1] else { unreachable!("a ball") };
-        assert!(joint::rotation_vector(q).length() < 0.9 + 1e-7);
+/// A ball's range ends in a sphere, that bends the more the smaller it is.
+#[test]
+fn the_way_goes_along_the_end_of_a_turns_range() {
+    for most_rad in [0.7, 0.1, 0.01, 1e-4] {
+        let mut joints = rig_of_all_kinds();
+        joints[2].range = JointRange::Turn(most_rad);
+        let rig = Rig::new(&joints).unwrap();
+        let (from, mut to) = (pose(1.0), pose(-1.0));
+        to[2] = JointPosition::Turn(DQuat::from_scaled_axis(DVec3::new(0.8, -0.2, 0.5)));
+        let found = solve(&rig, &from, &to, &Options::default()).unwrap();
+        assert!(found.converged && found.course.len() < 80, "{}", found.course.len());
+        let turns = found.poses.iter().map(|pose| {
+            let JointPosition::Turn(q) = pose[2] else { unreachable!("a ball") };
+            joint::rotation_vector(q).length() / f64::from(most_rad)
+        });
+        let turns: Vec<f64> = turns.collect();
+        assert!(turns.iter().all(|turn| *turn < 1.0 + 1e-9), "{turns:?}");
+        assert!(turns[1..10].iter().any(|turn| *turn > 1.0 - 1e-9), "{turns:?}");
     }
 }
 
