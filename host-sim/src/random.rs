@@ -36,6 +36,10 @@ pub(crate) enum Subject {
     Examples = 10,
     /// Pairs of poses.
     Pairs = 11,
+    /// Which recordings are compared.
+    Draws = 12,
+    /// What chance alone would do.
+    Chance = 13,
 }
 
 impl Random {

@@ -3,8 +3,10 @@
 
 use std::path::PathBuf;
 
+use sinew_sim::spatial::{Measure, SpatialRig};
 use sinew_sim::study::recordings::{Recordings, broad};
-use sinew_sim::study::spatial::{components, geodesic_ratio};
+use sinew_sim::study::spatial::classes::TwoClasses;
+use sinew_sim::study::spatial::{classify, cluster, components, geodesic_ratio};
 
 /// Frames that are taken of every recording: enough to tell changes, few enough for a debug build.
 const FRAMES: usize = 60;
@@ -40,6 +42,32 @@ fn shares(walking: &Recordings, walks: [&str; 2], broad: &[Recordings]) -> Strin
     components::tables(&plan, &study)
 }
 
+/// Some sequences of both classes, the first poses of each.
+fn two_classes(recordings: &Recordings, each: usize) -> TwoClasses {
+    let mut classes = TwoClasses::of(recordings).expect("no sequence is empty");
+    classes.sequences = classes.sequences.into_iter().step_by(each).collect();
+    for sequence in &mut classes.sequences {
+        sequence.frames.truncate(FRAMES / 2);
+    }
+    classes
+}
+
+fn told_by_the_nearest_pose(classes: &TwoClasses) -> String {
+    let rig = SpatialRig::new(&classes.skeleton, None).expect("it is a rig");
+    let measures = Measure::all().collect();
+    let plan = classify::Plan { classes, rig: &rig, measures, each: 3, draws: 5, seed: 1 };
+    let study = classify::run(&plan, &|_| ()).expect("there are enough of either class");
+    classify::tables(&plan, &study, &[])
+}
+
+fn told_by_clusters(classes: &TwoClasses) -> String {
+    let rig = SpatialRig::new(&classes.skeleton, None).expect("it is a rig");
+    let measures = Measure::all().collect();
+    let plan = cluster::Plan { classes, rig: &rig, measures, pairs: 8, seed: 1 };
+    let study = cluster::run(&plan, &|_| ()).expect("there are some of either class");
+    cluster::tables(&plan, &study, &[])
+}
+
 #[test]
 fn geodesics_over_lines_on_built_in_clips() {
     insta::assert_snapshot!("geodesic_ratio_built_in", ratios(&some(Recordings::built_in(), 3)));
@@ -68,4 +96,30 @@ fn first_components_on_cmu_and_bandai() {
     let broad: Vec<Recordings> = all.into_iter().step_by(40).map(|one| some(one, 1)).collect();
     let walks = ["broad-12hz/07_01.bvh", "broad-12hz/35_01.bvh"];
     insta::assert_snapshot!("mds_cmu", shares(&cmu, walks, &broad));
+}
+
+#[test]
+fn classes_by_the_nearest_pose_on_built_in_clips() {
+    let classes = two_classes(&Recordings::built_in(), 1);
+    insta::assert_snapshot!("classify_built_in", told_by_the_nearest_pose(&classes));
+}
+
+#[test]
+fn classes_by_clusters_on_built_in_clips() {
+    let classes = two_classes(&Recordings::built_in(), 1);
+    insta::assert_snapshot!("cluster_built_in", told_by_clusters(&classes));
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn classes_by_the_nearest_pose_on_cmu() {
+    let cmu = Recordings::cmu(&data().join("cmu")).expect("the data of CMU");
+    insta::assert_snapshot!("classify_cmu", told_by_the_nearest_pose(&two_classes(&cmu, 4)));
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn classes_by_clusters_on_cmu() {
+    let cmu = Recordings::cmu(&data().join("cmu")).expect("the data of CMU");
+    insta::assert_snapshot!("cluster_cmu", told_by_clusters(&two_classes(&cmu, 4)));
 }

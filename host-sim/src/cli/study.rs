@@ -1,10 +1,13 @@
 //! `sinew study`: what articles claim, tried again.
 
 mod autoencoder;
+mod classify;
+mod cluster;
 mod data;
 mod geodesic_ratio;
 mod mds;
 mod results;
+mod two_classes;
 
 use clap::Subcommand;
 
@@ -18,6 +21,8 @@ pub(super) struct Args {
 #[derive(Debug, Subcommand)]
 enum Study {
     Autoencoder(autoencoder::Args),
+    Classify(classify::Args),
+    Cluster(cluster::Args),
     GeodesicRatio(geodesic_ratio::Args),
     Mds(mds::Args),
 }
@@ -26,6 +31,8 @@ enum Study {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     match &args.study {
         Study::Autoencoder(args) => autoencoder::run(args),
+        Study::Classify(args) => classify::run(args),
+        Study::Cluster(args) => cluster::run(args),
         Study::GeodesicRatio(args) => geodesic_ratio::run(args),
         Study::Mds(args) => mds::run(args),
     }

@@ -2,6 +2,8 @@
 
 pub mod blend;
 mod chart;
+mod classify;
+mod cluster;
 mod comparison;
 mod file;
 mod front;
@@ -24,6 +26,8 @@ use std::{fs, io};
 
 use maud::{Markup, html};
 
+pub use classify::write_classify;
+pub use cluster::write_cluster;
 pub use comparison::Comparison;
 pub use playback::Playback;
 pub use spatial::{write_geodesic_ratio, write_mds};

@@ -8,10 +8,12 @@ mod front;
 mod groups;
 mod heat_map;
 mod histogram;
+mod intervals;
 mod joints;
 mod legend;
 mod plane;
 mod ratios;
+mod strips;
 
 use std::fmt::Write as _;
 
@@ -24,10 +26,12 @@ pub(super) use front::{Front, Joined, Reference, Spot};
 pub(super) use groups::groups;
 pub(super) use heat_map::heat_map;
 pub(super) use histogram::{Histograms, Panel};
+pub(super) use intervals::{Interval, Row, intervals};
 pub(super) use joints::joints;
 pub(super) use legend::{legend, legend_lines};
 pub(super) use plane::{Plane, planes};
 pub(super) use ratios::{Ratio, ratios};
+pub(super) use strips::{Pair, strips};
 
 use crate::evaluate::ErrorTotals;
 

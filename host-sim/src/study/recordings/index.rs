@@ -26,6 +26,20 @@ pub enum Class {
     Other,
 }
 
+impl Class {
+    /// The name, as the index has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Walk => "walk",
+            Self::Run => "run",
+            Self::Punch => "punch",
+            Self::Kick => "kick",
+            Self::Mixed => "mixed",
+            Self::Other => "other",
+        }
+    }
+}
+
 /// The data cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {

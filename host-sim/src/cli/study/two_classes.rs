@@ -1,0 +1,79 @@
+//! What `sinew study classify` and `sinew study cluster` ask alike.
+
+use std::num::NonZeroU16;
+
+use clap::ValueEnum;
+use sinew_sim::spatial::{Measure, SpatialRig};
+use sinew_sim::study::recordings::Recordings;
+use sinew_sim::study::spatial::classes::TwoClasses;
+
+use super::super::threads::ThreadArgs;
+use super::data::DataArgs;
+use super::results::ResultArgs;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TwoClassesArgs {
+    #[command(flatten)]
+    data: DataArgs,
+
+    /// Whose recordings: each are on one skeleton, and only those of one are compared.
+    #[arg(long, value_enum, default_value_t = Dataset::Cmu, conflicts_with = "quick")]
+    dataset: Dataset,
+
+    /// Seed of what is drawn.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(super) seed: u64,
+
+    /// Steps that lines are sampled in.
+    #[arg(long, value_name = "N", default_value = "10")]
+    steps: NonZeroU16,
+
+    /// Joint that poses are seen from. Without: the skeleton's root.
+    #[arg(long, value_name = "JOINT")]
+    root: Option<String>,
+
+    #[command(flatten)]
+    pub(super) results: ResultArgs,
+
+    /// Do not time the distances.
+    #[arg(long)]
+    pub(super) no_times: bool,
+
+    #[command(flatten)]
+    pub(super) threads: ThreadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Dataset {
+    /// CMU's, of 31 joints.
+    Cmu,
+    /// Bandai-Namco Research's, of 21 joints.
+    Bandai,
+}
+
+impl TwoClassesArgs {
+    /// Without data and for a moment.
+    pub(super) const fn is_quick(&self) -> bool {
+        self.data.quick
+    }
+
+    /// What is told apart.
+    pub(super) fn read(&self) -> anyhow::Result<TwoClasses> {
+        let recordings = match (self.data.folder()?, self.dataset) {
+            (None, _) => Recordings::built_in(),
+            (Some(folder), Dataset::Cmu) => Recordings::cmu(&folder.join("cmu"))?,
+            (Some(folder), Dataset::Bandai) => Recordings::bandai(&folder.join("bandai"))?,
+        };
+        Ok(TwoClasses::of(&recordings)?)
+    }
+
+    /// How poses are seen.
+    pub(super) fn rig(&self, classes: &TwoClasses) -> anyhow::Result<SpatialRig> {
+        Ok(SpatialRig::new(&classes.skeleton, self.root.as_deref())?)
+    }
+
+    /// All distances.
+    pub(super) fn measures(&self) -> Vec<Measure> {
+        Measure::all().map(|measure| Measure { steps: self.steps.get(), ..measure }).collect()
+    }
+}

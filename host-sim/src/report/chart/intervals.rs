@@ -1,0 +1,91 @@
+//! Means with their spread, for several kinds of each thing.
+
+use maud::{Markup, html};
+
+use super::{Axis, Frame, WIDTH, chart, horizontal_axis, px};
+
+/// Of one kind's mark, and between two rows.
+const MARK: f64 = 11.0;
+const GAP: f64 = 9.0;
+const KEY: f64 = 18.0;
+
+/// A mean among the values that it is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::report) struct Interval {
+    pub(in crate::report) mean: f64,
+    /// The middle half of the values.
+    pub(in crate::report) middle: [f64; 2],
+    /// All but the outermost.
+    pub(in crate::report) ends: [f64; 2],
+}
+
+/// One thing.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::report) struct Row {
+    pub(in crate::report) label: String,
+    /// By kind.
+    pub(in crate::report) intervals: Vec<Option<Interval>>,
+    /// What the paper has.
+    pub(in crate::report) paper: Option<f64>,
+}
+
+/// Rows of intervals in percent, each kind with its class and label; the paper's figures as rings.
+pub(in crate::report) fn intervals(title: &str, kinds: &[(&str, String)], rows: &[Row]) -> Markup {
+    let row = MARK * kinds.len() as f64 + GAP;
+    let has_paper = rows.iter().any(|row| row.paper.is_some());
+    let top = 30.0 + KEY * (kinds.len() + usize::from(has_paper)) as f64;
+    let height = top + row * rows.len() as f64 + 40.0;
+    let frame = Frame { left: 138.0, top, right: WIDTH - 14.0, bottom: height - 40.0 };
+    let lowest = rows.iter().flat_map(|row| {
+        let ends = row.intervals.iter().flatten().map(|interval| interval.ends[0]);
+        ends.chain(row.paper)
+    });
+    // To the next ten below, and the axis' end is not on it.
+    let low = 10.0 * libm::floor(lowest.fold(100.0, f64::min) / 10.0 - 0.1);
+    let axis = Axis::exact([low.max(0.0), 100.0], [frame.left, frame.right]);
+    let texts = rows.iter().flat_map(|row| {
+        let of_kind = |(interval, (_, kind)): (&Option<Interval>, &(&str, String))| {
+            interval.map(|interval| format!("{}, {kind}: {:.1}", row.label, interval.mean))
+        };
+        row.intervals.iter().zip(kinds).filter_map(of_kind).collect::<Vec<_>>()
+    });
+    chart(
+        height,
+        title,
+        &texts.collect::<Vec<_>>().join("; "),
+        &html! {
+            @for (index, (class, label)) in kinds.iter().enumerate() {
+                @let y = 33.0 + KEY * index as f64;
+                g class=(class) {
+                    line class="bar" x1="10" x2="40" y1=(px(y)) y2=(px(y)) {}
+                    circle class="marker" cx="25" cy=(px(y)) r="4" {}
+                }
+                text class="tick" x="48" y=(px(y + 4.0)) { (label) }
+            }
+            @if has_paper {
+                @let y = 33.0 + KEY * kinds.len() as f64;
+                circle class="ring" cx="25" cy=(px(y)) r="5" {}
+                text class="tick" x="48" y=(px(y + 4.0)) { "the paper's figure" }
+            }
+            (horizontal_axis(frame, &axis, "mean; thick: half of all; thin: all but 5 % at either end"))
+            @for (index, of) in rows.iter().enumerate() {
+                @let middle = frame.top + row * (index as f64 + 0.5);
+                text class="tick" x=(px(frame.left - 8.0)) y=(px(middle + 4.0)) text-anchor="end" { (of.label) }
+                @for (kind, interval) in of.intervals.iter().enumerate() {
+                    @let y = px(middle + MARK * (kind as f64 - 0.5 * (kinds.len() as f64 - 1.0)));
+                    @if let Some(Interval { mean, middle: [lower, upper], ends: [low, high] }) = interval {
+                        g class=(kinds[kind].0) {
+                            line stroke-width="1.2" x1=(px(axis.at(*low))) x2=(px(axis.at(*high))) y1=(y) y2=(y) {}
+                            line class="bar" x1=(px(axis.at(*lower))) x2=(px(axis.at(*upper))) y1=(y) y2=(y) {}
+                            circle class="marker" cx=(px(axis.at(*mean))) cy=(y) r="4" {}
+                        }
+                    }
+                }
+                @if let Some(paper) = of.paper {
+                    circle class="ring" cx=(px(axis.at(paper))) cy=(px(middle)) r="6" {}
+                }
+            }
+            line class="axis" x1=(px(frame.left)) x2=(px(frame.left)) y1=(px(frame.top)) y2=(px(frame.bottom)) {}
+        },
+    )
+}
