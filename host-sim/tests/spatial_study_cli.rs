@@ -50,3 +50,33 @@ fn what_cannot_be_is_refused_with_what_could() {
         assert!(told.contains(part), "{arguments:?}: {told}");
     }
 }
+
+#[test]
+fn distances_are_written_for_numpy_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let out = |name: &str| path(name).to_str().unwrap().to_owned();
+    let told = printed(&["distances", "--quick", "--metric", "positions", "--out", &out("a.npy")]);
+    let bytes = std::fs::read(path("a.npy")).unwrap();
+    let rows = std::fs::read_to_string(path("a.csv")).unwrap();
+    let poses = rows.lines().count() - 1;
+    assert!(rows.starts_with("pose,file,frame,seconds\n0,") && told.contains(" Hz, 18 joints"));
+    let pairs = poses * (poses - 1) / 2;
+    // NumPy's magic, and a header of a multiple of 64 bytes.
+    assert!(bytes.starts_with(b"\x93NUMPY") && poses > 100);
+    assert!((bytes.len() - 4 * pairs).is_multiple_of(64) && bytes.len() < 4 * pairs + 256);
+    assert!(!path("a.npy.part").exists());
+    let with_threads = ["distances", "--quick", "--metric", "positions", "--threads", "3"];
+    printed(&[&with_threads[..], &["--out", &out("b.npy")]].concat());
+    assert_eq!(std::fs::read(path("b.npy")).unwrap(), bytes);
+
+    for (more, part) in [
+        (&["--out", "a.txt"][..], "--out a.txt: expected a file named *.npy"),
+        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected with"),
+        (&["--out", "/nowhere/a.npy"], "/nowhere/a.npy.part: cannot be written"),
+    ] {
+        let output = study(&[&["distances", "--quick"], more].concat());
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && told.contains(part), "{more:?}: {told}");
+    }
+}

@@ -4,6 +4,7 @@ mod autoencoder;
 mod classify;
 mod cluster;
 mod data;
+mod distances;
 mod geodesic_ratio;
 mod mds;
 mod results;
@@ -23,6 +24,7 @@ enum Study {
     Autoencoder(autoencoder::Args),
     Classify(classify::Args),
     Cluster(cluster::Args),
+    Distances(distances::Args),
     GeodesicRatio(geodesic_ratio::Args),
     Mds(mds::Args),
 }
@@ -33,6 +35,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         Study::Autoencoder(args) => autoencoder::run(args),
         Study::Classify(args) => classify::run(args),
         Study::Cluster(args) => cluster::run(args),
+        Study::Distances(args) => distances::run(args),
         Study::GeodesicRatio(args) => geodesic_ratio::run(args),
         Study::Mds(args) => mds::run(args),
     }

@@ -4,6 +4,8 @@ use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
+use clap::ValueEnum;
+use sinew_sim::study::recordings::Recordings;
 
 use super::super::output::note;
 
@@ -30,6 +32,36 @@ impl DataArgs {
         let folder = folder.context("the data: expected --data DIR, or SINEW_DATA, or --quick")?;
         ensure!(folder.is_dir(), "{}: expected a folder", folder.display());
         Ok(Some(folder))
+    }
+}
+
+/// Which recordings, all on one skeleton.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct RecordingArgs {
+    #[command(flatten)]
+    pub(super) data: DataArgs,
+
+    /// Whose recordings: each are on one skeleton, and only those of one are compared.
+    #[arg(long, value_enum, default_value_t = Dataset::Cmu, conflicts_with = "quick")]
+    dataset: Dataset,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Dataset {
+    /// CMU's, of 31 joints.
+    Cmu,
+    /// Bandai-Namco Research's, of 21 joints.
+    Bandai,
+}
+
+impl RecordingArgs {
+    /// The recordings; with `--quick`, the built-in ones.
+    pub(super) fn read(&self) -> anyhow::Result<Recordings> {
+        Ok(match (self.data.folder()?, self.dataset) {
+            (None, _) => Recordings::built_in(),
+            (Some(folder), Dataset::Cmu) => Recordings::cmu(&folder.join("cmu"))?,
+            (Some(folder), Dataset::Bandai) => Recordings::bandai(&folder.join("bandai"))?,
+        })
     }
 }
 

@@ -2,23 +2,17 @@
 
 use std::num::NonZeroU16;
 
-use clap::ValueEnum;
 use sinew_sim::spatial::{Measure, SpatialRig};
-use sinew_sim::study::recordings::Recordings;
 use sinew_sim::study::spatial::classes::TwoClasses;
 
 use super::super::threads::ThreadArgs;
-use super::data::DataArgs;
+use super::data::RecordingArgs;
 use super::results::ResultArgs;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct TwoClassesArgs {
     #[command(flatten)]
-    data: DataArgs,
-
-    /// Whose recordings: each are on one skeleton, and only those of one are compared.
-    #[arg(long, value_enum, default_value_t = Dataset::Cmu, conflicts_with = "quick")]
-    dataset: Dataset,
+    recordings: RecordingArgs,
 
     /// Seed of what is drawn.
     #[arg(long, value_name = "N", default_value = "1")]
@@ -43,28 +37,15 @@ pub(super) struct TwoClassesArgs {
     pub(super) threads: ThreadArgs,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Dataset {
-    /// CMU's, of 31 joints.
-    Cmu,
-    /// Bandai-Namco Research's, of 21 joints.
-    Bandai,
-}
-
 impl TwoClassesArgs {
     /// Without data and for a moment.
     pub(super) const fn is_quick(&self) -> bool {
-        self.data.quick
+        self.recordings.data.quick
     }
 
     /// What is told apart.
     pub(super) fn read(&self) -> anyhow::Result<TwoClasses> {
-        let recordings = match (self.data.folder()?, self.dataset) {
-            (None, _) => Recordings::built_in(),
-            (Some(folder), Dataset::Cmu) => Recordings::cmu(&folder.join("cmu"))?,
-            (Some(folder), Dataset::Bandai) => Recordings::bandai(&folder.join("bandai"))?,
-        };
-        Ok(TwoClasses::of(&recordings)?)
+        Ok(TwoClasses::of(&self.recordings.read()?)?)
     }
 
     /// How poses are seen.
