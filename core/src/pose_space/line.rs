@@ -15,7 +15,7 @@ impl<const N: usize> PoseSpace<'_, N> {
     /// sampled in `steps` steps of the same size. O(n) for each. Of no steps it is 0.
     ///
     /// Eq. (4) of the paper over the line of its section 2.2; every joint goes the shorter way round. It keeps bones as long
-    /// as they are, and is never below [`Self::position_distance`]. The paper's list of its points has both weights swapped.
+    /// as they are, and in exact numbers is never below [`Self::position_distance`]. The paper's list of its points has both weights swapped.
     pub fn line_distance(
         &self,
         a: &PoseCoordinates<N>,

@@ -196,7 +196,7 @@ fn room(
     let (first, last) = (at_rate(first), at_rate(last).min(count.saturating_sub(1)));
     let file = reference.file.display();
     let seconds = half as f64 / rate_hz;
-    if count < 2 * half + 1 {
+    if count.saturating_sub(1) / 2 < half {
         bail!(
             "{file}: expected at least {:.3} s for the blend (see --seconds), found {:.3} s",
             2.0 * seconds,

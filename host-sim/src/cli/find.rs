@@ -181,7 +181,8 @@ impl Args {
         }
         let shelved = &library.clips[clip];
         let middle = frames((query.start_s - shelved.start_s) * self.rate - 0.5);
-        let apart = apart.max(1);
+        // Nor do places that overlap it.
+        let apart = apart.max(query.poses.len()).max(1);
         Some((clip, (middle + 1).saturating_sub(apart)..middle + apart))
     }
 }

@@ -25,7 +25,7 @@ pub struct Search<'a> {
     measuring: &'a Measuring<'a>,
     query: &'a [MeasuredPose],
     clips: &'a [Vec<MeasuredPose>],
-    /// Of each clip, places that do not count.
+    /// Of each clip, places that are no moments.
     closed: Vec<Range<usize>>,
     slack_m: f64,
 }
@@ -73,9 +73,10 @@ pub struct Work {
 }
 
 impl Work {
-    /// The share of the distances that was never computed.
+    /// The share of the distances that was never computed. Those that a bound is of are computed again with their sum, so that it may
+    /// be none.
     pub fn spared(&self) -> f64 {
-        if self.all == 0 { 0.0 } else { 1.0 - self.computed as f64 / self.all as f64 }
+        if self.all == 0 { 0.0 } else { (1.0 - self.computed as f64 / self.all as f64).max(0.0) }
     }
 }
 
@@ -124,7 +125,7 @@ impl<'a> Search<'a> {
         Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
     }
 
-    /// Leaves places of a clip out: where the query itself is from.
+    /// Lets places of a clip be no moments: where the query itself is from. What is near to a better one of them is none either.
     #[must_use]
     pub fn without(mut self, clip: usize, poses: Range<usize>) -> Self {
         self.closed[clip] = poses;
@@ -143,7 +144,7 @@ impl<'a> Search<'a> {
                 self.bound(*place, workspace)
             })
             .collect();
-        let mut computed = Computed::new(self.clips, limits);
+        let mut computed = Computed::new(self.clips, &self.closed, limits);
         // By the squared sum, whose bits are in its order as it is not negative.
         let mut open = BinaryHeap::with_capacity(places.len());
         for (index, (known, cost)) in first.into_iter().enumerate() {
@@ -196,7 +197,7 @@ impl<'a> Search<'a> {
                 self.sum(*place, f64::INFINITY, workspace)
             })
             .collect();
-        let mut computed = Computed::new(self.clips, limits);
+        let mut computed = Computed::new(self.clips, &self.closed, limits);
         for (place, (known, cost)) in places.into_iter().zip(sums) {
             work.add(cost);
             if let Known::All(sum) = known {
@@ -217,7 +218,8 @@ impl<'a> Search<'a> {
         let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose>)| {
             let places = 0..(poses.len() + 1).saturating_sub(length);
             let closed = self.closed[clip].clone();
-            places.filter(move |pose| !closed.contains(pose)).map(move |pose| (clip, pose))
+            let all_closed = closed.start == 0 && closed.end >= poses.len();
+            places.filter(move |_| !all_closed).map(move |pose| (clip, pose))
         };
         self.clips.iter().enumerate().flat_map(of_clip).collect()
     }
@@ -308,18 +310,20 @@ impl Work {
 }
 
 /// The places whose squared sums are known.
-struct Computed {
+struct Computed<'a> {
     limits: Limits,
+    /// Of each clip, places that are no moments.
+    closed: &'a [Range<usize>],
     /// By clip and pose; NaN where it is not known.
     sums: Vec<Vec<f64>>,
     /// In the order of their sums.
     order: BTreeSet<(u64, Place)>,
 }
 
-impl Computed {
-    fn new(clips: &[Vec<MeasuredPose>], limits: Limits) -> Self {
+impl<'a> Computed<'a> {
+    fn new(clips: &[Vec<MeasuredPose>], closed: &'a [Range<usize>], limits: Limits) -> Self {
         let sums = clips.iter().map(|poses| vec![f64::NAN; poses.len()]).collect();
-        Self { limits, sums, order: BTreeSet::new() }
+        Self { limits, closed, sums, order: BTreeSet::new() }
     }
 
     fn add(&mut self, place: Place, sum: f64) {
@@ -330,7 +334,9 @@ impl Computed {
     /// The nearest moments, as far as is known.
     fn nearest(&self) -> impl Iterator<Item = (Place, f64)> {
         let all = self.order.iter().map(|(bits, place)| (*place, f64::from_bits(*bits)));
-        all.filter(|(place, sum)| self.is_moment(*place, *sum)).take(self.limits.count)
+        let open = |(clip, pose): &Place| !self.closed[*clip].contains(pose);
+        all.filter(move |(place, sum)| open(place) && self.is_moment(*place, *sum))
+            .take(self.limits.count)
     }
 
     /// Whether no better place, or as good and earlier, is near. What is not known is not better: a place that is unknown

@@ -1,5 +1,7 @@
 //! One joint of a pose: its state, how it moves, and its range.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3};
 use sinew_core::JointKind;
 use sinew_core::projection::JointRange;
@@ -122,20 +124,18 @@ impl Model {
         }
     }
 
-    /// Which of the axes the state is at the end of the range of: the sign of the way out, or 0.
-    pub(super) fn ends(self, state: &JointPosition, range: JointRange, out: &mut Vec<f64>) {
-        let side = |x: f64, [least, most]: [f32; 2]| {
-            if x <= f64::from(least) { -1.0 } else { f64::from(u8::from(x >= f64::from(most))) }
-        };
+    /// Of each axis, whether the state is at its range's lower end, and at its upper one.
+    pub(super) fn ends(self, state: &JointPosition, range: JointRange, out: &mut Vec<[bool; 2]>) {
+        let side = |x: f64, [least, most]: [f32; 2]| [x <= f64::from(least), x >= f64::from(most)];
         match (range, *state) {
             (JointRange::Axis(ends), JointPosition::Along([a, _])) => out.push(side(a, ends)),
             (JointRange::Axes([first, second]), JointPosition::Along([a, b])) => {
                 out.extend([side(a, first), side(b, second)]);
             }
             (JointRange::Turn(most), JointPosition::Turn(q)) => {
-                out.extend([f64::from(u8::from(is_at_end(q, most))), 0.0, 0.0]);
+                out.extend([[false, is_at_end(q, most)], [false; 2], [false; 2]]);
             }
-            _ => out.extend(std::iter::repeat_n(0.0, self.degrees_of_freedom())),
+            _ => out.extend(std::iter::repeat_n([false; 2], self.degrees_of_freedom())),
         }
     }
 
@@ -187,15 +187,26 @@ impl Model {
         }
     }
 
-    /// The state a share `t` of the way from one to another, the shorter way round.
-    pub(super) fn between(from: &JointPosition, to: &JointPosition, t: f64) -> JointPosition {
+    /// The state a share `t` of the way from one to another, the shorter way round where no range is in it.
+    pub(super) fn between(
+        self,
+        range: JointRange,
+        from: &JointPosition,
+        to: &JointPosition,
+        t: f64,
+    ) -> JointPosition {
+        let turns = matches!(self, Self::Revolute(_) | Self::Universal(..));
+        let way = |from: f64, to: f64| {
+            let way = to - from;
+            if turns && range == JointRange::Any { way - TAU * libm::rint(way / TAU) } else { way }
+        };
         let turned = |a: DQuat, b: DQuat| {
             let vector = rotation_vector(a.conjugate() * b);
             (a * DQuat::from_scaled_axis(vector * t)).normalize()
         };
         match (*from, *to) {
             (JointPosition::Along([a, b]), JointPosition::Along([c, d])) => {
-                JointPosition::Along([a + (c - a) * t, b + (d - b) * t])
+                JointPosition::Along([a + way(a, c) * t, b + way(b, d) * t])
             }
             (JointPosition::Turn(a), JointPosition::Turn(b)) => JointPosition::Turn(turned(a, b)),
             (JointPosition::Free(a, p), JointPosition::Free(b, q)) => {

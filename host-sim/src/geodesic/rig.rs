@@ -322,8 +322,8 @@ impl Rig {
             .collect()
     }
 
-    /// By column: the sign of the way out where the range ends, or 0.
-    pub(super) fn ends(&self, pose: &[JointPosition]) -> Vec<f64> {
+    /// By column: whether the range ends there downwards, and upwards.
+    pub(super) fn ends(&self, pose: &[JointPosition]) -> Vec<[bool; 2]> {
         let mut ends = Vec::with_capacity(self.columns);
         for (joint, state) in self.joints.iter().zip(pose).filter(|(joint, _)| joint.moves) {
             joint.model.ends(state, joint.range, &mut ends);
@@ -347,11 +347,13 @@ impl Rig {
 
     /// The pose a share `t` of the way from one to another, each joint on its own.
     pub(super) fn between(
+        &self,
         from: &[JointPosition],
         to: &[JointPosition],
         t: f64,
     ) -> Vec<JointPosition> {
-        from.iter().zip(to).map(|(from, to)| Model::between(from, to, t)).collect()
+        let joints = self.joints.iter().zip(from.iter().zip(to));
+        joints.map(|(joint, (from, to))| joint.model.between(joint.range, from, to, t)).collect()
     }
 }
 

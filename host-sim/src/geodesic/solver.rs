@@ -12,7 +12,8 @@ use super::rig::{Placed, Rig, RigError};
 pub struct Options {
     /// Number of steps of the curve, N of the paper: there are N - 1 poses to find.
     pub steps: usize,
-    /// Ends when no component of the gradient is above this share of the energy at the start (per rad or m).
+    /// Ends when no component of the gradient is above this share of the energy at the start (per rad or m), or above what
+    /// rounding comes to.
     pub tolerance: f64,
     /// Gives up after so many iterations.
     pub iterations: usize,
@@ -62,7 +63,7 @@ const SLOWEST: f64 = 1.0 / 3.0;
 /// What is added to second derivatives for every unit of the gradient.
 const RIDGE: f64 = 0.3;
 
-/// The curve of least energy (eq. 6) from one pose to another: of several, the one downhill from every joint's own shortest
+/// The curve of least energy (eq. 6) from one pose to another, each brought within the ranges: of several, the one downhill from every joint's own shortest
 /// way. O(steps · columns³) for each iteration.
 ///
 /// # Errors
@@ -79,7 +80,7 @@ pub fn solve(
     let poses = (0..=steps)
         .map(|k| {
             // Within the ranges, where those are not convex in turns.
-            rig.stepped(&Rig::between(&from, &to, k as f64 / steps as f64), &still)
+            rig.stepped(&rig.between(&from, &to, k as f64 / steps as f64), &still)
         })
         .collect();
     let mut curve = Curve::new(rig, poses);
@@ -87,7 +88,9 @@ pub fn solve(
     let scale = curve.energy_m2;
     let (mut damping, mut growth, mut course) = (1e-3, 2.0, Vec::new());
     let mut model = Model::new(rig, &curve, options);
-    let is_done = |model: &Model| model.gradient <= options.tolerance * scale;
+    // Of poses that are nearly the same, gradients are not known better than positions are rounded.
+    let rounding = 64.0 * f64::EPSILON * curve.placed[0].f.norm_squared();
+    let is_done = |model: &Model| model.gradient <= (options.tolerance * scale).max(rounding);
     while !is_done(&model) && course.len() < options.iterations {
         let Some((next, predicted)) = model.step(rig, &curve, damping) else {
             damping = (damping * 10.0).max(1e-8);
@@ -184,8 +187,11 @@ impl Model {
             let jacobian = &jacobians[row];
             let mut downhill = -jacobian.tr_mul(&force);
             let ends = rig.ends(&curve.poses[k]);
-            let held: Vec<bool> =
-                ends.iter().zip(&downhill).map(|(end, downhill)| end * downhill > 0.0).collect();
+            let held: Vec<bool> = ends
+                .iter()
+                .zip(&downhill)
+                .map(|(end, downhill)| end[usize::from(*downhill > 0.0)])
+                .collect();
             let mut convex = jacobian.tr_mul(jacobian) * 4.0;
             let mut diagonal = convex.clone();
             if options.second_derivatives {

@@ -172,6 +172,57 @@ fn joints_stay_within_their_ranges() {
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
 }
 
+/// A hinge without a range goes the shorter way round; one with a range cannot.
+#[test]
+fn hinges_go_the_shorter_way_round() {
+    let mut joints = vec![
+        joint(None, JointKind::Fixed),
+        joint(Some(0), HINGE),
+        joint(Some(1), JointKind::Fixed),
+    ];
+    let at = |angle: f64| {
+        vec![JointPosition::Fixed, JointPosition::Along([angle, 0.0]), JointPosition::Fixed]
+    };
+    let length = |joints: &[RigJoint]| {
+        let rig = Rig::new(joints).unwrap();
+        let options = Options { steps: 200, ..Options::default() };
+        solve(&rig, &at(3.0), &at(-3.0), &options).unwrap().length_m
+    };
+    let short = 0.3 * (std::f64::consts::TAU - 6.0);
+    assert!((length(&joints) - short).abs() < 1e-4 * short, "{}", length(&joints));
+    joints[1].range = JointRange::Axis([-3.1, 3.1]);
+    assert!((length(&joints) - 0.3 * 6.0).abs() < 1e-3, "{}", length(&joints));
+}
+
+#[test]
+fn a_locked_axis_holds_whichever_way_it_is_pulled() {
+    let mut joints = rig_of_all_kinds();
+    joints[3].range = JointRange::Axis([0.4, 0.4]);
+    joints[6].range = JointRange::Axes([[0.2, 0.2], [-2.0, 2.0]]);
+    let rig = Rig::new(&joints).unwrap();
+    let found = solve(&rig, &pose(1.0), &pose(-1.0), &Options::default()).unwrap();
+    assert!(found.converged, "{}", found.course.len());
+    for pose in &found.poses {
+        let [JointPosition::Along([hinge, _]), JointPosition::Along([first, _])] =
+            [pose[3], pose[6]]
+        else {
+            unreachable!("a hinge and a cross")
+        };
+        assert!((hinge - 0.4).abs() < 1e-7 && (first - 0.2).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn poses_that_are_nearly_the_same_are_no_trouble() {
+    let rig = Rig::new(&rig_of_all_kinds()).unwrap();
+    for share in [1e-2, 1e-3, 1e-4, 1e-6, 0.0] {
+        let from = pose(1.0);
+        let to = rig.between(&from, &pose(-1.0), share);
+        let found = solve(&rig, &from, &to, &Options::default()).unwrap();
+        assert!(found.converged && found.course.len() < 20, "{share}: {:?}", found.course);
+    }
+}
+
 /// A ball's range ends in a sphere, that bends the more the smaller it is.
 #[test]
 fn the_way_goes_along_the_end_of_a_turns_range() {

@@ -1,5 +1,7 @@
 //! A recorded skeleton as a rig of `core`, seen from any of its joints.
 
+use std::cmp::Ordering;
+
 use glam::{DQuat, DVec3};
 use sinew_core::importance::{ImportanceError, RestPose, RestPoseError, descendants_length};
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, TreeError};
@@ -33,6 +35,9 @@ enum Turn {
     Against(usize),
 }
 
+/// No bone is longer: a file in another unit may have such. Squares of shorter ones, times importances, are weights of `core`.
+const LONGEST_M: f64 = 100.0;
+
 /// A skeleton cannot be compared in space.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpatialError {
@@ -43,6 +48,16 @@ pub enum SpatialError {
         root: String,
         /// What there is.
         joints: String,
+    },
+    /// A bone is not finite or too long to be one.
+    #[error(
+        "joint {joint}: expected a bone of at most {LONGEST_M} m, found {length_m} m: is the unit of length right?"
+    )]
+    Bone {
+        /// The joint at its end.
+        joint: String,
+        /// Its length, m.
+        length_m: f64,
     },
     /// The rig of `core` refuses it.
     #[error("the skeleton: {0}")]
@@ -59,7 +74,8 @@ impl SpatialRig {
     /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the skeleton's root.
     ///
     /// # Errors
-    /// [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or bones that are not finite.
+    /// [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is not finite or longer than
+    /// 100 m.
     pub fn new(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
         let start = match root {
             None => 0,
@@ -68,6 +84,13 @@ impl SpatialRig {
                 SpatialError::Root { root: root.to_owned(), joints: joints.join(", ") }
             })?,
         };
+        for joint in skeleton.joints.iter().filter(|joint| joint.parent.is_some()) {
+            let length_m = joint.offset_m.length();
+            // Written so that NaN is too long.
+            if !matches!(length_m.partial_cmp(&LONGEST_M), Some(Ordering::Less | Ordering::Equal)) {
+                return Err(SpatialError::Bone { joint: joint.name.clone(), length_m });
+            }
+        }
         let mut rig = Self { tree: Tree::new(), bodies: Vec::new(), importance: Vec::new() };
         rig.grow(skeleton, start)?;
         let usual = weights::Settings::default();
@@ -209,6 +232,16 @@ mod tests {
                 let off_m = (place.translation_m.as_dvec3() - from_root).length();
                 assert!(off_m < 1e-5, "{} from {}: {off_m}", rig.joint(body), joint.name);
             }
+        }
+    }
+
+    #[test]
+    fn a_bone_of_another_unit_is_refused_by_name() {
+        for length in [1000.0, f64::NAN, f64::INFINITY] {
+            let mut skeleton = builtin::clips()[0].skeleton.clone();
+            skeleton.joints[2].offset_m.x = length;
+            let error = SpatialRig::new(&skeleton, None).unwrap_err().to_string();
+            assert!(error.contains(&skeleton.joints[2].name) && error.contains("unit"), "{error}");
         }
     }
 

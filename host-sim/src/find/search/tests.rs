@@ -75,6 +75,7 @@ fn told(search: &Search<'_>, limits: Limits) -> Vec<Moment> {
                     && key(other) < key(moment)
             })
         })
+        .filter(|moment| !search.closed[moment.clip].contains(&moment.pose))
         .copied()
         .collect();
     moments.sort_by_key(key);

@@ -93,6 +93,12 @@ pub enum Error {
         /// What is wrong.
         source: SpatialError,
     },
+    /// It has none: it is shorter than what is left out at its beginning.
+    #[error("{file}: expected poses, found none at 12 Hz")]
+    NoPoses {
+        /// The file.
+        file: String,
+    },
     /// A pose.
     #[error("{file}: {source}")]
     Pose {
@@ -133,6 +139,10 @@ impl Plan<'_> {
 /// # Errors
 /// [`Error`] of the first recording that cannot be compared.
 pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Error> {
+    let mut all = plan.walks.into_iter().chain(plan.sequences().map(|(_, sequence)| sequence));
+    if let Some(sequence) = all.find(|sequence| sequence.frames.is_empty()) {
+        return Err(Error::NoPoses { file: sequence.file.clone() });
+    }
     let [first, second] = plan.walks;
     let rig = plan.rig(plan.skeleton, &first.file)?;
     let both: Vec<&Pose> = first.frames.iter().chain(&second.frames).collect();
