@@ -32,7 +32,8 @@ use super::threads::ThreadArgs;
 ///
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints.
 /// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
-/// where it is; without, anywhere half a blend from the ends.
+/// where it is; without, anywhere half a blend from the ends, be it near one: look at how
+/// much of either clip is left.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]
@@ -91,6 +92,10 @@ impl Args {
         }
         if !self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
             bail!("--out {}: expected a file named *.bvh", self.out.display());
+        }
+        let folder = self.out.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if folder.is_some_and(|folder| !folder.is_dir()) {
+            bail!("--out {}: expected a folder that is there", self.out.display());
         }
         let place = |file: &PathBuf| file.canonicalize().ok();
         if let Some(out) = place(&self.out)

@@ -7,16 +7,21 @@ use maud::Markup;
 
 use super::{alone, png};
 
-/// Whether a picture can be written under that name.
+/// Whether a picture can be written under that name, before any work is done for it.
 ///
 /// # Errors
-/// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`.
+/// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`, [`io::ErrorKind::NotFound`] if its folder is not there.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if extension == "svg" || extension == "png" {
-        return Ok(());
+    if extension != "svg" && extension != "png" {
+        let expected = "expected a picture named *.svg or *.png";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, expected));
     }
-    Err(io::Error::new(io::ErrorKind::InvalidInput, "expected a picture named *.svg or *.png"))
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        return Err(io::Error::new(io::ErrorKind::NotFound, "expected a folder that is there"));
+    }
+    Ok(())
 }
 
 /// Writes a picture as SVG, or as PNG if the file is named so.
