@@ -40,6 +40,7 @@ fn what_cannot_be_is_refused_with_what_could() {
         (&["mds", "--data", "nowhere"], "nowhere: expected a folder"),
         (&["mds", "--quick", "--neighbours", "0"], "--neighbours"),
         (&["mds", "--quick", "--root", "tail,fin"], "root tail: expected a joint of the skeleton"),
+        (&["mds", "--walks", "a.bvh"], "2 values required"),
         (&["geodesic-ratio", "--quick", "--root", "tail"], "root tail: expected a joint"),
         (&["geodesic-ratio", "--quick", "--steps", "1"], "--steps"),
         (&["geodesic-ratio", "--quick", "--pairs", "0"], "--pairs"),

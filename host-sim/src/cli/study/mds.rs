@@ -29,8 +29,7 @@ pub(in super::super) struct Args {
     /// The two walks: files of CMU's 31-joint skeletons, from the data set's folder.
     #[arg(
         long,
-        value_name = "FILE,FILE",
-        value_delimiter = ',',
+        value_name = "FILE",
         num_args = 2,
         default_values = WALKS,
         conflicts_with = "quick"
