@@ -231,7 +231,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["blend", &pose, &pose, "--out", "no/a.bvh", "--seconds", "0.1"],
-            "no/a.bvh: cannot be written",
+            "--out no/a.bvh: expected a folder that is there",
         ),
     ] {
         let output = sinew(folder.path(), &arguments);
