@@ -8,7 +8,7 @@ pub mod rig;
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
-    Body, Inertia, JointKind, JointState, Motion, RotationalInertia, Transform, Tree, TreeError,
+    Body, Inertia, JointKind, JointState, RotationalInertia, Transform, Tree, TreeError, Twist,
     math,
 };
 
@@ -73,12 +73,12 @@ pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
 }
 
 /// States of all joints, each with a velocity of about 1 rad/s, and accelerations of some rad/s².
-pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [Motion]) {
+pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [Twist]) {
     let mut numbers = Numbers::new();
     for ((body, joint), acceleration) in bodies.iter().zip(joints).zip(accelerations) {
-        let velocity = Motion::new(numbers.vector(), numbers.vector());
+        let velocity = Twist::new(numbers.vector(), numbers.vector());
         let pose = body.placement * turned(math::exp(numbers.vector()));
-        let wanted = Motion::new(numbers.vector() * 5.0, numbers.vector() * 5.0);
+        let wanted = Twist::new(numbers.vector() * 5.0, numbers.vector() * 5.0);
         *joint = JointState { pose, velocity: body.joint.project_motion(Quat::IDENTITY, velocity) };
         *acceleration = body.joint.project_motion(Quat::IDENTITY, wanted);
     }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::math;
 use crate::state::JointState;
 use crate::state_error::StateError;
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 
 /// Gains of a PD controller.
 ///
@@ -21,7 +21,7 @@ use crate::transform::{Motion, Wrench};
 /// let error = StateError { angular_rad: Vec3::X * 0.1, linear_m: Vec3::Y * 0.2, ..StateError::ZERO };
 /// let asked = gains.apply(&error);
 /// assert_eq!((asked.angular, asked.linear), (Vec3::X * 10.0, Vec3::Y * 6.0));
-/// assert_eq!(Gains::new(100.0, f32::NAN), Err(GainsError::NonFinite("kv")));
+/// assert_eq!(Gains::new(100.0, f32::NAN), Err(GainsError::NonFinite("kd")));
 /// # Ok::<(), GainsError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,9 +33,9 @@ use crate::transform::{Motion, Wrench};
 )]
 pub struct Gains {
     kp: f32,
-    kv: f32,
+    kd: f32,
     linear_kp: f32,
-    linear_kv: f32,
+    linear_kd: f32,
 }
 
 impl Gains {
@@ -43,9 +43,9 @@ impl Gains {
     ///
     /// # Errors
     /// [`GainsError`] if one is not finite or negative.
-    pub fn new(kp: f32, kv: f32) -> Result<Self, GainsError> {
-        check([("kp", kp), ("kv", kv)])?;
-        Ok(Self { kp, kv, linear_kp: kp, linear_kv: kv })
+    pub fn new(kp: f32, kd: f32) -> Result<Self, GainsError> {
+        check([("kp", kp), ("kd", kd)])?;
+        Ok(Self { kp, kd, linear_kp: kp, linear_kd: kd })
     }
 
     /// The same gains with others for the linear error: without inverse dynamics the two have different
@@ -53,19 +53,19 @@ impl Gains {
     ///
     /// # Errors
     /// [`GainsError`] if one is not finite or negative.
-    pub fn with_linear(self, kp: f32, kv: f32) -> Result<Self, GainsError> {
-        check([("linear kp", kp), ("linear kv", kv)])?;
-        Ok(Self { linear_kp: kp, linear_kv: kv, ..self })
+    pub fn with_linear(self, kp: f32, kd: f32) -> Result<Self, GainsError> {
+        check([("linear kp", kp), ("linear kd", kd)])?;
+        Ok(Self { linear_kp: kp, linear_kd: kd, ..self })
     }
 
-    /// `kv = 2 √kp`: the fastest return without overshoot, for unit inertia.
+    /// `kd = 2 √kp`: the fastest return without overshoot, for unit inertia.
     ///
     /// # Errors
     /// [`GainsError`] if `kp` is not finite or negative.
     ///
     /// ```
     /// let gains = sinew_core::control::Gains::critically_damped(200.0)?;
-    /// assert_eq!(gains.kv(), 2.0 * sinew_core::math::sqrt(200.0));
+    /// assert_eq!(gains.kd(), 2.0 * sinew_core::math::sqrt(200.0));
     /// # Ok::<(), sinew_core::control::GainsError>(())
     /// ```
     pub fn critically_damped(kp: f32) -> Result<Self, GainsError> {
@@ -75,12 +75,12 @@ impl Gains {
 
     /// The gains for a controller that acts once in `dt_s` seconds and holds what it asks for, if they are to be
     /// applied to the state one period ahead, which follows from the acceleration asked for: stable PD in
-    /// implicit form, with `a = kp (e + dt ė - dt² a) + kv (ė - dt a)` solved for a. With inverse dynamics, or where
+    /// implicit form, with `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` solved for a. With inverse dynamics, or where
     /// gains are per unit of inertia.
     ///
     /// A step is one of the backward Euler method. Whatever the gains and the period, the error of a joint then
-    /// decays, where that of gains as given grows from about `kv dt_s` = 2 on. In exchange, stiff gains come out softer;
-    /// those with `kv dt_s` far below 1 stay what they are.
+    /// decays, where that of gains as given grows from about `kd dt_s` = 2 on. In exchange, stiff gains come out softer;
+    /// those with `kd dt_s` far below 1 stay what they are.
     ///
     /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who look ahead by the present
     /// velocity (without `dt² a`).
@@ -93,7 +93,7 @@ impl Gains {
     /// use sinew_core::control::Gains;
     /// // At 100 Hz, a damping that would turn the error round and triple it.
     /// let gains = Gains::new(0.0, 400.0)?.implicit(0.01)?;
-    /// assert_eq!(gains.kv(), 80.0);
+    /// assert_eq!(gains.kd(), 80.0);
     /// # Ok::<(), sinew_core::control::GainsError>(())
     /// ```
     pub fn implicit(self, dt_s: f32) -> Result<Self, GainsError> {
@@ -101,15 +101,15 @@ impl Gains {
         if !(dt_s >= 0.0 && dt_s.is_finite()) {
             return Err(GainsError::Period);
         }
-        let softened = |kp: f32, kv: f32| {
-            let share = 1.0 + dt_s * (kv + dt_s * kp);
+        let softened = |kp: f32, kd: f32| {
+            let share = 1.0 + dt_s * (kd + dt_s * kp);
             // A share that overflows would leave gains of zero: NaN is refused below.
             let share = if share.is_finite() { share } else { f32::NAN };
-            (kp / share, (kv + dt_s * kp) / share)
+            (kp / share, (kd + dt_s * kp) / share)
         };
-        let (kp, kv) = softened(self.kp, self.kv);
-        let (linear_kp, linear_kv) = softened(self.linear_kp, self.linear_kv);
-        Self::new(kp, kv)?.with_linear(linear_kp, linear_kv)
+        let (kp, kd) = softened(self.kp, self.kd);
+        let (linear_kp, linear_kd) = softened(self.linear_kp, self.linear_kd);
+        Self::new(kp, kd)?.with_linear(linear_kp, linear_kd)
     }
 
     /// Gain of the angular error.
@@ -118,8 +118,8 @@ impl Gains {
     }
 
     /// Gain of the angular error's rate.
-    pub const fn kv(self) -> f32 {
-        self.kv
+    pub const fn kd(self) -> f32 {
+        self.kd
     }
 
     /// Gain of the linear error.
@@ -128,15 +128,15 @@ impl Gains {
     }
 
     /// Gain of the linear error's rate.
-    pub const fn linear_kv(self) -> f32 {
-        self.linear_kv
+    pub const fn linear_kd(self) -> f32 {
+        self.linear_kd
     }
 
-    /// `kp e + kv ė`, in the axes of the error.
-    pub fn apply(self, error: &StateError) -> Motion {
-        Motion {
-            angular: error.angular_rad * self.kp + error.angular_rate_rad_s * self.kv,
-            linear: error.linear_m * self.linear_kp + error.linear_rate_m_s * self.linear_kv,
+    /// `kp e + kd ė`, in the axes of the error.
+    pub fn apply(self, error: &StateError) -> Twist {
+        Twist {
+            angular: error.angular_rad * self.kp + error.angular_rate_rad_s * self.kd,
+            linear: error.linear_m * self.linear_kp + error.linear_rate_m_s * self.linear_kd,
         }
     }
 }
@@ -191,9 +191,9 @@ impl core::error::Error for GainsError {}
     serde(rename_all = "snake_case")
 )]
 pub enum ControlLaw {
-    /// `τ = kp e + kv ė`: what a servo does by itself.
+    /// `τ = kp e + kd ė`: what a servo does by itself.
     ProportionalDerivative,
-    /// `τ = H (θ̈ + kp e + kv ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics
+    /// `τ = H (θ̈ + kp e + kd ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics
     /// the torque for it.
     ///
     /// The angular feed-forward θ̈ is used as it is, component by component; the linear one is a vector of the
@@ -383,13 +383,13 @@ mod tests {
     fn gains_are_checked() {
         assert_eq!(Gains::critically_damped(-1.0), Err(GainsError::Negative("kp")));
         assert_eq!(Gains::critically_damped(f32::NAN), Err(GainsError::NonFinite("kp")));
-        assert_eq!(Gains::new(1.0, f32::INFINITY), Err(GainsError::NonFinite("kv")));
+        assert_eq!(Gains::new(1.0, f32::INFINITY), Err(GainsError::NonFinite("kd")));
     }
 
     /// The largest size of an eigenvalue of a step of the error `(e, dt ė)`, the acceleration held; `pushed` is how
     /// much of it is in the position already, in units of dt²: 1 for semi-implicit Euler, 1/2 for a real joint.
     fn growth(gains: Gains, dt_s: f32, pushed: f32) -> f32 {
-        let (p, v) = (gains.kp() * dt_s * dt_s, gains.kv() * dt_s);
+        let (p, v) = (gains.kp() * dt_s * dt_s, gains.kd() * dt_s);
         let trace = 2.0 - pushed * p - v;
         let determinant = (1.0 - pushed * p) * (1.0 - v) + p * (1.0 - pushed * v);
         let discriminant = 0.25 * trace * trace - determinant;
@@ -404,17 +404,17 @@ mod tests {
     fn implicit_gains_let_every_error_decay_in_every_period() {
         let mut grown = 0;
         for kp in [1.0, 30.0, 200.0, 1e3, 1e4, 1e5] {
-            for kv in [0.0, 1.0, 10.0, 2.0 * math::sqrt(kp), 200.0, 1e3, 1e4] {
+            for kd in [0.0, 1.0, 10.0, 2.0 * math::sqrt(kp), 200.0, 1e3, 1e4] {
                 for dt_s in [0.002, 0.01, 0.03, 0.1] {
-                    let given = Gains::new(kp, kv).unwrap();
+                    let given = Gains::new(kp, kd).unwrap();
                     let implicit = given.implicit(dt_s).unwrap();
                     for pushed in [0.5, 1.0] {
                         let growth = growth(implicit, dt_s, pushed);
-                        assert!(growth < 1.0, "{kp} {kv} {dt_s}: {growth}");
+                        assert!(growth < 1.0, "{kp} {kd} {dt_s}: {growth}");
                     }
                     // Backward Euler: an undamped error decays by its frequency alone.
                     let undamped = 1.0 / math::sqrt(1.0 + kp * dt_s * dt_s);
-                    if kv <= 0.0 {
+                    if kd <= 0.0 {
                         let growth = growth(implicit, dt_s, 1.0);
                         assert!((growth - undamped).abs() < 1e-5, "{kp} {dt_s}: {growth}");
                     }
@@ -431,7 +431,7 @@ mod tests {
         assert_eq!(given.implicit(0.0), Ok(given));
         let near = given.implicit(1e-5).unwrap();
         assert!((near.kp() / given.kp() - 1.0).abs() < 1e-3);
-        assert!((near.linear_kv() / given.linear_kv() - 1.0).abs() < 1e-3);
+        assert!((near.linear_kd() / given.linear_kd() - 1.0).abs() < 1e-3);
         for period in [-1.0, f32::NAN, f32::INFINITY] {
             assert_eq!(given.implicit(period), Err(GainsError::Period));
         }

@@ -18,7 +18,7 @@ use crate::state::{BodyState, JointState, JointStates, JointTargets};
 use crate::state_error::{
     self, Aim, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 use crate::tree::Tree;
 
 /// A tracking controller for one rig.
@@ -27,7 +27,7 @@ use crate::tree::Tree;
 /// caller's [`Workspace`]. Firmware and simulator call the same [`Controller::tick`].
 ///
 /// ```
-/// use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Motion};
+/// use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Twist};
 /// use sinew_core::{RotationalInertia, Transform, Tree, Workspace};
 /// use sinew_core::{control::Gains, glam::Vec3, math, state_error::Method};
 /// let pendulum = Body {
@@ -43,7 +43,7 @@ use crate::tree::Tree;
 /// let tree = Tree::<1>::from_bodies(&[pendulum])?;
 /// let mut target = JointTargets::rest(&tree);
 /// let state = pendulum.joint.state(pendulum.placement, &[0.1], &[0.0])?;
-/// target.set(0, state, Motion::ZERO)?;
+/// target.set(0, state, Twist::ZERO)?;
 /// let measured = JointStates::rest(&tree);
 ///
 /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::World)?;
@@ -181,7 +181,7 @@ impl<const N: usize> Controller<N> {
     /// [`reflected_inertia`](crate::dynamics::reflected_inertia)).
     ///
     /// Joints move each other, so the damping that a period allows is less than that of one joint alone:
-    /// `kv dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
+    /// `kd dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
     ///
     /// # Errors
     /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::NonFinite`] if one
@@ -377,7 +377,7 @@ impl<const N: usize> Controller<N> {
         out: &mut [Wrench],
     ) {
         let (bodies, measured) = (self.tree.bodies(), measured.as_slice());
-        let mut accelerations = [Motion::ZERO; N];
+        let mut accelerations = [Twist::ZERO; N];
         for ((body, measured), acceleration) in bodies.iter().zip(measured).zip(&mut accelerations)
         {
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
@@ -464,7 +464,7 @@ impl<const N: usize> Controller<N> {
             });
             let joint = of_tree.joint;
             let correction = gains.apply(&error);
-            let mut wanted = Motion::new(math::rotate(to_body, correction.angular), Vec3::ZERO);
+            let mut wanted = Twist::new(math::rotate(to_body, correction.angular), Vec3::ZERO);
             if joint.slides() {
                 wanted.linear = math::rotate(to_body, correction.linear);
             }
@@ -542,7 +542,7 @@ impl<'a> At<'a> {
 pub struct Workspace<const N: usize, const R: usize = 0> {
     measured: [BodyState; N],
     aim_status: [AimStatus; N],
-    commands: [Motion; N],
+    commands: [Twist; N],
     resolved: [Resolved; R],
     scratch: [BodyMotion; N],
     torques: [Limited<Wrench>; N],
@@ -567,7 +567,7 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         Self {
             measured: [BodyState::WORLD; N],
             aim_status: [AimStatus::Leaf; N],
-            commands: [Motion::ZERO; N],
+            commands: [Twist::ZERO; N],
             resolved: [Resolved::ZERO; R],
             scratch: [BodyMotion::default(); N],
             torques: [Limited { value: Wrench::ZERO, reason: None }; N],
@@ -591,7 +591,7 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
 
     /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics, or
     /// PD with inertias), or moment and force in N m and N (PD alone).
-    pub fn commands(&self) -> &[Motion] {
+    pub fn commands(&self) -> &[Twist] {
         &self.commands
     }
 }

@@ -13,8 +13,8 @@ use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
 use crate::{
-    BodySet, ForwardDifferences, Inertia, JointKind, JointTargets, Motion, Trajectory, Transform,
-    Tree, Wrench,
+    BodySet, ForwardDifferences, Inertia, JointKind, JointTargets, Trajectory, Transform, Tree,
+    Twist, Wrench,
 };
 
 impl Format for Transform {
@@ -24,10 +24,10 @@ impl Format for Transform {
     }
 }
 
-impl Format for Motion {
+impl Format for Twist {
     fn format(&self, f: Formatter<'_>) {
         let (angular, linear) = (self.angular.to_array(), self.linear.to_array());
-        write!(f, "Motion {{ angular: {}, linear: {} }}", angular, linear);
+        write!(f, "Twist {{ angular: {}, linear: {} }}", angular, linear);
     }
 }
 

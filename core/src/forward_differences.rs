@@ -6,7 +6,7 @@ use crate::kinematics::of_parent;
 use crate::math;
 use crate::state::{BodyState, JointState, JointTargets, StateInputError, checked_poses};
 use crate::trajectory::{rate, step};
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 
 /// Targets of all joints at the first of three frames by forward differences (13), as
@@ -56,7 +56,7 @@ struct Remembered {
     /// At the newer.
     newer: Transform,
     /// Mean velocity of the joint from the older to the newer.
-    step: Motion,
+    step: Twist,
     /// World pose of the body at the older.
     body: Transform,
 }
@@ -65,7 +65,7 @@ impl Remembered {
     const NOTHING: Self = Self {
         older: Transform::IDENTITY,
         newer: Transform::IDENTITY,
-        step: Motion::ZERO,
+        step: Twist::ZERO,
         body: Transform::IDENTITY,
     };
 }
@@ -94,7 +94,7 @@ impl<const N: usize> ForwardDifferences<N> {
             let parent = of_parent(body, &self.joints, &Remembered::NOTHING).body;
             let Some(joint) = self.joints.get_mut(index) else { break };
             let body = parent * pose;
-            *joint = Remembered { older: pose, newer: pose, step: Motion::ZERO, body };
+            *joint = Remembered { older: pose, newer: pose, step: Twist::ZERO, body };
         }
         Ok(())
     }
@@ -131,7 +131,7 @@ impl<const N: usize> ForwardDifferences<N> {
 
             let of_body = BodyState {
                 pose: now,
-                velocity: Motion {
+                velocity: Twist {
                     angular: math::log(math::turn_in_world(now.rotation, after.rotation)) * rate_hz,
                     linear: (after.translation_m - now.translation_m) * rate_hz,
                 },

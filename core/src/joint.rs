@@ -7,7 +7,7 @@ use heapless::Vec;
 
 use crate::math;
 use crate::state::JointState;
-use crate::transform::{Motion, Transform, Wrench};
+use crate::transform::{Transform, Twist, Wrench};
 
 /// How far the length of an axis or a quaternion may be from 1.
 ///
@@ -98,9 +98,9 @@ impl JointKind {
     /// let elbow = JointKind::Revolute { axis: Vec3::X };
     /// assert_eq!(elbow.motion_subspace(Quat::IDENTITY)[0].angular, Vec3::X);
     /// ```
-    pub fn motion_subspace(self, rotation: Quat) -> Vec<Motion, 6> {
-        let turn = |axis| Motion::new(axis, Vec3::ZERO);
-        let slide = |axis| Motion::new(Vec3::ZERO, axis);
+    pub fn motion_subspace(self, rotation: Quat) -> Vec<Twist, 6> {
+        let turn = |axis| Twist::new(axis, Vec3::ZERO);
+        let slide = |axis| Twist::new(Vec3::ZERO, axis);
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
         match self {
             Self::Fixed => Vec::new(),
@@ -119,20 +119,20 @@ impl JointKind {
     /// S Sᵀ `motion`: what the joint lets through of a motion in body axes.
     ///
     /// ```
-    /// use sinew_core::{JointKind, Motion, glam::{Quat, Vec3}};
+    /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
     /// let knee = JointKind::Revolute { axis: Vec3::X };
-    /// let wanted = Motion::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Z);
+    /// let wanted = Twist::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Z);
     /// let possible = knee.project_motion(Quat::IDENTITY, wanted);
-    /// assert_eq!(possible, Motion::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
+    /// assert_eq!(possible, Twist::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
     /// ```
     #[inline]
-    pub fn project_motion(self, rotation: Quat, motion: Motion) -> Motion {
+    pub fn project_motion(self, rotation: Quat, motion: Twist) -> Twist {
         match self {
             Self::Free => motion,
-            Self::Spherical => Motion { linear: Vec3::ZERO, ..motion },
+            Self::Spherical => Twist { linear: Vec3::ZERO, ..motion },
             _ => {
                 let (angular, linear) = self.on_axes(rotation, motion.angular, motion.linear);
-                Motion { angular, linear }
+                Twist { angular, linear }
             }
         }
     }
@@ -178,22 +178,22 @@ impl JointKind {
     /// joint's first axis moves in the body; the other kinds have none.
     ///
     /// ```
-    /// use sinew_core::{JointKind, Motion, glam::{Quat, Vec3}};
+    /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
     /// // The inner axis turns at 2 rad/s, the outer one at 3 rad/s, which carries the inner one round in the body.
     /// let wrist = JointKind::Universal { first: Vec3::X, second: Vec3::Y };
-    /// let velocity = Motion::new(Vec3::new(2.0, 3.0, 0.0), Vec3::ZERO);
+    /// let velocity = Twist::new(Vec3::new(2.0, 3.0, 0.0), Vec3::ZERO);
     /// let bias = wrist.bias_acceleration(Quat::IDENTITY, velocity);
-    /// assert_eq!(bias, Motion::new(Vec3::Z * 6.0, Vec3::ZERO));
+    /// assert_eq!(bias, Twist::new(Vec3::Z * 6.0, Vec3::ZERO));
     /// ```
     #[inline]
-    pub fn bias_acceleration(self, rotation: Quat, velocity: Motion) -> Motion {
+    pub fn bias_acceleration(self, rotation: Quat, velocity: Twist) -> Twist {
         match self {
             Self::Universal { first, second } => {
                 let first = math::rotate(rotation.conjugate(), first);
                 let speeds = first.dot(velocity.angular) * second.dot(velocity.angular);
-                Motion::new(first.cross(second) * speeds, Vec3::ZERO)
+                Twist::new(first.cross(second) * speeds, Vec3::ZERO)
             }
-            _ => Motion::ZERO,
+            _ => Twist::ZERO,
         }
     }
 
@@ -227,8 +227,8 @@ impl JointKind {
         placement: &Transform,
         before: &Transform,
         state: &mut JointState,
-        acceleration: Motion,
-    ) -> Motion {
+        acceleration: Twist,
+    ) -> Twist {
         if matches!(self, Self::Spherical | Self::Free) {
             return acceleration;
         }
@@ -237,11 +237,11 @@ impl JointKind {
         state.velocity = self.project_motion(in_joint.rotation, state.velocity);
         let axes_before = self.motion_subspace(placement.rotation.conjugate() * before.rotation);
         let axes = self.motion_subspace(in_joint.rotation);
-        let mut carried = Motion::ZERO;
+        let mut carried = Twist::ZERO;
         for (before, now) in axes_before.iter().zip(&axes) {
             let along =
                 before.angular.dot(acceleration.angular) + before.linear.dot(acceleration.linear);
-            carried = carried + Motion::new(now.angular * along, now.linear * along);
+            carried = carried + Twist::new(now.angular * along, now.linear * along);
         }
         carried
     }
@@ -312,9 +312,9 @@ impl JointKind {
         if speed.len() != self.degrees_of_freedom() {
             return Err(E::Count { expected: self.degrees_of_freedom(), found: speed.len() });
         }
-        let mut velocity = Motion::ZERO;
+        let mut velocity = Twist::ZERO;
         for (column, speed) in self.motion_subspace(in_joint.rotation).iter().zip(speed) {
-            velocity = velocity + Motion::new(column.angular * *speed, column.linear * *speed);
+            velocity = velocity + Twist::new(column.angular * *speed, column.linear * *speed);
         }
         let pose = placement * in_joint;
         if !(pose.is_finite() && velocity.is_finite()) {
@@ -473,14 +473,14 @@ mod tests {
     #[test]
     fn projection_is_the_subspace_times_its_transpose() {
         let rotation = math::exp(Vec3::new(0.4, -1.1, 0.3));
-        let motion = Motion::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(-0.5, 0.7, 0.2));
+        let motion = Twist::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(-0.5, 0.7, 0.2));
         for kind in kinds() {
             let columns = kind.motion_subspace(rotation);
             assert_eq!(columns.len(), kind.degrees_of_freedom());
-            let mut expected = Motion::ZERO;
+            let mut expected = Twist::ZERO;
             for c in &columns {
                 let along = c.angular.dot(motion.angular) + c.linear.dot(motion.linear);
-                expected = expected + Motion::new(c.angular * along, c.linear * along);
+                expected = expected + Twist::new(c.angular * along, c.linear * along);
             }
             let got = kind.project_motion(rotation, motion);
             assert!((got.angular - expected.angular).length() < 1e-6, "{kind:?}");

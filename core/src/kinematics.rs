@@ -1,7 +1,7 @@
 //! Forward kinematics: from joint states to world states.
 
 use crate::state::{BodyState, JointState};
-use crate::transform::Motion;
+use crate::transform::Twist;
 use crate::tree::Body;
 
 /// World states of all bodies. O(n).
@@ -62,7 +62,7 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 /// relative to the parent, in body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
 ///
 /// ```
-/// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointStates, Motion, Transform, Tree, glam::Vec3};
+/// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, glam::Vec3};
 /// # let link = |parent, x| Body {
 /// #     parent,
 /// #     joint: JointKind::Spherical,
@@ -76,26 +76,26 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 /// joints.set(0, shoulder).expect("it is finite");
 /// let mut world = [BodyState::WORLD; 2];
 /// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
-/// let mut accelerations = [Motion::ZERO; 2];
-/// kinematics::body_accelerations(arm.bodies(), &world, &[Motion::ZERO; 2], &mut accelerations);
+/// let mut accelerations = [Twist::ZERO; 2];
+/// kinematics::body_accelerations(arm.bodies(), &world, &[Twist::ZERO; 2], &mut accelerations);
 /// // At a steady turn the elbow is pulled inwards: (2 rad/s)² 0.5 m.
 /// assert_eq!(accelerations[1].linear, Vec3::X * -2.0);
 /// // And back: no joint is accelerated.
 /// kinematics::joint_accelerations(arm.bodies(), &world, &mut accelerations);
-/// assert_eq!(accelerations, [Motion::ZERO; 2]);
+/// assert_eq!(accelerations, [Twist::ZERO; 2]);
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```
 pub fn body_accelerations(
     bodies: &[Body],
     world: &[BodyState],
-    accelerations: &[Motion],
-    out: &mut [Motion],
+    accelerations: &[Twist],
+    out: &mut [Twist],
 ) {
     for (index, ((body, state), acceleration)) in
         bodies.iter().zip(world).zip(accelerations).enumerate()
     {
         let parent = of_parent(body, world, &BodyState::WORLD);
-        let carried = carried(*of_parent(body, out, &Motion::ZERO), parent, state);
+        let carried = carried(*of_parent(body, out, &Twist::ZERO), parent, state);
         let moving = velocity_products(parent, state);
         let Some(slot) = out.get_mut(index) else { return };
         *slot = carried + moving + acceleration.rotated(state.pose.rotation);
@@ -103,11 +103,11 @@ pub fn body_accelerations(
 }
 
 /// Joint accelerations from world accelerations, in place: the way back from [`body_accelerations`]. O(n).
-pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: &mut [Motion]) {
+pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: &mut [Twist]) {
     // From the leaves inwards: a parent's is still that in the world.
     for (index, (body, state)) in bodies.iter().zip(world).enumerate().rev() {
         let parent = of_parent(body, world, &BodyState::WORLD);
-        let carried = carried(*of_parent(body, accelerations, &Motion::ZERO), parent, state);
+        let carried = carried(*of_parent(body, accelerations, &Twist::ZERO), parent, state);
         let moving = velocity_products(parent, state);
         let Some(slot) = accelerations.get_mut(index) else { continue };
         *slot = (*slot - (carried + moving)).rotated(state.pose.rotation.conjugate());
@@ -115,19 +115,19 @@ pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: 
 }
 
 /// What a body's acceleration is by its parent's alone, as if both were one and stood still. World axes.
-pub(crate) fn carried(of_parent: Motion, parent: &BodyState, body: &BodyState) -> Motion {
+pub(crate) fn carried(of_parent: Twist, parent: &BodyState, body: &BodyState) -> Twist {
     let arm = body.pose.translation_m - parent.pose.translation_m;
-    Motion { linear: of_parent.linear + of_parent.angular.cross(arm), ..of_parent }
+    Twist { linear: of_parent.linear + of_parent.angular.cross(arm), ..of_parent }
 }
 
 /// What a body's acceleration is by velocities alone: centripetal and Coriolis. World axes.
 ///
 /// `ω × (ω × l) + 2 ω × v_rel` with `v_rel` the difference of the velocities less `ω × l`.
-pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Motion {
+pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Twist {
     let arm = body.pose.translation_m - parent.pose.translation_m;
     let (of_parent, of_body) = (parent.velocity, body.velocity);
     let apart = (of_body.linear - of_parent.linear) * 2.0;
-    Motion {
+    Twist {
         angular: of_parent.angular.cross(of_body.angular),
         linear: of_parent.angular.cross(apart - of_parent.angular.cross(arm)),
     }

@@ -1,4 +1,4 @@
-//! Motion core for animatronic servo rigs: makes a figure of many joints follow a performance with
+//! Twist core for animatronic servo rigs: makes a figure of many joints follow a performance with
 //! natural, low-gain motion.
 //!
 //! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic: what is flashed on the controller is
@@ -97,9 +97,9 @@
 //! let servo = TorqueLimit::new(3.0, f32::INFINITY)?;
 //! assert_eq!(serde_json::to_string(&servo)?, r#"{"moment_nm":3.0,"force_n":null}"#);
 //!
-//! let refused = r#"{ "kp": 200, "kv": -28, "linear_kp": 0, "linear_kv": 0 }"#;
+//! let refused = r#"{ "kp": 200, "kd": -28, "linear_kp": 0, "linear_kd": 0 }"#;
 //! let error = serde_json::from_str::<Gains>(refused).expect_err("it would push away from the goal");
-//! assert_eq!(error.to_string(), "the gain kv is negative; it must be zero or more");
+//! assert_eq!(error.to_string(), "the gain kd is negative; it must be zero or more");
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -164,7 +164,7 @@ pub use inertia::{Inertia, InertiaError, RotationalInertia};
 pub use joint::{JointCoordinatesError, JointError, JointKind};
 pub use state::{BodyState, JointState, JointStates, JointTargets, StateInputError};
 pub use trajectory::{Trajectory, TrajectoryError};
-pub use transform::{Motion, Transform, Wrench};
+pub use transform::{Transform, Twist, Wrench};
 pub use tree::{Body, Tree, TreeError};
 
 /// The vector algebra that the public types are made of, so that users need not match its version.

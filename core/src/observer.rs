@@ -9,7 +9,7 @@ use crate::control::Limited;
 use crate::joint::{JointKind, UNIT_TOLERANCE};
 use crate::math;
 use crate::state::{JointState, JointStates, JointTargets, StateInputError};
-use crate::transform::{Motion, Transform, Wrench};
+use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
 /// How an observer weighs what it expects against what it is told.
@@ -112,7 +112,7 @@ impl ObserverSettings {
 /// [`Self::states`] and the law of inverse dynamics, [`Self::sent`].
 ///
 /// ```
-/// use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Motion, Transform, Tree};
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Twist, Transform, Tree};
 /// use sinew_core::observer::{Observer, ObserverSettings};
 /// use sinew_core::glam::Vec3;
 /// let slide = Body {
@@ -129,7 +129,7 @@ impl ObserverSettings {
 /// for _ in 0..60 {
 ///     v += 0.02;
 ///     x += 0.01 * v;
-///     observer.sent(&[Motion::ZERO], &[]);
+///     observer.sent(&[Twist::ZERO], &[]);
 ///     observer.observe(&tree, &[Transform::from_translation(Vec3::X * x)])?;
 /// }
 /// assert!((observer.disturbances()[0].linear.x - 2.0).abs() < 1e-3);
@@ -141,7 +141,7 @@ pub struct Observer<const N: usize, const D: usize> {
     settings: ObserverSettings,
     delay: usize,
     estimates: JointStates<N>,
-    disturbances: [Motion; N],
+    disturbances: [Twist; N],
     /// The oldest first: those of `delay + 1` ticks, the oldest of which has led to the present.
     sent: [[Command; N]; D],
     any_sent: bool,
@@ -151,7 +151,7 @@ pub struct Observer<const N: usize, const D: usize> {
 /// What a joint was commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Command {
-    acceleration: Motion,
+    acceleration: Twist,
     /// The drive could not do it: what is missing is not the world's doing.
     limited: bool,
 }
@@ -170,12 +170,12 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         if delay >= D {
             return Err(ObserverError::Delay { ticks: delay, most: D.saturating_sub(1) });
         }
-        let none = Command { acceleration: Motion::ZERO, limited: false };
+        let none = Command { acceleration: Twist::ZERO, limited: false };
         Ok(Self {
             settings,
             delay,
             estimates: state.clone(),
-            disturbances: [Motion::ZERO; N],
+            disturbances: [Twist::ZERO; N],
             sent: [[none; N]; D],
             any_sent: false,
             ahead: state.clone(),
@@ -190,7 +190,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         self.estimates = state.clone();
         self.ahead = state.clone();
         self.any_sent = false;
-        let none = Command { acceleration: Motion::ZERO, limited: true };
+        let none = Command { acceleration: Twist::ZERO, limited: true };
         for tick in &mut self.sent {
             tick.fill(none);
         }
@@ -231,7 +231,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     }
 
     /// The accelerations of the joints that nothing commanded, in body axes.
-    pub fn disturbances(&self) -> &[Motion] {
+    pub fn disturbances(&self) -> &[Twist] {
         self.disturbances.get(..self.estimates.as_slice().len()).unwrap_or_default()
     }
 
@@ -245,7 +245,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
                 .states()
                 .get(joint)
                 .map_or(Quat::IDENTITY, |target| target.pose.rotation.conjugate());
-            let against = Motion {
+            let against = Twist {
                 angular: -disturbance.angular,
                 linear: to_desired * (state.pose.rotation * -disturbance.linear),
             };
@@ -255,7 +255,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 
     /// Notes the accelerations that the joints were commanded ([`Workspace::commands`](crate::Workspace::commands)),
     /// and which of their torques were limited: those joints learn no disturbance from what follows.
-    pub fn sent(&mut self, commands: &[Motion], torques: &[Limited<Wrench>]) {
+    pub fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         let first = !self.any_sent;
         self.any_sent = true;
         let in_flight = self.sent.get_mut(..=self.delay).unwrap_or_default();
@@ -270,7 +270,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             let mut torques = torques.iter();
             for (slot, command) in slot.iter_mut().zip(commands) {
                 let limited = torques.next().is_some_and(|torque| torque.reason.is_some());
-                let acceleration = if command.is_finite() { *command } else { Motion::ZERO };
+                let acceleration = if command.is_finite() { *command } else { Twist::ZERO };
                 *slot = Command { acceleration, limited };
             }
         }
@@ -290,7 +290,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             .unwrap_or_default()
             .iter()
             .filter_map(|tick| tick.get(joint).copied());
-        let none = Command { acceleration: Motion::ZERO, limited: false };
+        let none = Command { acceleration: Twist::ZERO, limited: false };
         let made = commands.next().unwrap_or(none);
 
         let slides = matches!(body.joint, JointKind::Prismatic { .. } | JointKind::Free);
@@ -298,7 +298,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let to_body = before.pose.rotation.conjugate();
         let velocity = before.velocity + scaled(made.acceleration + *disturbance, dt_s);
         let expected = scaled(velocity, dt_s);
-        let came = Motion {
+        let came = Twist {
             angular: math::log(to_body * measured.rotation),
             linear: to_body * (measured.translation_m - before.pose.translation_m),
         };
@@ -316,11 +316,11 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
         let carried =
             body.joint.keep_on_axes(&body.placement, &before.pose, &mut state, *disturbance);
-        *disturbance = if carried.is_finite() { carried } else { Motion::ZERO };
+        *disturbance = if carried.is_finite() { carried } else { Twist::ZERO };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
         if self.estimates.set(joint, state).is_err() {
-            state = JointState { pose: *measured, velocity: Motion::ZERO };
+            state = JointState { pose: *measured, velocity: Twist::ZERO };
             let _ = self.estimates.set(joint, state);
         }
         for command in commands {
@@ -331,27 +331,27 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 }
 
 impl ObserverSettings {
-    fn bounded(&self, disturbance: Motion) -> Motion {
+    fn bounded(&self, disturbance: Twist) -> Twist {
         let within = |v: Vec3, most: f32| {
             let squared = v.dot(v);
             if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
         };
-        let bounded = Motion {
+        let bounded = Twist {
             angular: within(disturbance.angular, self.most_rad_s2),
             linear: within(disturbance.linear, self.most_m_s2),
         };
-        if bounded.is_finite() { bounded } else { Motion::ZERO }
+        if bounded.is_finite() { bounded } else { Twist::ZERO }
     }
 }
 
 /// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
-fn moved(joint: &JointState, acceleration: Motion, dt_s: f32, slides: bool) -> JointState {
+fn moved(joint: &JointState, acceleration: Twist, dt_s: f32, slides: bool) -> JointState {
     let velocity = joint.velocity + scaled(acceleration, dt_s);
     on(joint, scaled(velocity, dt_s), velocity, slides)
 }
 
 /// A joint that has gone a way, and has a velocity, both given in the axes of the body before.
-fn on(joint: &JointState, way: Motion, velocity: Motion, slides: bool) -> JointState {
+fn on(joint: &JointState, way: Twist, velocity: Twist, slides: bool) -> JointState {
     let turn = math::exp(way.angular);
     let mut pose = Transform { rotation: joint.pose.rotation * turn, ..joint.pose };
     let mut velocity = velocity;
@@ -365,8 +365,8 @@ fn on(joint: &JointState, way: Motion, velocity: Motion, slides: bool) -> JointS
     JointState { pose, velocity }
 }
 
-fn scaled(motion: Motion, factor: f32) -> Motion {
-    Motion { angular: motion.angular * factor, linear: motion.linear * factor }
+fn scaled(motion: Twist, factor: f32) -> Twist {
+    Twist { angular: motion.angular * factor, linear: motion.linear * factor }
 }
 
 /// Why there is no observer.

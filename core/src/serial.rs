@@ -20,8 +20,8 @@ use crate::joint::UNIT_TOLERANCE;
 use crate::math;
 use crate::state_error::{Aim, Aims, Method, References};
 use crate::{
-    Body, BodySet, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, Transform,
-    Tree, TreeError,
+    Body, BodySet, Inertia, JointKind, JointState, JointStates, JointTargets, Transform, Tree,
+    TreeError, Twist,
 };
 
 /// One number or several.
@@ -205,8 +205,8 @@ impl<'de, const N: usize> Deserialize<'de> for JointStates<N> {
 #[serde(deny_unknown_fields)]
 struct Target {
     pose: Transform,
-    velocity: Motion,
-    acceleration: Motion,
+    velocity: Twist,
+    acceleration: Twist,
 }
 
 impl<const N: usize> Serialize for JointTargets<N> {
@@ -304,18 +304,18 @@ impl<'de, const N: usize> Deserialize<'de> for Importance<N> {
 #[serde(rename = "Gains", deny_unknown_fields)]
 pub(crate) struct GainsFields {
     kp: f32,
-    kv: f32,
+    kd: f32,
     linear_kp: f32,
-    linear_kv: f32,
+    linear_kd: f32,
 }
 
 impl From<Gains> for GainsFields {
     fn from(gains: Gains) -> Self {
         Self {
             kp: gains.kp(),
-            kv: gains.kv(),
+            kd: gains.kd(),
             linear_kp: gains.linear_kp(),
-            linear_kv: gains.linear_kv(),
+            linear_kd: gains.linear_kd(),
         }
     }
 }
@@ -324,7 +324,7 @@ impl TryFrom<GainsFields> for Gains {
     type Error = GainsError;
 
     fn try_from(fields: GainsFields) -> Result<Self, GainsError> {
-        Self::new(fields.kp, fields.kv)?.with_linear(fields.linear_kp, fields.linear_kv)
+        Self::new(fields.kp, fields.kd)?.with_linear(fields.linear_kp, fields.linear_kd)
     }
 }
 

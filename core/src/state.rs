@@ -10,7 +10,7 @@ use crate::joint::UNIT_TOLERANCE;
 use crate::kinematics;
 use crate::math;
 use crate::trajectory::{in_axes_of, rate, step};
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 use crate::tree::{Body, Tree};
 
 /// State of a joint: pose and velocity of its body relative to the parent body.
@@ -28,7 +28,7 @@ pub struct JointState {
     /// Pose of the body in its parent's frame.
     pub pose: Transform,
     /// Velocity relative to the parent, in body axes.
-    pub velocity: Motion,
+    pub velocity: Twist,
 }
 
 /// The farthest that a pose's position may be where differences are taken, m. A square of it is far from
@@ -105,21 +105,21 @@ pub struct BodyState {
     /// Pose in the reference frame.
     pub pose: Transform,
     /// Velocity in the axes of the reference frame.
-    pub velocity: Motion,
+    pub velocity: Twist,
 }
 
 impl BodyState {
     /// The world itself, at rest.
-    pub const WORLD: Self = Self { pose: Transform::IDENTITY, velocity: Motion::ZERO };
+    pub const WORLD: Self = Self { pose: Transform::IDENTITY, velocity: Twist::ZERO };
 
     /// This state as body `reference` sees it, in the axes of `reference`. Both are given in one frame.
     ///
     /// Eq. (5) of Notman et al. (2011), with the velocities that go with it.
     ///
     /// ```
-    /// use sinew_core::{BodyState, Motion, Transform, glam::Vec3};
+    /// use sinew_core::{BodyState, Twist, Transform, glam::Vec3};
     /// let still = BodyState { pose: Transform::from_translation(Vec3::X), ..BodyState::WORLD };
-    /// let spin = BodyState { velocity: Motion::new(Vec3::Z, Vec3::ZERO), ..BodyState::WORLD };
+    /// let spin = BodyState { velocity: Twist::new(Vec3::Z, Vec3::ZERO), ..BodyState::WORLD };
     /// let seen = still.seen_from(&spin);
     /// assert_eq!(seen.velocity.angular, -Vec3::Z);
     /// assert_eq!(seen.velocity.linear, -Vec3::Y);
@@ -134,7 +134,7 @@ impl BodyState {
                 to_reference * self.pose.rotation,
                 math::rotate(to_reference, arm),
             ),
-            velocity: Motion {
+            velocity: Twist {
                 angular: math::rotate(
                     to_reference,
                     self.velocity.angular - reference.velocity.angular,
@@ -168,10 +168,10 @@ impl BodyState {
 
     /// Velocity of the joint between `parent` and this body, in body axes: that of [`Self::joint_state`].
     #[inline]
-    pub(crate) fn velocity_from(&self, parent: &Self) -> Motion {
+    pub(crate) fn velocity_from(&self, parent: &Self) -> Twist {
         let arm = self.pose.translation_m - parent.pose.translation_m;
         let carried = math::plus_cross(parent.velocity.linear, parent.velocity.angular, arm);
-        Motion {
+        Twist {
             angular: self.velocity.angular - parent.velocity.angular,
             linear: self.velocity.linear - carried,
         }
@@ -186,7 +186,7 @@ impl BodyState {
         let relative = joint.velocity.rotated(rotation);
         Self {
             pose: Transform::new(rotation, self.pose.translation_m + arm),
-            velocity: Motion {
+            velocity: Twist {
                 angular: self.velocity.angular + relative.angular,
                 linear: math::plus_cross(self.velocity.linear, self.velocity.angular, arm)
                     + relative.linear,
@@ -224,7 +224,7 @@ pub struct JointStates<const N: usize> {
 impl<const N: usize> JointStates<N> {
     /// All joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
-        let at_rest = |body: &Body| JointState { pose: body.placement, velocity: Motion::ZERO };
+        let at_rest = |body: &Body| JointState { pose: body.placement, velocity: Twist::ZERO };
         let states = fixed::collect(tree.bodies().iter().map(at_rest));
         Self { states }
     }
@@ -254,7 +254,7 @@ impl<const N: usize> JointStates<N> {
     pub fn stand(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
         let poses = checked_poses(poses, self.states.len())?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
-            *state = JointState { pose: *pose, velocity: Motion::ZERO }.with_unit_rotation();
+            *state = JointState { pose: *pose, velocity: Twist::ZERO }.with_unit_rotation();
         }
         Ok(())
     }
@@ -309,22 +309,22 @@ impl<const N: usize> JointStates<N> {
 /// An entrance like [`JointStates`].
 ///
 /// ```
-/// use sinew_core::{JointState, JointTargets, Motion, StateInputError, glam::Vec3};
+/// use sinew_core::{JointState, JointTargets, Twist, StateInputError, glam::Vec3};
 /// # use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
 /// # let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
 /// # let head = Body { parent, joint, placement, inertia: Inertia::default() };
 /// let tree = Tree::<1>::from_bodies(&[head])?;
 /// let mut targets = JointTargets::rest(&tree);
-/// let turning = JointState { velocity: Motion::new(Vec3::Y, Vec3::ZERO), ..JointState::default() };
-/// targets.set(0, turning, Motion::new(Vec3::Y * 4.0, Vec3::ZERO))?;
+/// let turning = JointState { velocity: Twist::new(Vec3::Y, Vec3::ZERO), ..JointState::default() };
+/// targets.set(0, turning, Twist::new(Vec3::Y * 4.0, Vec3::ZERO))?;
 /// assert_eq!(targets.accelerations()[0].angular.y, 4.0);
-/// assert_eq!(targets.set(1, turning, Motion::ZERO), Err(StateInputError::NoSuchJoint));
+/// assert_eq!(targets.set(1, turning, Twist::ZERO), Err(StateInputError::NoSuchJoint));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
-    accelerations: Vec<Motion, N>,
+    accelerations: Vec<Twist, N>,
     /// The world states of the bodies that follow from `states` in a tree of this shape, once somebody knows them.
     bodies: Vec<BodyState, N>,
     known_for: Option<u32>,
@@ -341,7 +341,7 @@ impl<const N: usize> JointTargets<N> {
     /// All joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
         let states: Vec<JointState, N> = JointStates::rest(tree).states;
-        let accelerations = fixed::collect(states.iter().map(|_| Motion::ZERO));
+        let accelerations = fixed::collect(states.iter().map(|_| Twist::ZERO));
         let bodies = fixed::collect(states.iter().map(|_| BodyState::WORLD));
         Self { states, accelerations, bodies, known_for: None }
     }
@@ -357,7 +357,7 @@ impl<const N: usize> JointTargets<N> {
         &mut self,
         joint: usize,
         state: JointState,
-        acceleration: Motion,
+        acceleration: Twist,
     ) -> Result<(), StateInputError> {
         state.check()?;
         if !acceleration.is_finite() {
@@ -373,7 +373,7 @@ impl<const N: usize> JointTargets<N> {
         &mut self,
         joint: usize,
         state: JointState,
-        acceleration: Motion,
+        acceleration: Twist,
     ) -> Result<(), StateInputError> {
         let (Some(slot), Some(acceleration_slot)) =
             (self.states.get_mut(joint), self.accelerations.get_mut(joint))
@@ -391,7 +391,7 @@ impl<const N: usize> JointTargets<N> {
     ///
     /// # Errors
     /// [`StateInputError`], and nothing is changed, if there is no such joint or a number is not finite.
-    pub fn set_velocity(&mut self, joint: usize, velocity: Motion) -> Result<(), StateInputError> {
+    pub fn set_velocity(&mut self, joint: usize, velocity: Twist) -> Result<(), StateInputError> {
         if !velocity.is_finite() {
             return Err(StateInputError::NonFinite);
         }
@@ -406,7 +406,7 @@ impl<const N: usize> JointTargets<N> {
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,
-    ) -> (&mut [JointState], &mut [Motion], &mut [BodyState]) {
+    ) -> (&mut [JointState], &mut [Twist], &mut [BodyState]) {
         self.known_for = (self.states.len() == tree.len()).then_some(tree.shape());
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
@@ -425,7 +425,7 @@ impl<const N: usize> JointTargets<N> {
     }
 
     /// Adds to the acceleration of one joint what is finite of a sum.
-    pub(crate) fn add_acceleration(&mut self, joint: usize, more: Motion) {
+    pub(crate) fn add_acceleration(&mut self, joint: usize, more: Twist) {
         if let Some(slot) = self.accelerations.get_mut(joint) {
             let sum = *slot + more;
             if sum.is_finite() {
@@ -440,7 +440,7 @@ impl<const N: usize> JointTargets<N> {
     }
 
     /// The desired accelerations by joint, see [`Self::set`].
-    pub fn accelerations(&self) -> &[Motion] {
+    pub fn accelerations(&self) -> &[Twist] {
         &self.accelerations
     }
 }

@@ -9,7 +9,7 @@ use crate::math;
 use crate::state::{
     JointState, JointStates, JointTargets, SHORTEST_STEP_S, StateInputError, check_pose,
 };
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 
 /// Evenly spaced frames of the poses of all joints, each in its parent's frame.
 ///
@@ -366,7 +366,7 @@ pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
 fn steps(
     [first, second, third]: [&Transform; 3],
     rate_hz: f32,
-) -> Result<[Motion; 2], StateInputError> {
+) -> Result<[Twist; 2], StateInputError> {
     check_pose(first)?;
     check_pose(second)?;
     check_pose(third)?;
@@ -376,8 +376,8 @@ fn steps(
 /// The mean velocity on the way from one pose to the other: the angular part in body axes (the turn's own axis is
 /// the same in both), the linear part in the parent's.
 #[inline]
-pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Motion {
-    Motion {
+pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
+    Twist {
         angular: math::log(math::turn_in_body(from.rotation, to.rotation)) * rate_hz,
         linear: (to.translation_m - from.translation_m) * rate_hz,
     }
@@ -385,8 +385,8 @@ pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Motion {
 
 /// A motion whose linear part is in the parent's axes, all in those of the body.
 #[inline]
-pub(crate) fn in_axes_of(pose: &Transform, motion: Motion) -> Motion {
-    Motion { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
+pub(crate) fn in_axes_of(pose: &Transform, motion: Twist) -> Twist {
+    Twist { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
 }
 
 #[inline]
@@ -394,8 +394,8 @@ fn put_difference<const N: usize>(
     out: &mut JointTargets<N>,
     joint: usize,
     pose: &Transform,
-    velocity: Motion,
-    acceleration: Motion,
+    velocity: Twist,
+    acceleration: Twist,
 ) -> Result<(), StateInputError> {
     let state = JointState { pose: *pose, velocity: in_axes_of(pose, velocity) };
     out.put(joint, state, in_axes_of(pose, acceleration))
@@ -470,7 +470,7 @@ mod tests {
         assert!((acceleration.linear.x - 200.0).abs() < 1e-3);
         assert!(acceleration.angular.length() < 5e-3);
         trajectory.targets(2, &mut targets).unwrap();
-        assert_eq!(targets.states()[0].velocity, Motion::ZERO);
+        assert_eq!(targets.states()[0].velocity, Twist::ZERO);
 
         let mut measured = JointStates::rest(&tree);
         backward_states([&frames[0..1], &frames[1..2]], 0.01, &mut measured).unwrap();

@@ -81,12 +81,12 @@ impl Mul for Transform {
 
 /// Angular and linear velocity (rad/s, m/s) or acceleration (rad/s², m/s²) of a frame's origin.
 ///
-/// The axes are named where a `Motion` is used. The linear part is the plain time derivative of the
+/// The axes are named where a `Twist` is used. The linear part is the plain time derivative of the
 /// origin's path (classical, not spatial, acceleration).
 ///
 /// ```
-/// use sinew_core::{Motion, glam::Vec3, math};
-/// let motion = Motion::new(Vec3::X, Vec3::Y * 0.5);
+/// use sinew_core::{Twist, glam::Vec3, math};
+/// let motion = Twist::new(Vec3::X, Vec3::Y * 0.5);
 /// // The same motion in axes that are turned by a quarter about z.
 /// let turned = motion.rotated(math::exp(Vec3::Z * core::f32::consts::FRAC_PI_2));
 /// assert!((turned.angular - Vec3::Y).length() < 1e-6);
@@ -98,7 +98,7 @@ impl Mul for Transform {
     derive(serde::Serialize, serde::Deserialize),
     serde(deny_unknown_fields)
 )]
-pub struct Motion {
+pub struct Twist {
     /// Angular part.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     pub angular: Vec3,
@@ -107,7 +107,7 @@ pub struct Motion {
     pub linear: Vec3,
 }
 
-impl Motion {
+impl Twist {
     /// At rest.
     pub const ZERO: Self = Self { angular: Vec3::ZERO, linear: Vec3::ZERO };
 
@@ -131,7 +131,7 @@ impl Motion {
     }
 }
 
-impl Add for Motion {
+impl Add for Twist {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -139,7 +139,7 @@ impl Add for Motion {
     }
 }
 
-impl Mul<f32> for Motion {
+impl Mul<f32> for Twist {
     type Output = Self;
 
     fn mul(self, factor: f32) -> Self {
@@ -147,7 +147,7 @@ impl Mul<f32> for Motion {
     }
 }
 
-impl Sub for Motion {
+impl Sub for Twist {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -160,10 +160,10 @@ impl Sub for Motion {
 /// The axes are named where a `Wrench` is used.
 ///
 /// ```
-/// use sinew_core::{Motion, Wrench, glam::Vec3};
+/// use sinew_core::{Twist, Wrench, glam::Vec3};
 /// let wrench = Wrench::new(Vec3::Z * 3.0, Vec3::X * 10.0);
 /// // 3 N m at 2 rad/s, and 10 N at 0.5 m/s.
-/// let velocity = Motion::new(Vec3::Z * 2.0, Vec3::X * 0.5);
+/// let velocity = Twist::new(Vec3::Z * 2.0, Vec3::X * 0.5);
 /// assert_eq!(wrench.power_w(velocity), 11.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -196,7 +196,7 @@ impl Wrench {
     }
 
     /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
-    pub fn power_w(self, velocity: Motion) -> f32 {
+    pub fn power_w(self, velocity: Twist) -> f32 {
         self.moment_nm.dot(velocity.angular) + self.force_n.dot(velocity.linear)
     }
 }

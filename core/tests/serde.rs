@@ -13,7 +13,7 @@ use sinew_core::state_error::{
 };
 use sinew_core::{
     Body, BodySet, BodyState, Controller, Inertia, JointKind, JointState, JointStates,
-    JointTargets, Motion, RotationalInertia, Transform, Tree, Workspace, Wrench, math,
+    JointTargets, RotationalInertia, Transform, Tree, Twist, Workspace, Wrench, math,
 };
 
 /// Through a text and through a compact format for microcontrollers.
@@ -41,8 +41,8 @@ fn transform(seed: f32) -> Transform {
     Transform::new(math::exp(vector(seed)), vector(0.7 * seed))
 }
 
-fn motion(seed: f32) -> Motion {
-    Motion::new(vector(seed), vector(seed + 0.1))
+fn motion(seed: f32) -> Twist {
+    Twist::new(vector(seed), vector(seed + 0.1))
 }
 
 fn inertia() -> Inertia {
@@ -191,7 +191,7 @@ fn rotations_change_by_rounding_only() {
     let mut states = JointStates::rest(&tree);
     for step in 0..1000u16 {
         let pose = transform(f32::from(step) * 0.003);
-        states.set(0, JointState { pose, velocity: Motion::ZERO }).unwrap();
+        states.set(0, JointState { pose, velocity: Twist::ZERO }).unwrap();
         let text = serde_json::to_string(&states).unwrap();
         let read: JointStates<1> = serde_json::from_str(&text).unwrap();
         let [before, after] = [&states, &read].map(|states| states.as_slice()[0].pose.rotation);
@@ -225,22 +225,22 @@ fn bad<T: Serialize + DeserializeOwned>(value: &T) {
 /// Text has no NaN, but numbers too large for f32; a compact format has both.
 #[test]
 fn what_is_not_finite_is_refused() {
-    let message = refused::<Motion>(r#"{"angular":[0,1e39,0],"linear":[0,0,0]}"#);
+    let message = refused::<Twist>(r#"{"angular":[0,1e39,0],"linear":[0,0,0]}"#);
     assert!(message.contains("[0, inf, 0]") || message.contains("0.0, inf, 0.0"), "{message}");
     assert!(message.contains("not finite") && message.contains("line 1"), "{message}");
-    assert!(refused::<Gains>(r#"{"kp":1e39,"kv":0,"linear_kp":0,"linear_kv":0}"#).contains("kp"));
+    assert!(refused::<Gains>(r#"{"kp":1e39,"kd":0,"linear_kp":0,"linear_kd":0}"#).contains("kp"));
 
     for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let v = Vec3::new(0.0, x, 0.0);
         let pose = Transform::from_translation(v);
-        let velocity = Motion::new(Vec3::ZERO, v);
+        let velocity = Twist::new(Vec3::ZERO, v);
         bad(&pose);
         bad(&Transform::new(Quat::from_xyzw(0.0, x, 0.0, 1.0), Vec3::ZERO));
         bad(&velocity);
-        bad(&Motion::new(v, Vec3::ZERO));
+        bad(&Twist::new(v, Vec3::ZERO));
         bad(&Wrench::new(v, Vec3::ZERO));
         bad(&Wrench::new(Vec3::ZERO, v));
-        bad(&JointState { pose, velocity: Motion::ZERO });
+        bad(&JointState { pose, velocity: Twist::ZERO });
         bad(&BodyState { pose: Transform::IDENTITY, velocity });
         bad(&Inertia { mass_kg: x, ..inertia() });
         bad(&Inertia { center_of_mass_m: v, ..inertia() });
@@ -279,14 +279,14 @@ fn what_breaks_a_rule_is_refused_by_its_name() {
     let message = refused::<JointKind>(r#"{"revolute":{"axis":[0,3,4]}}"#);
     assert!(message.contains("length 5") && message.contains("unit vector"), "{message}");
 
-    let message = refused::<Gains>(r#"{"kp":-1,"kv":0,"linear_kp":0,"linear_kv":0}"#);
+    let message = refused::<Gains>(r#"{"kp":-1,"kd":0,"linear_kp":0,"linear_kd":0}"#);
     assert!(message.contains("kp is negative"), "{message}");
     let message = refused::<TorqueLimit>(r#"{"moment_nm":-1,"force_n":null}"#);
     assert!(message.contains("zero or more"), "{message}");
     let message = refused::<TorqueLimit>(r#"{"moment_nm":1}"#);
     assert!(message.contains("missing field `force_n`"), "no bound must be asked for: {message}");
-    let message = refused::<Gains>(r#"{"kp":1,"kd":0,"linear_kp":0,"linear_kv":0}"#);
-    assert!(message.contains("unknown field `kd`"), "{message}");
+    let message = refused::<Gains>(r#"{"kp":1,"kv":0,"linear_kp":0,"linear_kd":0}"#);
+    assert!(message.contains("unknown field `kv`"), "{message}");
 
     assert!(refused::<BodySet>("[1, 128]").contains("body 128 must be below 128"));
     assert!(refused::<BodySet>("[1, 1]").contains("body 1 is in the set twice"));

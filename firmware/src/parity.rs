@@ -19,7 +19,7 @@
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
-use sinew_core::{Motion, Transform, Workspace};
+use sinew_core::{Transform, Twist, Workspace};
 
 use crate::app::App;
 use crate::replay::{self, components};
@@ -165,7 +165,7 @@ fn pose_numbers(pose: &Transform) -> [f32; 7] {
     [x, y, z, w, t.x, t.y, t.z]
 }
 
-fn motion_numbers(motion: &Motion) -> [f32; 6] {
+fn motion_numbers(motion: &Twist) -> [f32; 6] {
     let (a, l) = (motion.angular, motion.linear);
     [a.x, a.y, a.z, l.x, l.y, l.z]
 }

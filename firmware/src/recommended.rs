@@ -7,7 +7,7 @@ use sinew_core::projection::{
     BodyWeight, JointRange, ManifoldProjection, ProjectionError, ProjectionWorkspace,
 };
 use sinew_core::trajectory::aligned_targets;
-use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, Tree, Wrench};
+use sinew_core::{JointStates, JointTargets, StateInputError, Transform, Tree, Twist, Wrench};
 
 use crate::show::Show;
 
@@ -190,7 +190,7 @@ impl<const N: usize> Recommended<N> {
     }
 
     /// Notes what the joints were commanded.
-    pub(crate) fn sent(&mut self, commands: &[Motion], torques: &[Limited<Wrench>]) {
+    pub(crate) fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         self.observer.sent(commands, torques);
     }
 }

@@ -10,8 +10,8 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
-    Body, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia,
-    Transform, Tree, Wrench, math,
+    Body, Inertia, JointKind, JointState, JointStates, JointTargets, RotationalInertia, Transform,
+    Tree, Twist, Wrench, math,
 };
 
 /// The ends of f32, and where squares, reciprocals and series change.
@@ -129,13 +129,13 @@ pub fn any_pose() -> impl Strategy<Value = Transform> + Clone {
 }
 
 /// An angular and a linear part.
-pub fn motion(dose: u32) -> impl Strategy<Value = Motion> + Clone {
-    (vector(dose), vector(dose)).prop_map(|(angular, linear)| Motion::new(angular, linear))
+pub fn motion(dose: u32) -> impl Strategy<Value = Twist> + Clone {
+    (vector(dose), vector(dose)).prop_map(|(angular, linear)| Twist::new(angular, linear))
 }
 
 /// An angular and a linear part, numbers or not.
-pub fn any_motion() -> impl Strategy<Value = Motion> + Clone {
-    (any_vector(), any_vector()).prop_map(|(angular, linear)| Motion::new(angular, linear))
+pub fn any_motion() -> impl Strategy<Value = Twist> + Clone {
+    (any_vector(), any_vector()).prop_map(|(angular, linear)| Twist::new(angular, linear))
 }
 
 /// Joints of all kinds.
@@ -201,7 +201,7 @@ pub fn scenes<const N: usize>() -> impl Strategy<Value = Scene<N>> {
             }
             let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
             for (joint, (_, desired, is, acceleration)) in joints.iter().enumerate() {
-                let state = |&(pose, velocity): &(Transform, Motion)| JointState { pose, velocity };
+                let state = |&(pose, velocity): &(Transform, Twist)| JointState { pose, velocity };
                 targets.set(joint, state(desired), *acceleration).expect("a possible target");
                 measured.set(joint, state(is)).expect("a possible state");
             }

@@ -4,7 +4,7 @@
 //! numerical derivatives are too coarse for the outer bodies of long chains.
 
 use glam::{DMat3, DQuat, DVec3};
-use sinew_core::{Body, JointState, Motion};
+use sinew_core::{Body, JointState, Twist};
 
 use crate::reference::WorldWrench;
 
@@ -25,7 +25,7 @@ struct World {
 pub fn inverse_dynamics(
     bodies: &[Body],
     joints: &[JointState],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     gravity_m_s2: DVec3,
 ) -> Vec<WorldWrench> {
     let still = World {
@@ -57,7 +57,7 @@ pub fn inverse_dynamics(
     wrenches.iter().zip(&world).map(in_body).collect()
 }
 
-fn moved(parent: &World, joint: &JointState, acceleration: &Motion) -> World {
+fn moved(parent: &World, joint: &JointState, acceleration: &Twist) -> World {
     let rotation = (parent.rotation * joint.pose.rotation.as_dquat().normalize()).normalize();
     let arm_m = parent.rotation * joint.pose.translation_m.as_dvec3();
     let spin = rotation * joint.velocity.angular.as_dvec3();

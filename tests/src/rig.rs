@@ -4,8 +4,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
-    Body, BodyState, Inertia, JointKind, JointState, JointStates, Motion, RotationalInertia,
-    Transform, Tree, kinematics, math,
+    Body, BodyState, Inertia, JointKind, JointState, JointStates, RotationalInertia, Transform,
+    Tree, Twist, kinematics, math,
 };
 
 /// The core's largest capacity.
@@ -194,17 +194,14 @@ impl Coordinates {
     }
 
     /// Acceleration of the joint, as inverse dynamics takes it.
-    pub fn joint_acceleration(&self, body: &Body) -> Motion {
+    pub fn joint_acceleration(&self, body: &Body) -> Twist {
         let state = self.state(body);
         let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
         let columns = body.joint.motion_subspace(in_joint);
         columns.iter().zip(self.acceleration).fold(
             body.joint.bias_acceleration(in_joint, state.velocity),
             |sum, (column, along)| {
-                Motion::new(
-                    sum.angular + column.angular * along,
-                    sum.linear + column.linear * along,
-                )
+                Twist::new(sum.angular + column.angular * along, sum.linear + column.linear * along)
             },
         )
     }
@@ -241,7 +238,7 @@ impl Rig {
     }
 
     /// Accelerations of the joints, as inverse dynamics takes them.
-    pub fn accelerations(&self) -> Vec<Motion> {
+    pub fn accelerations(&self) -> Vec<Twist> {
         let bodies = self.tree.bodies().iter();
         bodies.zip(&self.motions).map(|(body, motion)| motion.joint_acceleration(body)).collect()
     }

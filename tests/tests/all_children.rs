@@ -8,7 +8,7 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, RateTerm, StateError, compensate, compensate_all,
     linear_compensation, world,
 };
-use sinew_core::{BodySet, BodyState, Motion, Transform, kinematics, math};
+use sinew_core::{BodySet, BodyState, Transform, Twist, kinematics, math};
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, figures};
 
@@ -91,7 +91,7 @@ impl Wahba {
 }
 
 fn state(rotation: Quat, position_m: Vec3) -> BodyState {
-    BodyState { pose: Transform::new(rotation, position_m), velocity: Motion::ZERO }
+    BodyState { pose: Transform::new(rotation, position_m), velocity: Twist::ZERO }
 }
 
 /// The turn of the desired orientation that an error stands for.
@@ -259,7 +259,7 @@ proptest! {
 
         let desired = BodyState {
             pose: Transform::new(Quat::IDENTITY, shift),
-            velocity: Motion::new(spin, rate),
+            velocity: Twist::new(spin, rate),
         };
         let of = |rate_term| {
             let settings = Compensation { rate_term, ..Compensation::default() };

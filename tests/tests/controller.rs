@@ -8,7 +8,7 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::projection::BodyWeights;
 use sinew_core::state_error::{Aims, Compensation, Method, References, StateError};
 use sinew_core::{
-    Controller, JointKind, JointState, JointStates, JointTargets, Motion, Transform, Tree,
+    Controller, JointKind, JointState, JointStates, JointTargets, Transform, Tree, Twist,
     Workspace, Wrench,
 };
 use sinew_tests::property;
@@ -71,7 +71,7 @@ fn with_any_numbers(
         .iter()
         .map(|state| JointState {
             pose: Transform::new(state.pose.rotation, next()),
-            velocity: Motion::new(next(), next()),
+            velocity: Twist::new(next(), next()),
         })
         .collect()
 }
@@ -95,7 +95,7 @@ proptest! {
             measured.set(joint, state).expect("finite, and a unit rotation");
         }
         for (joint, state) in with_any_numbers(states.as_slice(), &mut numbers).into_iter().enumerate() {
-            let acceleration = Motion::new(numbers.as_slice()[0], Vec3::ZERO);
+            let acceleration = Twist::new(numbers.as_slice()[0], Vec3::ZERO);
             targets.set(joint, state, acceleration).expect("finite, and a unit rotation");
         }
         let limits = vec![TorqueLimit::new(5.0, 50.0).expect("good limits"); rig.tree.len()];
@@ -264,7 +264,7 @@ proptest! {
         let (mut targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
         let poses: Vec<_> = targets.states().iter().map(|state| state.pose).collect();
         for joint in 0..tree.len() {
-            targets.set_velocity(joint, Motion::ZERO).expect("a joint of the tree");
+            targets.set_velocity(joint, Twist::ZERO).expect("a joint of the tree");
         }
         let mut workspace = Workspace::resolving();
         let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
@@ -290,9 +290,9 @@ proptest! {
         // The performance's root is where the rig's is, and stays there.
         let mut targets = targets(&desired);
         let mut states = measured.states();
-        let root = JointState { pose: bodies[0].placement, velocity: Motion::ZERO };
+        let root = JointState { pose: bodies[0].placement, velocity: Twist::ZERO };
         states.set(0, root).expect("a good state");
-        targets.set(0, root, Motion::ZERO).expect("a good state");
+        targets.set(0, root, Twist::ZERO).expect("a good state");
         for (on_fixed, on_free) in methods(&fixed).into_iter().zip(methods(free)) {
             let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY, CAPACITY>| {
                 let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
@@ -307,14 +307,14 @@ proptest! {
             let (held, errors) = tick(&fixed, on_fixed, &mut one);
             let (driven, errors_of_free) = tick(free, on_free, &mut other);
             prop_assert_eq!(&held[0], &Limited { value: Wrench::ZERO, reason: None });
-            prop_assert_eq!(one.commands()[0], Motion::ZERO);
+            prop_assert_eq!(one.commands()[0], Twist::ZERO);
             prop_assert_eq!(&errors, &errors_of_free);
             prop_assert_eq!(errors[0].linear_m, Vec3::ZERO);
             let mut expected: Vec<_> = driven.iter().map(|torque| torque.value).collect();
             if law == ControlLaw::InverseDynamics {
                 // A free root may follow what Linear Compensation turns it for; one that stays is fixed.
                 let mut commands = other.commands()[..free.len()].to_vec();
-                commands[0] = Motion::ZERO;
+                commands[0] = Twist::ZERO;
                 let mut scratch = vec![BodyMotion::default(); free.len()];
                 let (states, gravity) = (states.as_slice(), Vec3::new(0.0, -9.81, 0.0));
                 inverse_dynamics(free.bodies(), states, &commands, gravity, &[], &mut scratch, &mut expected);
@@ -338,7 +338,7 @@ proptest! {
             let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
             let got = weighted.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec();
             for ((got, asked), inertia) in got.iter().zip(&asked).zip(&inertias) {
-                let asked = Motion::new(asked.value.moment_nm, asked.value.force_n);
+                let asked = Twist::new(asked.value.moment_nm, asked.value.force_n);
                 prop_assert_eq!(got.value, inertia.wrench(asked));
             }
         }
@@ -372,7 +372,7 @@ fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
     let mut targets = JointTargets::rest(tree);
     let measured = JointStates::rest(tree);
     for (joint, state) in rig.states().as_slice().iter().enumerate() {
-        targets.set(joint, *state, Motion::ZERO).expect("a good state");
+        targets.set(joint, *state, Twist::ZERO).expect("a good state");
     }
     methods_of_inverse_dynamics(tree)
         .into_iter()
@@ -402,7 +402,7 @@ proptest! {
 fn rotations_that_are_unit_to_rounding_are_taken_and_others_not() {
     let rig_state = |scale: f32| JointState {
         pose: Transform::new(Quat::from_xyzw(0.6, 0.0, 0.0, 0.8) * scale, Vec3::ZERO),
-        velocity: Motion::ZERO,
+        velocity: Twist::ZERO,
     };
     let body = sinew_core::Body {
         parent: None,

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointKind};
-use sinew_core::{JointState, JointStates, Motion, Transform, Wrench, kinematics};
+use sinew_core::{JointState, JointStates, Transform, Twist, Wrench, kinematics};
 use sinew_tests::property;
 use sinew_tests::reference;
 use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
@@ -19,7 +19,7 @@ const RELATIVE: f64 = 5e-6;
 fn run(
     rig: &Rig,
     joints: &[JointState],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     gravity: Vec3,
     external: &[Wrench],
 ) -> Vec<Wrench> {
@@ -104,11 +104,11 @@ proptest! {
         (rig, other) in (rigs(CAPACITY, Joints::Mixed), 0.1f32..2.0),
     ) {
         let states = rig.states();
-        let of = |accelerations: &[Motion]| run(&rig, states.as_slice(), accelerations, GRAVITY, &[]);
+        let of = |accelerations: &[Twist]| run(&rig, states.as_slice(), accelerations, GRAVITY, &[]);
         let once = rig.accelerations();
         let scaled: Vec<_> =
-            once.iter().map(|a| Motion::new(a.angular * other, a.linear * other)).collect();
-        let (bias, once, got) = (of(&vec![Motion::ZERO; rig.tree.len()]), of(&once), of(&scaled));
+            once.iter().map(|a| Twist::new(a.angular * other, a.linear * other)).collect();
+        let (bias, once, got) = (of(&vec![Twist::ZERO; rig.tree.len()]), of(&once), of(&scaled));
         let expected: Vec<_> = bias
             .iter()
             .zip(&once)
@@ -124,9 +124,9 @@ proptest! {
     fn the_mass_matrix_is_symmetric_and_positive(rig in rigs(12, Joints::Mixed)) {
         let states = rig.states();
         let still: Vec<_> =
-            states.as_slice().iter().map(|s| JointState { velocity: Motion::ZERO, ..*s }).collect();
+            states.as_slice().iter().map(|s| JointState { velocity: Twist::ZERO, ..*s }).collect();
         let bodies = rig.tree.bodies();
-        let coordinates: Vec<(usize, Motion)> = bodies
+        let coordinates: Vec<(usize, Twist)> = bodies
             .iter()
             .zip(&still)
             .enumerate()
@@ -139,7 +139,7 @@ proptest! {
         let matrix: Vec<Vec<f64>> = coordinates
             .iter()
             .map(|(moved, column)| {
-                let mut accelerations = vec![Motion::ZERO; bodies.len()];
+                let mut accelerations = vec![Twist::ZERO; bodies.len()];
                 accelerations[*moved] = *column;
                 let wrenches = run(&rig, &still, &accelerations, Vec3::ZERO, &[]);
                 coordinates.iter().map(|(body, along)| f64::from(wrenches[*body].power_w(*along))).collect()
@@ -232,8 +232,8 @@ fn a_body_in_free_fall_needs_nothing() {
     rig_tree.push(body).expect("a good body");
     let states = JointStates::rest(&rig_tree);
     let rig = Rig { tree: rig_tree, motions: vec![] };
-    let fall = [Motion::new(Vec3::ZERO, GRAVITY)];
+    let fall = [Twist::new(Vec3::ZERO, GRAVITY)];
     assert_eq!(run(&rig, states.as_slice(), &fall, GRAVITY, &[]), [Wrench::ZERO]);
-    let hover = run(&rig, states.as_slice(), &[Motion::ZERO], GRAVITY, &[]);
+    let hover = run(&rig, states.as_slice(), &[Twist::ZERO], GRAVITY, &[]);
     assert_eq!(hover[0].force_n.as_dvec3(), DVec3::from(GRAVITY * -3.0));
 }

@@ -18,8 +18,8 @@ use sinew_core::state_error::{
 use sinew_core::trajectory::{backward_states, forward_targets};
 use sinew_core::{
     Body, BodySet, Controller, ControllerError, Inertia, InertiaError, JointCoordinatesError,
-    JointError, JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia,
-    StateInputError, Trajectory, TrajectoryError, Transform, Tree, TreeError, Workspace,
+    JointError, JointKind, JointState, JointStates, JointTargets, RotationalInertia,
+    StateInputError, Trajectory, TrajectoryError, Transform, Tree, TreeError, Twist, Workspace,
 };
 
 const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
@@ -154,9 +154,8 @@ fn states() {
     let (mut measured, mut targets) = (JointStates::rest(&tree), JointTargets::rest(&tree));
     let before = (measured.clone(), targets.clone());
     let good = JointState::default();
-    let nan_position =
-        JointState { pose: Transform::from_translation(NAN), velocity: Motion::ZERO };
-    let nan_velocity = JointState { velocity: Motion::new(Vec3::ZERO, NAN), ..good };
+    let nan_position = JointState { pose: Transform::from_translation(NAN), velocity: Twist::ZERO };
+    let nan_velocity = JointState { velocity: Twist::new(Vec3::ZERO, NAN), ..good };
     let zero = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
     let no_rotation = JointState { pose: Transform::new(zero, Vec3::ZERO), ..good };
     for (state, error, word) in [
@@ -165,13 +164,13 @@ fn states() {
         (no_rotation, E::RotationNotUnit, "unit quaternion"),
     ] {
         refused(measured.set(0, state), &error, &[word]);
-        refused(targets.set(0, state, Motion::ZERO), &error, &[word]);
+        refused(targets.set(0, state, Twist::ZERO), &error, &[word]);
     }
     refused(measured.set(3, good), &E::NoSuchJoint, &["no joint"]);
-    refused(targets.set(3, good, Motion::ZERO), &E::NoSuchJoint, &["no joint"]);
+    refused(targets.set(3, good, Twist::ZERO), &E::NoSuchJoint, &["no joint"]);
     refused(targets.set_velocity(0, nan_velocity.velocity), &E::NonFinite, &["finite"]);
-    refused(targets.set_velocity(3, Motion::ZERO), &E::NoSuchJoint, &["no joint"]);
-    let acceleration = Motion::new(NAN, Vec3::ZERO);
+    refused(targets.set_velocity(3, Twist::ZERO), &E::NoSuchJoint, &["no joint"]);
+    let acceleration = Twist::new(NAN, Vec3::ZERO);
     refused(targets.set(0, good, acceleration), &E::NonFinite, &["finite"]);
     assert_eq!((measured, targets), before, "what is refused changes nothing");
 }
@@ -231,9 +230,9 @@ fn methods_and_controllers() {
 fn gains_and_limits() {
     use GainsError as E;
     refused(Gains::new(f32::NAN, 1.0), &E::NonFinite("kp"), &["kp", "finite"]);
-    refused(Gains::new(1.0, -0.1), &E::Negative("kv"), &["kv", "zero or more"]);
+    refused(Gains::new(1.0, -0.1), &E::Negative("kd"), &["kd", "zero or more"]);
     refused(gains().with_linear(f32::NAN, 1.0), &E::NonFinite("linear kp"), &["linear kp"]);
-    refused(gains().with_linear(1.0, -1.0), &E::Negative("linear kv"), &["linear kv"]);
+    refused(gains().with_linear(1.0, -1.0), &E::Negative("linear kd"), &["linear kd"]);
     refused(Gains::critically_damped(f32::INFINITY), &E::NonFinite("kp"), &["kp"]);
     refused(TorqueLimit::new(-1.0, 0.0), &LimitError, &["zero or more"]);
     refused(TorqueLimit::new(1.0, f32::NAN), &LimitError, &["infinity for none"]);
@@ -292,7 +291,7 @@ fn every_method_runs<const N: usize>(bodies: &[Body]) {
     let last = tree.len() - 1;
     let placement = tree.bodies()[last].placement;
     let tilted = JointKind::Spherical.state(placement, &[0.6, 0.0, 0.0, 0.8], &[0.1, 0.0, 0.0]);
-    targets.set(last, tilted.expect("a good state"), Motion::ZERO).expect("a good target");
+    targets.set(last, tilted.expect("a good state"), Twist::ZERO).expect("a good target");
     let aims = Aims::heaviest_child(&tree);
     let settings = Compensation::default();
     for method in [

@@ -26,8 +26,8 @@ use sinew_core::state_error::{
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
-    JointKind, JointState, JointStates, JointTargets, Motion, RotationalInertia, Trajectory,
-    Transform, Tree, Workspace, Wrench, math,
+    JointKind, JointState, JointStates, JointTargets, RotationalInertia, Trajectory, Transform,
+    Tree, Twist, Workspace, Wrench, math,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::Recommended;
@@ -438,7 +438,7 @@ proptest! {
     #[test]
     fn ticks(
         scene in scenes::<N>(),
-        (kp, kv, beta) in (any_number(), any_number(), prop_oneof![Just(1.0), any_number()]),
+        (kp, kd, beta) in (any_number(), any_number(), prop_oneof![Just(1.0), any_number()]),
         (gravity, point) in (any_vector(), extreme::vector(30)),
         (most_nm, most_n) in (any_number(), any_number()),
         dt_s in any_number(),
@@ -448,7 +448,7 @@ proptest! {
         let mut workspace = Workspace::resolving();
         for method in methods(&tree, beta, point) {
             let mut all = Vec::new();
-            let given = Gains::new(kp.abs(), kv.abs());
+            let given = Gains::new(kp.abs(), kd.abs());
             let implicit = given.and_then(|gains| gains.implicit(dt_s));
             for gains in [Ok(gains()), given, implicit].into_iter().flatten() {
                 let Ok(controller) = Controller::new(tree.clone(), gains, method.clone()) else {
@@ -617,7 +617,7 @@ fn settings_take_the_numbers_that_they_should() {
 #[test]
 fn what_overflows_is_said_to() {
     let huge = Gains::new(1e37, 0.0).expect("a finite gain");
-    // 1 + dt² kp is too large, kv is not: without a word the gains came out as zero.
+    // 1 + dt² kp is too large, kd is not: without a word the gains came out as zero.
     assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
 
     let plate = RotationalInertia::diagonal(3e38, 1e38, 0.0);
@@ -664,8 +664,8 @@ fn a_slide_to_beyond_the_end_of_f32_stays_where_it_is() {
 /// Targets of [`chain`] whose first joint is at a pose.
 fn targets_at(tree: &Tree<N>, pose: Transform) -> JointTargets<N> {
     let mut targets = JointTargets::rest(tree);
-    let state = JointState { pose, velocity: Motion::ZERO };
-    targets.set(0, state, Motion::ZERO).expect("a good pose");
+    let state = JointState { pose, velocity: Twist::ZERO };
+    targets.set(0, state, Twist::ZERO).expect("a good pose");
     targets
 }
 
@@ -702,7 +702,7 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
 fn goals_without_a_direction_are_world_errors_and_said_to_be() {
     let measured_at = |tree: &Tree<N>, at: Vec3| {
         let mut measured = JointStates::rest(tree);
-        let state = JointState { pose: Transform::from_translation(at), velocity: Motion::ZERO };
+        let state = JointState { pose: Transform::from_translation(at), velocity: Twist::ZERO };
         measured.set(0, state).expect("a good pose");
         measured
     };
@@ -753,7 +753,7 @@ fn several_goals_without_a_direction_are_said_to_be() {
         let tree = star(JointKind::Free, &offsets, 1.0);
         let mut measured = JointStates::rest(&tree);
         let pose = Transform::from_translation(shift);
-        measured.set(0, JointState { pose, velocity: Motion::ZERO }).expect("a good pose");
+        measured.set(0, JointState { pose, velocity: Twist::ZERO }).expect("a good pose");
         let mut targets = JointTargets::rest(&tree);
         let controller = compensating(&tree, Aims::all_children(&tree));
         let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
@@ -793,7 +793,7 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
         let tree = chain(JointKind::Spherical, 0.1);
         let mut measured = JointStates::rest(&tree);
         for joint in 0..tree.len() {
-            let spin = Motion::new(Vec3::new(speed, 0.0, 0.5 * speed), Vec3::ZERO);
+            let spin = Twist::new(Vec3::new(speed, 0.0, 0.5 * speed), Vec3::ZERO);
             let state = JointState { velocity: spin, ..measured.as_slice()[joint] };
             measured.set(joint, state).expect("a finite speed");
         }

@@ -8,7 +8,7 @@ use sinew_core::dynamics::{
 };
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
-    Body, Inertia, JointKind, JointState, Motion, RotationalInertia, Transform, Wrench, math,
+    Body, Inertia, JointKind, JointState, RotationalInertia, Transform, Twist, Wrench, math,
 };
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
@@ -27,9 +27,9 @@ fn forward(
     wrenches: &[Wrench],
     gravity: Vec3,
     external: &[Wrench],
-) -> Vec<Motion> {
+) -> Vec<Twist> {
     let mut workspace = vec![ArticulatedBody::default(); bodies.len()];
-    let mut out = vec![Motion::ZERO; bodies.len()];
+    let mut out = vec![Twist::ZERO; bodies.len()];
     forward_dynamics(bodies, joints, wrenches, gravity, external, &mut workspace, &mut out);
     out
 }
@@ -37,7 +37,7 @@ fn forward(
 fn inverse(
     bodies: &[Body],
     joints: &[JointState],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     gravity: Vec3,
     external: &[Wrench],
 ) -> Vec<Wrench> {
@@ -66,7 +66,7 @@ fn largest(wrenches: &[Wrench]) -> f32 {
 /// What the accelerations cost, one by one: the largest of their sums without regard to sign.
 ///
 /// In a limp rig they are large and take each other away, so that the wrenches are no measure of the rounding.
-fn largest_cost(bodies: &[Body], joints: &[JointState], accelerations: &[Motion]) -> f32 {
+fn largest_cost(bodies: &[Body], joints: &[JointState], accelerations: &[Twist]) -> f32 {
     let size = degrees_of_freedom(bodies);
     let mut matrix = vec![0.0; size * size];
     let mut scratch = vec![CompositeBody::default(); bodies.len()];
@@ -86,7 +86,7 @@ fn assert_drives_give(
     bodies: &[Body],
     joints: &[JointState],
     given: &[Wrench],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     external: &[Wrench],
 ) -> Result<(), TestCaseError> {
     let asked = inverse(bodies, joints, accelerations, GRAVITY, external);
@@ -194,7 +194,7 @@ proptest! {
         let expected = forward(few, &joints[..left], &needed[..left], GRAVITY, &[]);
         // What a workspace held before does not matter either.
         let mut workspace = vec![ArticulatedBody::default(); count + 1];
-        let untouched = Motion::new(Vec3::ONE, Vec3::ONE);
+        let untouched = Twist::new(Vec3::ONE, Vec3::ONE);
         for short in 0..5 {
             let length = |slice| if slice == short { left } else { count };
             let mut out = vec![untouched; count + 1];
@@ -247,7 +247,7 @@ fn point(mass_kg: f32, center_of_mass_m: Vec3) -> Inertia {
 }
 
 fn at_rest(rotation: Quat) -> JointState {
-    JointState { pose: Transform::new(rotation, Vec3::ZERO), velocity: Motion::ZERO }
+    JointState { pose: Transform::new(rotation, Vec3::ZERO), velocity: Twist::ZERO }
 }
 
 #[test]
@@ -269,7 +269,7 @@ fn a_tree_of_nothing_is_held_by_every_joint() {
     let joints = vec![at_rest(Quat::IDENTITY); bodies.len()];
     let pushed = vec![Wrench::new(Vec3::ONE, Vec3::ONE); bodies.len()];
     let got = forward(&bodies, &joints, &pushed, GRAVITY, &[]);
-    assert_eq!(got, vec![Motion::ZERO; bodies.len()]);
+    assert_eq!(got, vec![Twist::ZERO; bodies.len()]);
 }
 
 #[test]
@@ -336,7 +336,7 @@ fn two_hinges_on_one_axis_with_nothing_between_leave_the_inner_one_alone() {
     let turned = [0.3, -1.1].map(|angle| at_rest(math::exp(Vec3::Y * angle)));
     let drive = [0.7, 2.0].map(|torque| Wrench::new(Vec3::Y * torque, Vec3::ZERO));
     let got = forward(&bodies, &turned, &drive, Vec3::ZERO, &[]);
-    assert_eq!(got[0], Motion::ZERO, "what it drives gives way to the outer torque");
+    assert_eq!(got[0], Twist::ZERO, "what it drives gives way to the outer torque");
     assert!((got[1].angular - Vec3::Y * 4.0).abs().max_element() < 1e-6);
 }
 

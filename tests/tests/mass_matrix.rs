@@ -9,7 +9,7 @@ use sinew_core::dynamics::{
     inverse_dynamics, mass_matrix,
 };
 use sinew_core::glam::Vec3;
-use sinew_core::{Body, Inertia, JointKind, JointState, Motion, Transform, Wrench};
+use sinew_core::{Body, Inertia, JointKind, JointState, Transform, Twist, Wrench};
 use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
 use sinew_tests::{property, reference};
 
@@ -27,12 +27,12 @@ fn matrix_of(bodies: &[Body], joints: &[JointState]) -> DMatrix<f32> {
 }
 
 /// Numbers along the freedoms of all joints, from a vector of each.
-fn along_freedoms(rig: &Rig, of_joint: impl Fn(usize, &Motion) -> f32) -> Vec<f64> {
+fn along_freedoms(rig: &Rig, of_joint: impl Fn(usize, &Twist) -> f32) -> Vec<f64> {
     freedoms(rig).iter().map(|(joint, column)| f64::from(of_joint(*joint, column))).collect()
 }
 
 /// All degrees of freedom: their joint, and their column of its motion subspace.
-fn freedoms(rig: &Rig) -> Vec<(usize, Motion)> {
+fn freedoms(rig: &Rig) -> Vec<(usize, Twist)> {
     let states = rig.states();
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
@@ -43,14 +43,14 @@ fn freedoms(rig: &Rig) -> Vec<(usize, Motion)> {
         .collect()
 }
 
-fn dot(a: Motion, b: &Motion) -> f32 {
+fn dot(a: Twist, b: &Twist) -> f32 {
     a.angular.dot(b.angular) + a.linear.dot(b.linear)
 }
 
 fn inverse(
     rig: &Rig,
     joints: &[JointState],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     gravity: Vec3,
 ) -> Vec<Wrench> {
     let mut scratch = vec![BodyMotion::default(); rig.tree.len()];
@@ -61,7 +61,7 @@ fn inverse(
 }
 
 /// Accelerations of the joints at constant speed of their axes.
-fn bias_accelerations(rig: &Rig) -> Vec<Motion> {
+fn bias_accelerations(rig: &Rig) -> Vec<Twist> {
     let states = rig.states();
     let rig = rig.tree.bodies().iter().zip(states.as_slice());
     rig.map(|(body, state)| {
@@ -79,10 +79,10 @@ proptest! {
         let states = rig.states();
         let matrix = matrix_of(rig.tree.bodies(), states.as_slice());
         let still: Vec<_> =
-            states.as_slice().iter().map(|s| JointState { velocity: Motion::ZERO, ..*s }).collect();
+            states.as_slice().iter().map(|s| JointState { velocity: Twist::ZERO, ..*s }).collect();
         let freedoms = freedoms(&rig);
         for (column, (moved, unit)) in freedoms.iter().enumerate() {
-            let mut accelerations = vec![Motion::ZERO; rig.tree.len()];
+            let mut accelerations = vec![Twist::ZERO; rig.tree.len()];
             accelerations[*moved] = *unit;
             let wrenches = inverse(&rig, &still, &accelerations, Vec3::ZERO);
             for (row, (joint, along)) in freedoms.iter().enumerate() {
@@ -145,7 +145,7 @@ proptest! {
         let solved = matrix.cholesky().expect("it is well conditioned").solve(&(&given - &bias));
 
         let mut workspace = vec![ArticulatedBody::default(); bodies.len()];
-        let mut out = vec![Motion::ZERO; bodies.len()];
+        let mut out = vec![Twist::ZERO; bodies.len()];
         forward_dynamics(
             bodies, states.as_slice(), &drives, GRAVITY, &[], &mut workspace, &mut out,
         );

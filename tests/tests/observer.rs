@@ -7,8 +7,8 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::observer::{Observer, ObserverError, ObserverSettings};
 use sinew_core::trajectory::backward_states;
 use sinew_core::{
-    Body, Inertia, JointKind, JointState, JointStates, JointTargets, Motion, StateInputError,
-    Transform, Tree, Wrench, math,
+    Body, Inertia, JointKind, JointState, JointStates, JointTargets, StateInputError, Transform,
+    Tree, Twist, Wrench, math,
 };
 use sinew_tests::property;
 
@@ -50,7 +50,7 @@ impl Plant {
         Self { states: JointStates::rest(tree).as_slice().to_vec() }
     }
 
-    fn step(&mut self, tree: &Tree<3>, accelerations: &[Motion]) {
+    fn step(&mut self, tree: &Tree<3>, accelerations: &[Twist]) {
         for ((state, body), a) in self.states.iter_mut().zip(tree.bodies()).zip(accelerations) {
             let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
             let a = body.joint.project_motion(in_joint, *a);
@@ -69,14 +69,14 @@ impl Plant {
 }
 
 /// Accelerations of the joints of [`mixed`] that differ from tick to tick.
-fn wave(tick: usize) -> [Motion; 3] {
+fn wave(tick: usize) -> [Twist; 3] {
     #[expect(clippy::cast_precision_loss, reason = "small")]
     let t = tick as f32 * DT_S;
     let (s, c) = math::sin_cos(12.0 * t);
     [
-        Motion::new(Vec3::new(s, c, -s) * 8.0, Vec3::new(c, s, c) * 5.0),
-        Motion::new(Vec3::new(c, -s, s) * 30.0, Vec3::ZERO),
-        Motion::new(Vec3::new(0.0, 0.0, c) * 50.0, Vec3::ZERO),
+        Twist::new(Vec3::new(s, c, -s) * 8.0, Vec3::new(c, s, c) * 5.0),
+        Twist::new(Vec3::new(c, -s, s) * 30.0, Vec3::ZERO),
+        Twist::new(Vec3::new(0.0, 0.0, c) * 50.0, Vec3::ZERO),
     ]
 }
 
@@ -129,13 +129,13 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
     let mut observer = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
     let mut plant = Plant::new(&tree);
     let disturbance = [
-        Motion::new(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO),
-        Motion::new(Vec3::new(20.0, -10.0, 5.0), Vec3::ZERO),
-        Motion::new(Vec3::new(0.0, 0.0, 15.0), Vec3::ZERO),
+        Twist::new(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO),
+        Twist::new(Vec3::new(20.0, -10.0, 5.0), Vec3::ZERO),
+        Twist::new(Vec3::new(0.0, 0.0, 15.0), Vec3::ZERO),
     ];
-    let none = [Motion::ZERO; 3];
+    let none = [Twist::ZERO; 3];
     for _ in 0..150 {
-        let acting: Vec<Motion> = disturbance.to_vec();
+        let acting: Vec<Twist> = disturbance.to_vec();
         observer.sent(&none, &[]);
         plant.step(&tree, &acting);
         observer.observe(&tree, &plant.poses()).unwrap();
@@ -181,7 +181,7 @@ fn a_universal_joint_under_load_is_followed() {
         let in_joint = placement.rotation.conjugate() * state.pose.rotation;
         let second = kind.motion_subspace(in_joint)[1].angular;
         let bias = kind.bias_acceleration(in_joint, state.velocity);
-        let command = Motion::new(second * (-9.0 * s) + bias.angular, Vec3::ZERO);
+        let command = Twist::new(second * (-9.0 * s) + bias.angular, Vec3::ZERO);
         observer.sent(&[command], &[]);
         if tick > 500 {
             let seen = observer.states().as_slice()[0];
@@ -204,18 +204,18 @@ fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {
     let mut state = JointStates::rest(&tree);
     let turned = math::exp(Vec3::new(0.4, 1.1, -0.3));
     let pose = Transform::new(turned, Vec3::ZERO);
-    state.set(0, JointState { pose, velocity: Motion::ZERO }).unwrap();
+    state.set(0, JointState { pose, velocity: Twist::ZERO }).unwrap();
     let mut observer = Observer::<3, 1>::new(settings, &state, 0).unwrap();
     let mut plant = Plant { states: state.as_slice().to_vec() };
     let in_world = Vec3::new(1.0, -2.0, 0.5);
     for _ in 0..200 {
-        observer.sent(&[Motion::ZERO], &[]);
-        plant.step(&tree, &[Motion::new(Vec3::ZERO, turned.conjugate() * in_world)]);
+        observer.sent(&[Twist::ZERO], &[]);
+        plant.step(&tree, &[Twist::new(Vec3::ZERO, turned.conjugate() * in_world)]);
         observer.observe(&tree, &plant.poses()).unwrap();
     }
     let desired = Transform::new(math::exp(Vec3::new(-0.8, 0.2, 0.6)), Vec3::ZERO);
     let mut targets = JointTargets::rest(&tree);
-    targets.set(0, JointState { pose: desired, velocity: Motion::ZERO }, Motion::ZERO).unwrap();
+    targets.set(0, JointState { pose: desired, velocity: Twist::ZERO }, Twist::ZERO).unwrap();
     observer.compensate(&mut targets);
     let taken_off = desired.rotation * targets.accelerations()[0].linear;
     assert!(math::length(taken_off + in_world) < 0.05, "{taken_off}");
@@ -240,7 +240,7 @@ fn all_poles_are_at_the_bandwidth() {
         };
         let errors: Vec<f64> = (0..40)
             .map(|_| {
-                observer.sent(&[Motion::ZERO], &[]);
+                observer.sent(&[Twist::ZERO], &[]);
                 observer.observe(&tree, &[there]).unwrap();
                 let way = there.translation_m - observer.states().as_slice()[0].pose.translation_m;
                 f64::from(way.dot(off)) / 0.01
@@ -263,7 +263,7 @@ fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
     let rest = JointStates::rest(&tree);
     let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
     let stuck = [rest.as_slice()[0].pose];
-    let push = Motion::new(Vec3::ZERO, Vec3::X * 30.0);
+    let push = Twist::new(Vec3::ZERO, Vec3::X * 30.0);
     for _ in 0..5000 {
         observer.sent(&[push], &[]);
         observer.observe(&tree, &stuck).unwrap();
@@ -271,7 +271,7 @@ fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
     }
     // Freed and at rest, it forgets.
     for _ in 0..500 {
-        observer.sent(&[Motion::ZERO], &[]);
+        observer.sent(&[Twist::ZERO], &[]);
         observer.observe(&tree, &stuck).unwrap();
     }
     assert!(math::length(observer.disturbances()[0].linear) < 1e-3);
@@ -285,10 +285,10 @@ fn a_drive_at_its_limit_teaches_no_disturbance() {
     let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
     let limited = Limited { value: Wrench::ZERO, reason: Some(LimitReason::Torque) };
     for _ in 0..200 {
-        observer.sent(&[Motion::new(Vec3::ZERO, Vec3::X * 30.0)], &[limited]);
+        observer.sent(&[Twist::new(Vec3::ZERO, Vec3::X * 30.0)], &[limited]);
         observer.observe(&tree, &[rest.as_slice()[0].pose]).unwrap();
     }
-    assert_eq!(observer.disturbances()[0], Motion::ZERO);
+    assert_eq!(observer.disturbances()[0], Twist::ZERO);
 }
 
 #[test]
@@ -370,7 +370,7 @@ proptest! {
         let poses: Vec<Transform> = rest.as_slice().iter().map(|state| state.pose).collect();
         let mut far = poses.clone();
         far[0].translation_m = Vec3::splat(wild);
-        let commands = [Motion::new(Vec3::splat(wild), Vec3::splat(wild)); 3];
+        let commands = [Twist::new(Vec3::splat(wild), Vec3::splat(wild)); 3];
         for _ in 0..5 {
             observer.sent(&commands, &[]);
             observer.observe(&tree, &far).unwrap();

@@ -6,7 +6,7 @@ use sinew_core::glam::Vec3;
 use sinew_core::pose_space::{
     BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
 };
-use sinew_core::{Body, Inertia, JointKind, Motion, Transform, Tree, math};
+use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Twist, math};
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
 
@@ -49,7 +49,7 @@ impl Case {
     }
 
     /// Motions of all joints, of some size.
-    fn motions(&self, seed: f32) -> Vec<Motion> {
+    fn motions(&self, seed: f32) -> Vec<Twist> {
         let number =
             |index: usize, axis: u8| sine(seed + 3.0 * index as f32 + 0.7 * f32::from(axis));
         (0..self.rig.tree.len())
@@ -57,7 +57,7 @@ impl Case {
                 let vector = |from: u8| {
                     Vec3::new(number(index, from), number(index, from + 1), number(index, from + 2))
                 };
-                Motion::new(vector(0), vector(3))
+                Twist::new(vector(0), vector(3))
             })
             .collect()
     }
@@ -73,7 +73,7 @@ fn sine(x: f32) -> f32 {
 }
 
 /// Products over all joints of two lists of motions.
-fn dot(a: &[Motion], b: &[Motion]) -> f64 {
+fn dot(a: &[Twist], b: &[Twist]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from(a.angular.dot(b.angular) + a.linear.dot(b.linear))).sum()
 }
 
@@ -151,10 +151,10 @@ proptest! {
         let (space, [a, _]) = (case.space(), case.ends());
         let (placed, count) = (space.body_poses(&a), case.rig.tree.len());
         let (v, u) = (case.motions(0.3), case.motions(1.9));
-        let mut product = vec![Motion::ZERO; count];
+        let mut product = vec![Twist::ZERO; count];
         space.metric_product(&placed, &v, &mut product);
         // J v, column by column.
-        let moved = |v: &[Motion]| {
+        let moved = |v: &[Twist]| {
             let (mut sum, mut column) = (vec![Vec3::ZERO; count], vec![Vec3::ZERO; count]);
             for (joint, motion) in v.iter().enumerate() {
                 space.jacobian_column(&placed, joint, *motion, &mut column);
@@ -172,11 +172,11 @@ proptest! {
 
         let mut trace = 0.0;
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-        let units = axes.map(|axis| Motion::new(axis, Vec3::ZERO)).into_iter().chain(axes.map(|axis| Motion::new(Vec3::ZERO, axis)));
-        let units: Vec<Motion> = units.collect();
+        let units = axes.map(|axis| Twist::new(axis, Vec3::ZERO)).into_iter().chain(axes.map(|axis| Twist::new(Vec3::ZERO, axis)));
+        let units: Vec<Twist> = units.collect();
         for joint in 0..count {
             for unit in &units {
-                let mut one = vec![Motion::ZERO; count];
+                let mut one = vec![Twist::ZERO; count];
                 one[joint] = *unit;
                 space.metric_product(&placed, &one, &mut product);
                 // The projector's trace over all six units is that over the columns of the subspace.
@@ -191,13 +191,13 @@ proptest! {
         let (space, [a, b]) = (case.space(), case.ends());
         let at = space.on_line(&a, &b, 0.4);
         let [before, here, after] = [&a, &at, &b].map(|pose| space.body_poses(pose));
-        let mut gradient = vec![Motion::ZERO; case.rig.tree.len()];
+        let mut gradient = vec![Twist::ZERO; case.rig.tree.len()];
         space.energy_gradient(&before, &here, &after, &mut gradient);
         let step = 3e-3;
         let motions = case.motions(0.7);
         let moved = |sign: f32| -> f64 {
             // As far as the joints let it: what `coordinates` leaves of the pose.
-            let motions: Vec<Motion> = motions.iter().map(|motion| *motion * (sign * step)).collect();
+            let motions: Vec<Twist> = motions.iter().map(|motion| *motion * (sign * step)).collect();
             let placed = space.body_poses(&space.moved(&at, &motions));
             f64::from(space.curve_energy(&[before.clone(), placed, after.clone()]))
         };
@@ -219,9 +219,9 @@ proptest! {
         let elsewhere = space.coordinates(&elsewhere).expect("a good pose");
         prop_assert_eq!(space.angle_distance(&a, &elsewhere).to_bits(), 0);
         prop_assert_eq!(space.position_distance(&space.body_poses(&a), &space.body_poses(&elsewhere)).to_bits(), 0);
-        let mut gradient = vec![Motion::ZERO; case.rig.tree.len()];
+        let mut gradient = vec![Twist::ZERO; case.rig.tree.len()];
         space.metric_product(&space.body_poses(&a), &case.motions(0.2), &mut gradient);
-        prop_assert_eq!(gradient[0], Motion::ZERO);
+        prop_assert_eq!(gradient[0], Twist::ZERO);
     }
 }
 

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use sinew_core::dynamics::inverse_dynamics;
 use sinew_core::glam::Vec3;
-use sinew_core::{Motion, Wrench, dynamics::BodyMotion};
+use sinew_core::{Twist, Wrench, dynamics::BodyMotion};
 use sinew_tests::newton_euler;
 use sinew_tests::property;
 use sinew_tests::reference;
@@ -75,7 +75,7 @@ impl Speeds {
     }
 }
 
-fn in_f32(rig: &Rig, accelerations: &[Motion]) -> Vec<Wrench> {
+fn in_f32(rig: &Rig, accelerations: &[Twist]) -> Vec<Wrench> {
     let mut scratch = vec![BodyMotion::default(); rig.tree.len()];
     let mut out = vec![Wrench::ZERO; rig.tree.len()];
     let (bodies, states) = (rig.tree.bodies(), rig.states());

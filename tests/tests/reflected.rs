@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use proptest::prelude::*;
 use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
 use sinew_core::glam::Vec3;
-use sinew_core::{JointState, JointStates, Motion, Wrench};
+use sinew_core::{JointState, JointStates, Twist, Wrench};
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
 
@@ -12,13 +12,13 @@ use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
 fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
     let mut states = JointStates::rest(&rig.tree);
     for (joint, state) in rig.states().as_slice().iter().enumerate() {
-        states.set(joint, JointState { velocity: Motion::ZERO, ..*state }).unwrap();
+        states.set(joint, JointState { velocity: Twist::ZERO, ..*state }).unwrap();
     }
     states
 }
 
 /// All degrees of freedom: their joint, and their column of its motion subspace.
-fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Motion)> {
+fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
         .flat_map(|(joint, (body, state))| {
@@ -32,12 +32,12 @@ fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Motion)> {
 fn mass_matrix(
     rig: &Rig,
     states: &JointStates<CAPACITY>,
-    freedoms: &[(usize, Motion)],
+    freedoms: &[(usize, Twist)],
 ) -> DMatrix<f64> {
     let count = rig.tree.len();
     let mut matrix = DMatrix::zeros(freedoms.len(), freedoms.len());
     for (column, (joint, motion)) in freedoms.iter().enumerate() {
-        let mut accelerations = vec![Motion::ZERO; count];
+        let mut accelerations = vec![Twist::ZERO; count];
         accelerations[*joint] = *motion;
         let mut scratch = vec![BodyMotion::default(); count];
         let mut out = vec![Wrench::ZERO; count];

@@ -11,7 +11,7 @@ use sinew_core::projection::{BodyWeight, BodyWeights, BodyWeightsError};
 use sinew_core::state_error::Method;
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, Inertia, JointKind, JointStates, JointTargets,
-    Motion, Transform, Tree, Workspace, kinematics,
+    Transform, Tree, Twist, Workspace, kinematics,
 };
 use sinew_sim::figure::{MassProperties, Root};
 use sinew_sim::plant::{ArticulatedPlant, Drive, Mechanism, MovingPose, Plant, PlantBody, Pose};
@@ -134,7 +134,7 @@ proptest! {
 
         let (goal, goal_moving) = (reference::poses(&desired, 0.0), desired.world());
         let of_goal = reference::accelerations(&desired);
-        let (kp, kv) = (f64::from(KP), 2.0 * f64::from(KP).sqrt());
+        let (kp, kd) = (f64::from(KP), 2.0 * f64::from(KP).sqrt());
         let mut angular: Vec<DVec3> = Vec::new();
         for (body, (motion, joint)) in motions.iter().zip(&got.joints_rad_s2).enumerate() {
             let parent = measured.tree.parent(body);
@@ -145,7 +145,7 @@ proptest! {
 
             let error = turn(motion.pose.rotation, goal[body].rotation);
             let rate = goal_moving[body].velocity.angular.as_dvec3() - motion.angular_rad_s;
-            let wanted = of_goal[body][0] + error * kp + rate * kv;
+            let wanted = of_goal[body][0] + error * kp + rate * kd;
             // Rounding of the torques in f32, against inertias that differ a thousandfold and more: thin bodies have
             // almost none about their axis.
             let off = (angular[body] - wanted).length();
@@ -153,7 +153,7 @@ proptest! {
         }
         let error = goal[0].position_m - motions[0].pose.position_m;
         let rate = goal_moving[0].velocity.linear.as_dvec3() - motions[0].linear_m_s;
-        let wanted = of_goal[0][1] + error * kp + rate * kv;
+        let wanted = of_goal[0][1] + error * kp + rate * kd;
         let off = (got.root_m_s2 - wanted).length();
         prop_assert!(off < 3e-3 * (1.0 + wanted.length()), "root: {off} of {wanted}");
     }
@@ -170,7 +170,7 @@ proptest! {
             .collect();
         let wanted: Vec<_> = numbers
             .iter()
-            .map(|n| Motion::new(Vec3::new(n[0], n[1], n[2]) * 50.0, Vec3::new(n[3], n[4], n[5]) * 20.0))
+            .map(|n| Twist::new(Vec3::new(n[0], n[1], n[2]) * 50.0, Vec3::new(n[3], n[4], n[5]) * 20.0))
             .collect();
         let (mut got, mut scratch) = (wanted.clone(), vec![Resolved::ZERO; count]);
         resolved_acceleration(
@@ -189,7 +189,7 @@ proptest! {
             motion.acceleration = [0.0; 6];
         }
         let bias = rows(&reference::accelerations(&coasting));
-        let doubles = |motions: &[Motion]| {
+        let doubles = |motions: &[Twist]| {
             let pairs = motions.iter().map(|m| [m.angular.as_dvec3(), m.linear.as_dvec3()]);
             rows(&pairs.collect::<Vec<_>>())
         };
@@ -218,7 +218,7 @@ proptest! {
         let (world, count) = (rig.world(), rig.tree.len());
         let bodies = rig.tree.bodies();
         let accelerations = rig.accelerations();
-        let mut got = vec![Motion::ZERO; count];
+        let mut got = vec![Twist::ZERO; count];
         kinematics::body_accelerations(bodies, &world, &accelerations, &mut got);
         let expected = reference::accelerations(&rig);
         let largest = expected.iter().flatten().fold(1.0, |largest: f64, a| largest.max(a.length()));
@@ -251,7 +251,7 @@ fn sensed(rig: &Rig, motions: &[MovingPose]) -> JointStates<CAPACITY> {
         .iter()
         .map(|motion| BodyState {
             pose: Transform::new(motion.pose.rotation.as_quat(), motion.pose.position_m.as_vec3()),
-            velocity: Motion::new(motion.angular_rad_s.as_vec3(), motion.linear_m_s.as_vec3()),
+            velocity: Twist::new(motion.angular_rad_s.as_vec3(), motion.linear_m_s.as_vec3()),
         })
         .collect();
     let mut states = JointStates::rest(&rig.tree);

@@ -6,7 +6,7 @@ use sinew_core::state_error::{
     AimStatus, Aims, Compensation, RateTerm, References, StateError, accumulated,
     linear_compensation, local, world,
 };
-use sinew_core::{BodyState, JointState, Motion, Transform, kinematics, math};
+use sinew_core::{BodyState, JointState, Transform, Twist, kinematics, math};
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Rig, figures};
 
@@ -301,7 +301,7 @@ proptest! {
                 math::exp(state.velocity.angular * t) * state.pose.rotation,
                 state.pose.translation_m + state.velocity.linear * t,
             ),
-            velocity: Motion::ZERO,
+            velocity: Twist::ZERO,
         };
         for (d, m) in desired.world().iter().zip(&measured.world()) {
             let error = StateError::between(d, m);

@@ -8,7 +8,7 @@ use sinew_core::glam::{DVec3, Vec3, Vec3Swizzles};
 use sinew_core::state_error::Method;
 use sinew_core::supply::{SupplyError, TorqueSupply};
 use sinew_core::{
-    Body, Controller, Inertia, JointKind, JointTargets, Motion, Transform, Tree, Workspace, Wrench,
+    Body, Controller, Inertia, JointKind, JointTargets, Transform, Tree, Twist, Workspace, Wrench,
 };
 use sinew_tests::extreme::any_vector;
 use sinew_tests::property;
@@ -142,8 +142,8 @@ proptest! {
     ) {
         let bodies = rig.tree.bodies();
         let states = rig.states();
-        let zeros = vec![Motion::ZERO; bodies.len()];
-        let needed = |accelerations: &[Motion]| {
+        let zeros = vec![Twist::ZERO; bodies.len()];
+        let needed = |accelerations: &[Twist]| {
             let (mut scratch, mut out) = (vec![BodyMotion::default(); bodies.len()], vec![Wrench::ZERO; bodies.len()]);
             inverse_dynamics(bodies, states.as_slice(), accelerations, Vec3::NEG_Y * 9.81, &[], &mut scratch, &mut out);
             out
@@ -278,7 +278,7 @@ fn accelerations_are_cut_alike() {
             prop_assert_eq!(workspace.torques(), before.torques());
             prop_assert_eq!(workspace.commands(), before.commands());
             // The torques of the same commands by a share, and of none, are on one line: dynamics is affine.
-            let part: Vec<Motion> = tree
+            let part: Vec<Twist> = tree
                 .bodies()
                 .iter()
                 .zip(measured.as_slice())

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
-use sinew_core::{JointState, JointStates, Motion, Transform, Tree, Wrench};
+use sinew_core::{JointState, JointStates, Transform, Tree, Twist, Wrench};
 
 use crate::motion::{RigMotion, Turn, single, together, torques};
 use crate::{BODIES, Contender, GRAVITY_M_S2};
@@ -12,7 +12,7 @@ use crate::{BODIES, Contender, GRAVITY_M_S2};
 pub(crate) struct Sinew {
     tree: Tree<BODIES>,
     joints: Vec<JointState>,
-    accelerations: Vec<Motion>,
+    accelerations: Vec<Twist>,
     scratch: Vec<BodyMotion>,
     wrenches: Vec<Wrench>,
 }
@@ -23,7 +23,7 @@ impl Sinew {
         Self {
             tree: tree.clone(),
             joints: vec![JointState::default(); count],
-            accelerations: vec![Motion::ZERO; count],
+            accelerations: vec![Twist::ZERO; count],
             scratch: vec![BodyMotion::default(); count],
             wrenches: vec![Wrench::ZERO; count],
         }
@@ -40,12 +40,12 @@ impl Contender for Sinew {
         let to_body = root.rotation.conjugate();
         self.joints[0] = JointState {
             pose: Transform::new(root.rotation.as_quat(), root.translation_m.as_vec3()),
-            velocity: Motion::new(
+            velocity: Twist::new(
                 (to_body * root.angular_velocity).as_vec3(),
                 (to_body * root.linear_velocity).as_vec3(),
             ),
         };
-        self.accelerations[0] = Motion::new(
+        self.accelerations[0] = Twist::new(
             (to_body * root.angular_acceleration).as_vec3(),
             (to_body * root.linear_acceleration).as_vec3(),
         );
@@ -55,10 +55,10 @@ impl Contender for Sinew {
             let rotation = placement.rotation.as_dquat() * turned.rotation;
             self.joints[index] = JointState {
                 pose: Transform::new(rotation.as_quat(), placement.translation_m),
-                velocity: Motion { angular: turned.velocity.as_vec3(), ..Motion::ZERO },
+                velocity: Twist { angular: turned.velocity.as_vec3(), ..Twist::ZERO },
             };
             self.accelerations[index] =
-                Motion { angular: turned.acceleration.as_vec3(), ..Motion::ZERO };
+                Twist { angular: turned.acceleration.as_vec3(), ..Twist::ZERO };
         }
     }
 

@@ -18,8 +18,8 @@ use sinew_core::state_error::{
 };
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion,
-    Transform, Tree, Workspace, Wrench, kinematics,
+    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Transform,
+    Tree, Twist, Workspace, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{ROTATION_M, Recommended};
@@ -147,7 +147,7 @@ fn dynamics<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
 ) -> Result<Vec<Kernel>, Box<dyn Error>> {
-    let (mut joints, mut accelerations) = ([JointState::default(); N], [Motion::ZERO; N]);
+    let (mut joints, mut accelerations) = ([JointState::default(); N], [Twist::ZERO; N]);
     states(tree.bodies(), &mut joints, &mut accelerations);
     let (mut scratch, mut wrenches) = ([BodyMotion::default(); N], [Wrench::ZERO; N]);
     let rig = tree.clone();
@@ -168,7 +168,7 @@ fn dynamics<const N: usize>(
     });
 
     let (rig, mut scratch) = (tree.clone(), [ArticulatedBody::default(); N]);
-    let (passive, mut out) = ([Wrench::ZERO; N], [Motion::ZERO; N]);
+    let (passive, mut out) = ([Wrench::ZERO; N], [Twist::ZERO; N]);
     let aba = kernel("forward_dynamics", move || {
         let (bodies, joints, wrenches) = black_box((rig.bodies(), &joints, &passive));
         let (scratch, out) = (&mut scratch, &mut out);
@@ -180,10 +180,10 @@ fn dynamics<const N: usize>(
     let mut world = [BodyState::WORLD; N];
     kinematics::body_states(tree.bodies(), joints.as_slice(), &mut world);
     let weights = BodyWeights::rotations(tree);
-    let (mut scratch, mut out) = ([Resolved::ZERO; N], [Motion::ZERO; N]);
+    let (mut scratch, mut out) = ([Resolved::ZERO; N], [Twist::ZERO; N]);
     let rig = tree.clone();
     let resolved = kernel("resolved_acceleration", move || {
-        out.fill(black_box(Motion::new(Vec3::X, Vec3::Y)));
+        out.fill(black_box(Twist::new(Vec3::X, Vec3::Y)));
         let (bodies, joints) = black_box((rig.bodies(), joints.as_slice()));
         resolved_acceleration(bodies, joints, &world, &weights, &mut scratch, &mut out);
         black_box(&out);

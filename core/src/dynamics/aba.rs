@@ -8,7 +8,7 @@ use super::rigid_inertia::RigidInertia;
 use crate::joint::JointKind;
 use crate::state::JointState;
 use crate::symmetric::{ROUNDING, Symmetric};
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// A body with all bodies that hang on it by their joints: workspace of [`forward_dynamics`].
@@ -22,7 +22,7 @@ pub struct ArticulatedBody {
     /// Absolute.
     angular_velocity: Vec3,
     /// Absolute, minus gravity, and classical; before the outward pass its part by velocities alone.
-    acceleration: Motion,
+    acceleration: Twist,
     /// The joint must pass on `inertia · acceleration + wrench`; once the joint has given way this is in terms
     /// of the acceleration that the body has without the joint's.
     inertia: ArticulatedInertia,
@@ -68,7 +68,7 @@ impl Default for ArticulatedBody {
             to_parent: Mat3::IDENTITY,
             joint: JointKind::Fixed,
             angular_velocity: Vec3::ZERO,
-            acceleration: Motion::ZERO,
+            acceleration: Twist::ZERO,
             inertia: ArticulatedInertia::ZERO,
             wrench: Wrench::ZERO,
             response: Response::Rigid,
@@ -103,7 +103,7 @@ impl Default for ArticulatedBody {
 ///
 /// ```
 /// use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
-/// use sinew_core::{Body, Inertia, JointKind, JointStates, Motion, RotationalInertia, Transform, Tree, Wrench};
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, Twist, RotationalInertia, Transform, Tree, Wrench};
 /// use sinew_core::glam::Vec3;
 /// // A 2 kg weight on a 0.5 m arm, let go from level: the weight falls freely, so the arm turns at 9.81 / 0.5.
 /// let arm = Body {
@@ -118,7 +118,7 @@ impl Default for ArticulatedBody {
 /// };
 /// let tree = Tree::<1>::from_bodies(&[arm])?;
 /// let joints = JointStates::rest(&tree);
-/// let (mut workspace, mut out) = ([ArticulatedBody::default()], [Motion::ZERO]);
+/// let (mut workspace, mut out) = ([ArticulatedBody::default()], [Twist::ZERO]);
 /// let gravity = Vec3::new(0.0, -9.81, 0.0);
 /// let passive = [Wrench::ZERO];
 /// forward_dynamics(tree.bodies(), joints.as_slice(), &passive, gravity, &[], &mut workspace, &mut out);
@@ -132,7 +132,7 @@ pub fn forward_dynamics(
     gravity_m_s2: Vec3,
     external: &[Wrench],
     workspace: &mut [ArticulatedBody],
-    out: &mut [Motion],
+    out: &mut [Twist],
 ) {
     // What one of the slices does not have is no part of the tree.
     let count = [joints.len(), wrenches.len(), workspace.len(), out.len()]
@@ -168,7 +168,7 @@ pub fn forward_dynamics(
     }
 
     // Outward: what it does.
-    let world = Motion::new(Vec3::ZERO, -gravity_m_s2);
+    let world = Twist::new(Vec3::ZERO, -gravity_m_s2);
     for ((index, (body, joint)), slot) in rig().zip(out) {
         let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
         let parent = body.parent.and_then(|parent| inner.get(parent));
@@ -186,7 +186,7 @@ impl ArticulatedBody {
         let carried = transposed_mul(&self.to_parent, of_parent);
         let centripetal = of_parent.cross(of_parent.cross(arm));
         let along_axes = self.joint.bias_acceleration(Quat::IDENTITY, joint.velocity);
-        self.acceleration = Motion {
+        self.acceleration = Twist {
             angular: carried.cross(joint.velocity.angular) + along_axes.angular,
             linear: transposed_mul(&self.to_parent, centripetal),
         };
@@ -294,9 +294,9 @@ impl ArticulatedBody {
 
     /// Moves the body with its parent and its joint; returns the joint's acceleration.
     #[inline]
-    fn follow(&mut self, parent: Motion, joint: &JointState) -> Motion {
+    fn follow(&mut self, parent: Twist, joint: &JointState) -> Twist {
         let at_joint = parent.linear + parent.angular.cross(joint.pose.translation_m);
-        let carried = Motion {
+        let carried = Twist {
             angular: self.acceleration.angular + transposed_mul(&self.to_parent, parent.angular),
             linear: self.acceleration.linear + transposed_mul(&self.to_parent, at_joint),
         };
@@ -304,7 +304,7 @@ impl ArticulatedBody {
             (Response::Axis(along), JointKind::Revolute { axis }) => along.turned(axis, carried),
             (Response::Axis(along), JointKind::Prismatic { axis }) => {
                 let step = along.of(carried);
-                Motion { linear: carried.linear + axis * step, ..carried }
+                Twist { linear: carried.linear + axis * step, ..carried }
             }
             // The one that gave way last is the first that nothing else stands open for.
             (Response::Axes([one, two]), JointKind::Universal { first, second }) => {
@@ -313,7 +313,7 @@ impl ArticulatedBody {
             (Response::Ball(ball), _) => ball.turned(carried),
             (Response::Free { ball, linear, held }, _) => {
                 let linear = *linear + held_part(*held, carried.linear);
-                ball.turned(Motion { linear, ..carried })
+                ball.turned(Twist { linear, ..carried })
             }
             _ => carried,
         };
@@ -323,21 +323,21 @@ impl ArticulatedBody {
 
 impl Along {
     #[inline]
-    fn of(&self, carried: Motion) -> f32 {
+    fn of(&self, carried: Twist) -> f32 {
         self.alone - self.per_acceleration.power_w(carried)
     }
 
     #[inline]
-    fn turned(&self, axis: Vec3, carried: Motion) -> Motion {
-        Motion { angular: carried.angular + axis * self.of(carried), ..carried }
+    fn turned(&self, axis: Vec3, carried: Twist) -> Twist {
+        Twist { angular: carried.angular + axis * self.of(carried), ..carried }
     }
 }
 
 impl Ball {
     #[inline]
-    fn turned(&self, carried: Motion) -> Motion {
+    fn turned(&self, carried: Twist) -> Twist {
         let held = held_part(self.held, carried.angular);
-        Motion { angular: self.turn - self.per_way * carried.linear + held, ..carried }
+        Twist { angular: self.turn - self.per_way * carried.linear + held, ..carried }
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{Mat3, Vec3};
 use super::rigid_inertia::RigidInertia;
 use crate::matrix::{cross_matrix, outer};
 use crate::symmetric::Symmetric;
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 
 /// Wrench per acceleration of a body, both at its origin and in one frame's axes: a symmetric 6 x 6 matrix.
 ///
@@ -26,7 +26,7 @@ impl ArticulatedInertia {
         Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
 
     #[inline]
-    pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
+    pub(crate) fn wrench(&self, acceleration: Twist) -> Wrench {
         let (turn, slide) =
             (self.of_turn(acceleration.angular), self.of_slide(acceleration.linear));
         turn + slide

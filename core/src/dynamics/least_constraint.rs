@@ -12,7 +12,7 @@ use super::spatial_inertia::SpatialInertia;
 use crate::fixed;
 use crate::joint::JointKind;
 use crate::matrix::symmetric_inverse;
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// What the bodies from a joint outwards want: `½ Aᵀ I A - Aᵀ W` should be least, A the motion of the
@@ -37,8 +37,8 @@ pub(crate) enum Freedoms {
 /// One way that a joint can move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
-    /// Motion of the body for a unit along the axis, world axes.
-    pub(crate) motion: Motion,
+    /// Twist of the body for a unit along the axis, world axes.
+    pub(crate) motion: Twist,
     /// At the end of its range, and pressed against it: the bodies farther in do not count on it.
     pub(crate) held: bool,
 }
@@ -49,7 +49,7 @@ pub(crate) enum Response {
     /// The body turns by `turn` less `per_way` times the way that its parent carries it.
     Ball { turn: Vec3, per_way: Mat3 },
     /// The body moves so.
-    Free(Motion),
+    Free(Twist),
     /// Along each axis.
     Axes(Vec<AxisResponse, 3>),
 }
@@ -57,7 +57,7 @@ pub(crate) enum Response {
 /// The step along an axis is `per_force (force - wrench · carried)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AxisResponse {
-    motion: Motion,
+    motion: Twist,
     wrench: Wrench,
     force: f32,
     per_force: f32,
@@ -71,7 +71,7 @@ impl Freedoms {
             JointKind::Free => Self::Free,
             kind => {
                 let in_joint = body.placement.rotation.conjugate() * relative;
-                let axis = |motion: &Motion| Axis { motion: motion.rotated(world), held: false };
+                let axis = |motion: &Twist| Axis { motion: motion.rotated(world), held: false };
                 Self::Axes(fixed::collect(kind.motion_subspace(in_joint).iter().take(3).map(axis)))
             }
         }
@@ -95,7 +95,7 @@ impl Demand {
                 let (turn, per_way) = self.eliminate_turn(damping);
                 let linear = symmetric_inverse(&self.inertia.linear) * self.wrench.force_n;
                 *self = Self::ZERO;
-                Response::Free(Motion { angular: turn - per_way * linear, linear })
+                Response::Free(Twist { angular: turn - per_way * linear, linear })
             }
             Freedoms::Axes(axes) => Response::Axes(fixed::collect(
                 axes.iter().map(|axis| self.eliminate_axis(axis, damping)),
@@ -150,16 +150,12 @@ impl Demand {
 }
 
 impl Response {
-    /// Motion of the body when its parent carries it along with `carried`; `limit` is asked what of the step
+    /// Twist of the body when its parent carries it along with `carried`; `limit` is asked what of the step
     /// along axis k may be made.
-    pub(crate) fn motion(
-        &self,
-        carried: Motion,
-        mut limit: impl FnMut(usize, f32) -> f32,
-    ) -> Motion {
+    pub(crate) fn motion(&self, carried: Twist, mut limit: impl FnMut(usize, f32) -> f32) -> Twist {
         match self {
             Self::Ball { turn, per_way } => {
-                Motion { angular: *turn - *per_way * carried.linear, linear: carried.linear }
+                Twist { angular: *turn - *per_way * carried.linear, linear: carried.linear }
             }
             Self::Free(motion) => *motion,
             Self::Axes(axes) => {
@@ -169,7 +165,7 @@ impl Response {
                     let step = (axis.force - axis.wrench.power_w(motion)) * axis.per_force;
                     let step = limit(index, step);
                     motion =
-                        motion + Motion::new(axis.motion.angular * step, axis.motion.linear * step);
+                        motion + Twist::new(axis.motion.angular * step, axis.motion.linear * step);
                 }
                 motion
             }

@@ -8,7 +8,7 @@ use crate::fixed;
 use crate::inertia::RotationalInertia;
 use crate::matrix::outer;
 use crate::state::{JointState, JointStates};
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 use crate::tree::Tree;
 
 /// What the joints beyond a joint do while it is accelerated.
@@ -32,13 +32,13 @@ pub enum OuterJoints {
 /// across them.
 ///
 /// ```
-/// use sinew_core::{Motion, RotationalInertia, dynamics::ReflectedInertia, glam::Vec3};
+/// use sinew_core::{Twist, RotationalInertia, dynamics::ReflectedInertia, glam::Vec3};
 /// let of_joint = ReflectedInertia {
 ///     angular_kg_m2: RotationalInertia::diagonal(0.0, 0.0, 0.25),
 ///     linear_kg: 0.0,
 /// };
 /// // A hinge about z: 4 rad/s² take 1 N m.
-/// let wrench = of_joint.wrench(Motion::new(Vec3::Z * 4.0, Vec3::ZERO));
+/// let wrench = of_joint.wrench(Twist::new(Vec3::Z * 4.0, Vec3::ZERO));
 /// assert_eq!(wrench.moment_nm, Vec3::Z);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,7 +63,7 @@ impl ReflectedInertia {
     }
 
     /// Moment and force for an acceleration in body axes.
-    pub fn wrench(&self, acceleration: Motion) -> Wrench {
+    pub fn wrench(&self, acceleration: Twist) -> Wrench {
         Wrench {
             moment_nm: self.angular_kg_m2.mul_vec3(acceleration.angular),
             force_n: acceleration.linear * self.linear_kg,
@@ -125,7 +125,7 @@ pub fn reflected_inertia<const N: usize>(
 }
 
 /// What an inertia is along a joint's freedoms.
-fn along(inertia: &SpatialInertia, freedoms: &[Motion]) -> ReflectedInertia {
+fn along(inertia: &SpatialInertia, freedoms: &[Twist]) -> ReflectedInertia {
     let mut onto = Mat3::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
     for freedom in freedoms {

@@ -6,7 +6,7 @@ use crate::body_weight::BodyWeights;
 use crate::joint::JointKind;
 use crate::kinematics::{carried, of_parent, velocity_products};
 use crate::state::{BodyState, JointState};
-use crate::transform::Motion;
+use crate::transform::Twist;
 use crate::tree::Body;
 
 /// One body's part of [`resolved_acceleration`]: scratch.
@@ -31,7 +31,7 @@ impl Resolved {
 /// shorter than the tree, the bodies beyond it are left out.
 ///
 /// ```
-/// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Motion, Transform, Tree, kinematics};
+/// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, kinematics};
 /// use sinew_core::dynamics::{Resolved, resolved_acceleration};
 /// use sinew_core::{glam::Vec3, projection::BodyWeights};
 /// let link = |parent, joint, x| Body {
@@ -46,7 +46,7 @@ impl Resolved {
 /// let joints = JointStates::rest(&arm);
 /// let mut world = [BodyState::WORLD; 2];
 /// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
-/// let wanted = Motion::new(Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO);
+/// let wanted = Twist::new(Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO);
 /// let (mut accelerations, mut scratch) = ([wanted; 2], [Resolved::ZERO; 2]);
 /// let weights = BodyWeights::rotations(&arm);
 /// resolved_acceleration(
@@ -61,7 +61,7 @@ pub fn resolved_acceleration<const N: usize>(
     world: &[BodyState],
     weights: &BodyWeights<N>,
     scratch: &mut [Resolved],
-    accelerations: &mut [Motion],
+    accelerations: &mut [Twist],
 ) {
     for ((weight, wanted), Resolved(demand)) in
         weights.as_slice().iter().zip(accelerations.iter()).zip(scratch.iter_mut())
@@ -95,7 +95,7 @@ pub fn resolved_acceleration<const N: usize>(
         bodies.iter().zip(joints).zip(world).zip(scratch.iter()).enumerate()
     {
         let parent = of_parent(body, world, &BodyState::WORLD);
-        let carried = carried(*of_parent(body, accelerations, &Motion::ZERO), parent, state);
+        let carried = carried(*of_parent(body, accelerations, &Twist::ZERO), parent, state);
         let response = demand.response(&freedoms(body, joint, state));
         let moving = by_velocities(body, parent, state, joint);
         let Some(slot) = accelerations.get_mut(index) else { return };
@@ -108,7 +108,7 @@ fn freedoms(body: &Body, joint: &JointState, state: &BodyState) -> Freedoms {
 }
 
 /// What a body's acceleration is with nothing of its parent's and none of its joint's axes. World axes.
-fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Motion {
+fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Twist {
     let moving = velocity_products(parent, state);
     if !matches!(body.joint, JointKind::Universal { .. }) {
         return moving;

@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 
 use crate::inertia::Inertia;
 use crate::symmetric::Symmetric;
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 
 /// Of a body, or of bodies that hold together, in one frame's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,8 +63,8 @@ impl RigidInertia {
 
     /// What gives it an acceleration from rest.
     #[inline]
-    pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
-        let Motion { angular, linear } = acceleration;
+    pub(crate) fn wrench(&self, acceleration: Twist) -> Wrench {
+        let Twist { angular, linear } = acceleration;
         Wrench {
             moment_nm: self.rotational_kg_m2 * angular + self.first_moment_kg_m.cross(linear),
             force_n: angular.cross(self.first_moment_kg_m) + linear * self.mass_kg,

@@ -5,7 +5,7 @@ use glam::{Mat3, Vec3};
 use crate::kinematics::of_parent;
 use crate::math::plus_cross;
 use crate::state::JointState;
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// Absolute velocity and acceleration of a body in its own axes: scratch of [`inverse_dynamics`].
@@ -39,7 +39,7 @@ pub struct BodyMotion {
 /// figure that flies freely.
 ///
 /// ```
-/// use sinew_core::{Body, Inertia, JointKind, JointStates, Motion, RotationalInertia, Transform, Tree, Wrench};
+/// use sinew_core::{Body, Inertia, JointKind, JointStates, Twist, RotationalInertia, Transform, Tree, Wrench};
 /// use sinew_core::{dynamics::{BodyMotion, inverse_dynamics}, glam::Vec3};
 /// // A 2 kg weight on a 0.5 m arm held level against gravity: 2 * 9.81 * 0.5 = 9.81 N m.
 /// let arm = Body {
@@ -56,14 +56,14 @@ pub struct BodyMotion {
 /// let joints = JointStates::rest(&tree);
 /// let (mut scratch, mut out) = ([BodyMotion::default()], [Wrench::ZERO]);
 /// let gravity = Vec3::new(0.0, -9.81, 0.0);
-/// inverse_dynamics(tree.bodies(), joints.as_slice(), &[Motion::ZERO], gravity, &[], &mut scratch, &mut out);
+/// inverse_dynamics(tree.bodies(), joints.as_slice(), &[Twist::ZERO], gravity, &[], &mut scratch, &mut out);
 /// assert!((out[0].moment_nm.z - 9.81).abs() < 1e-5);
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```
 pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     bodies: &[Body],
     joints: &[JointState],
-    accelerations: &[Motion],
+    accelerations: &[Twist],
     gravity_m_s2: Vec3,
     external: &[Wrench],
     scratch: &mut [BodyMotion],
@@ -112,13 +112,13 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     }
 }
 
-/// Motion of a body from its parent's and its joint's.
+/// Twist of a body from its parent's and its joint's.
 #[inline]
 fn outward(
     parent: &BodyMotion,
     to_body: Mat3,
     joint: &JointState,
-    acceleration: &Motion,
+    acceleration: &Twist,
     slides: bool,
 ) -> BodyMotion {
     let arm = joint.pose.translation_m;

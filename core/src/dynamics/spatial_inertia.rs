@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 
 use crate::inertia::Inertia;
 use crate::matrix::{cross_matrix, outer};
-use crate::transform::{Motion, Wrench};
+use crate::transform::{Twist, Wrench};
 
 /// Share of an inertia that is rounding, after a few differences.
 const ROUNDING: f32 = 1e-6;
@@ -50,7 +50,7 @@ impl SpatialInertia {
         }
     }
 
-    pub(crate) fn wrench(&self, acceleration: Motion) -> Wrench {
+    pub(crate) fn wrench(&self, acceleration: Twist) -> Wrench {
         Wrench {
             moment_nm: self.angular * acceleration.angular + self.coupling * acceleration.linear,
             force_n: self.coupling.transpose() * acceleration.angular
@@ -67,7 +67,7 @@ impl SpatialInertia {
     }
 
     /// What is left of it if a joint gives way along its freedoms: one after the other is eliminated.
-    pub(crate) fn without(mut self, freedoms: &[Motion]) -> Self {
+    pub(crate) fn without(mut self, freedoms: &[Twist]) -> Self {
         let whole = self;
         for freedom in freedoms {
             let wrench = self.wrench(*freedom);

@@ -6,7 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 
 use crate::joint::JointKind;
 use crate::math::{self, PI};
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
 /// What a joint's kind leaves free, in the joint frame: numbers that a straight line can be drawn through.
@@ -148,7 +148,7 @@ fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
 }
 
 /// A gradient with respect to motions in the body's axes, as one with respect to coordinates.
-pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Motion) -> JointCoordinates {
+pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) -> JointCoordinates {
     let turn = rotation(body.joint, at.angular_rad);
     let angular_rad = match body.joint {
         JointKind::Universal { first, second } => {
@@ -244,7 +244,7 @@ mod tests {
                 let slide = here.rotation.conjugate()
                     * (after.translation_m - before.translation_m)
                     / (2.0 * step);
-                let force = Motion::new(Vec3::new(0.3, 0.8, -0.2), Vec3::new(-0.4, 0.1, 0.6));
+                let force = Twist::new(Vec3::new(0.3, 0.8, -0.2), Vec3::new(-0.4, 0.1, 0.6));
                 let expected = turn.dot(force.angular) + slide.dot(force.linear);
                 let gradient = gradient(&body, &at, &force);
                 let got = gradient.angular_rad.dot(change.angular_rad)

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{BodyPoses, JointCoordinates, PoseCoordinates, PoseSpace, chart};
 use crate::fixed;
 use crate::math;
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 
 impl<const N: usize> PoseSpace<'_, N> {
     /// Energy of a curve through poses, eq. (6): the sum of the squared distances from each to the next, m². O(n) for each.
@@ -35,7 +35,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         before: &BodyPoses<N>,
         at: &BodyPoses<N>,
         after: &BodyPoses<N>,
-        out: &mut [Motion],
+        out: &mut [Twist],
     ) {
         let positions = before.positions_m().zip(at.positions_m()).zip(after.positions_m());
         for (((_, weight), ((before, at), after)), out) in
@@ -43,7 +43,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         {
             // Differences of neighbours: the sum would lose the digits that they have in common.
             let linear = ((at - before) - (after - at)) * (2.0 * weight);
-            *out = Motion { angular: Vec3::ZERO, linear };
+            *out = Twist { angular: Vec3::ZERO, linear };
         }
         if let Some(out) = out.get_mut(..self.tree.len()) {
             self.gather(at, out);
@@ -56,7 +56,7 @@ impl<const N: usize> PoseSpace<'_, N> {
     pub fn in_coordinates(
         &self,
         at: &PoseCoordinates<N>,
-        of_motions: &[Motion],
+        of_motions: &[Twist],
         out: &mut [JointCoordinates],
     ) {
         let joints = self.tree.bodies().iter().zip(&at.joints).zip(of_motions);
@@ -83,7 +83,7 @@ impl<const N: usize> PoseSpace<'_, N> {
 
     /// The pose that is moved by `motions` of its joints, body axes, as far as their kinds leave them free. O(n).
     #[must_use]
-    pub fn moved(&self, at: &PoseCoordinates<N>, motions: &[Motion]) -> PoseCoordinates<N> {
+    pub fn moved(&self, at: &PoseCoordinates<N>, motions: &[Twist]) -> PoseCoordinates<N> {
         let joints =
             self.tree.bodies().iter().zip(&at.joints).zip(motions).map(|((body, at), motion)| {
                 if self.leaves_out(body) {

@@ -10,7 +10,7 @@ use crate::joint::JointKind;
 use crate::kinematics::of_parent;
 use crate::math;
 use crate::symmetric::Symmetric;
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
 impl<const N: usize> PoseSpace<'_, N> {
@@ -31,7 +31,7 @@ impl<const N: usize> PoseSpace<'_, N> {
     /// Metric of the product of rotation groups: the root of the sum of the squared angles (rad) between both rotations of every
     /// joint. It does not depend on coordinates. O(n).
     ///
-    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Motion compression using principal geodesics analysis"
+    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Twist compression using principal geodesics analysis"
     /// (2009), in metres.
     pub fn rotation_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
         let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
@@ -73,7 +73,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         &self,
         at: &BodyPoses<N>,
         joint: usize,
-        motion: Motion,
+        motion: Twist,
         out: &mut [Vec3],
     ) {
         let moved = self.tree.bodies().get(joint).filter(|body| !self.leaves_out(body));
@@ -94,16 +94,16 @@ impl<const N: usize> PoseSpace<'_, N> {
     /// `JᵀWJ v`: the metric tensor at a pose times motions of all joints (body axes), without the matrix. O(n).
     ///
     /// `v` and `out` go by joint, and of `v` only counts what a joint's kind leaves free. `out` is in the same axes.
-    pub fn metric_product(&self, at: &BodyPoses<N>, v: &[Motion], out: &mut [Motion]) {
+    pub fn metric_product(&self, at: &BodyPoses<N>, v: &[Twist], out: &mut [Twist]) {
         // Outwards: how every body moves, in world axes.
         for (index, ((body, place), v)) in
             self.tree.bodies().iter().zip(&at.bodies).zip(v).enumerate()
         {
             let of_joint = self.let_through(body, place, at, *v).rotated(place.rotation);
-            let parent = of_parent(body, out, &Motion::ZERO);
+            let parent = of_parent(body, out, &Twist::ZERO);
             let arm = place.translation_m
                 - of_parent(body, &at.bodies, &Transform::IDENTITY).translation_m;
-            let moved = Motion {
+            let moved = Twist {
                 angular: parent.angular + of_joint.angular,
                 linear: parent.linear + parent.angular.cross(arm) + of_joint.linear,
             };
@@ -111,14 +111,14 @@ impl<const N: usize> PoseSpace<'_, N> {
             *slot = moved;
         }
         for (motion, weight) in out.iter_mut().zip(&self.weights) {
-            *motion = Motion { angular: Vec3::ZERO, linear: motion.linear * *weight };
+            *motion = Twist { angular: Vec3::ZERO, linear: motion.linear * *weight };
         }
         self.gather(at, out);
     }
 
     /// Jᵀ of forces on all bodies (`linear`, at the joints, world axes; `angular` zero), in place: what of them every joint feels, in body
     /// axes, as far as its kind leaves it free.
-    pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Motion]) {
+    pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Twist]) {
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = forces.get(index).copied() else { continue };
             if let Some(parent) = body.parent
@@ -178,10 +178,10 @@ impl<const N: usize> PoseSpace<'_, N> {
         body: &Body,
         place: &Transform,
         at: &BodyPoses<N>,
-        motion: Motion,
-    ) -> Motion {
+        motion: Twist,
+    ) -> Twist {
         if self.leaves_out(body) {
-            return Motion::ZERO;
+            return Twist::ZERO;
         }
         body.joint.project_motion(rotation_in_joint(body, place, at), motion)
     }

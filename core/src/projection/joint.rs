@@ -6,7 +6,7 @@ use super::JointRange;
 use crate::dynamics::least_constraint::{Axis, Freedoms, Response};
 use crate::joint::JointKind;
 use crate::math;
-use crate::transform::{Motion, Transform};
+use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
 /// The farthest that a joint turns (rad) or slides (m) in one sweep: sweeps are right to first order in it.
@@ -70,7 +70,7 @@ impl Joint {
                 let turns = [(out, true), (across, false), (out.cross(across), false)];
                 Freedoms::Axes(
                     turns
-                        .map(|(axis, held)| Axis { motion: Motion::new(axis, Vec3::ZERO), held })
+                        .map(|(axis, held)| Axis { motion: Twist::new(axis, Vec3::ZERO), held })
                         .into_iter()
                         .collect(),
                 )
@@ -108,8 +108,8 @@ impl Joint {
         desired: &Transform,
         pose: &Transform,
         response: &Response,
-        carried: Motion,
-    ) -> Motion {
+        carried: Twist,
+    ) -> Twist {
         match body.joint {
             JointKind::Free | JointKind::Spherical => {
                 let motion = response.motion(carried, |_, step| step);
@@ -130,7 +130,7 @@ impl Joint {
                     if translation_m.is_finite() {
                         self.pose.translation_m = translation_m;
                     }
-                    return carried + Motion::new(turn, way);
+                    return carried + Twist::new(turn, way);
                 }
                 let kept = self.keep_turn_within(body, range, desired);
                 self.pressed = u8::from(kept.is_some());
@@ -139,7 +139,7 @@ impl Joint {
                     Some(back) => turn + pose.rotation * back,
                     None => turn,
                 };
-                carried + Motion::new(turn, Vec3::ZERO)
+                carried + Twist::new(turn, Vec3::ZERO)
             }
             kind => {
                 self.pressed = 0;

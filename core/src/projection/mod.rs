@@ -17,7 +17,7 @@ use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
 use crate::fixed;
 use crate::joint::{JointKind, UNIT_TOLERANCE};
 use crate::math;
-use crate::transform::{Motion, Transform, Wrench};
+use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
 /// Finds the pose of a figure that is nearest to the desired one, which another figure can take: the one
@@ -192,7 +192,7 @@ struct Solved {
     pose: Transform,
     demand: Demand,
     response: Response,
-    motion: Motion,
+    motion: Twist,
     /// Sum of the weighted ways to go of all bodies from here outwards.
     pull: Vec3,
 }
@@ -204,8 +204,8 @@ impl<const N: usize> ProjectionWorkspace<N> {
             desired: Transform::IDENTITY,
             pose: Transform::IDENTITY,
             demand: Demand::ZERO,
-            response: Response::Free(Motion::ZERO),
-            motion: Motion::ZERO,
+            response: Response::Free(Twist::ZERO),
+            motion: Twist::ZERO,
             pull: Vec3::ZERO,
         };
         Self {
@@ -302,14 +302,14 @@ impl<const N: usize> ProjectionWorkspace<N> {
         for (index, (body, desired)) in bodies.iter().zip(desired).enumerate() {
             let (parent_pose, parent_motion) = self
                 .body(body.parent)
-                .map_or((Transform::IDENTITY, Motion::ZERO), |body| (body.pose, body.motion));
+                .map_or((Transform::IDENTITY, Twist::ZERO), |body| (body.pose, body.motion));
             let (Some(joint), Some(solved)) =
                 (self.joints.get_mut(index), self.bodies.get_mut(index))
             else {
                 return;
             };
             let arm = solved.pose.translation_m - parent_pose.translation_m;
-            let carried = Motion {
+            let carried = Twist {
                 angular: parent_motion.angular,
                 linear: parent_motion.linear + parent_motion.angular.cross(arm),
             };

@@ -243,7 +243,7 @@ pub enum SharingName {
 
 /// What the gains of a PD controller are multiplied with, joint by joint.
 ///
-/// The rule: a joint's gains are those of unit inertia (kp, and kv for critical damping) times the constant
+/// The rule: a joint's gains are those of unit inertia (kp, and kd for critical damping) times the constant
 /// inertia that its drive works against in the figure's rest pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -3,7 +3,7 @@
 use sinew_core::control::Limited;
 use sinew_core::observer::{Observer, ObserverSettings};
 use sinew_core::trajectory::backward_states;
-use sinew_core::{JointStates, JointTargets, Motion, StateInputError, Transform, Tree, Wrench};
+use sinew_core::{JointStates, JointTargets, StateInputError, Transform, Tree, Twist, Wrench};
 
 use super::controller::{MethodName, narrow};
 use super::disturbance::LATENCY_MOST;
@@ -88,7 +88,7 @@ impl Estimate {
     }
 
     /// Notes what the joints were commanded.
-    pub(super) fn sent(&mut self, commands: &[Motion], torques: &[Limited<Wrench>]) {
+    pub(super) fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         if let Some(observer) = &mut self.observer {
             observer.sent(commands, torques);
         }

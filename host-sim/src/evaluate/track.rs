@@ -7,7 +7,7 @@ use sinew_core::control::LimitReason;
 use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
 use sinew_core::trajectory::{aligned_targets, forward_targets, live_targets};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointTargets, Motion, Transform, Workspace,
+    BodyState, Controller, ForwardDifferences, JointTargets, Transform, Twist, Workspace,
 };
 
 use super::controller::{ControllerSettings, DesiredVelocity, DifferencesName, narrow};
@@ -259,7 +259,7 @@ impl<'a> Desired<'a> {
     fn replace_velocities(&mut self, frame: usize) -> Result<(), RunError> {
         match self.settings.desired_velocity {
             DesiredVelocity::Bodies | DesiredVelocity::Joints => Ok(()),
-            DesiredVelocity::Zero => self.set_velocities(frame, |_| Motion::ZERO),
+            DesiredVelocity::Zero => self.set_velocities(frame, |_| Twist::ZERO),
             DesiredVelocity::Backward => {
                 let moving = self.performance.backward(frame);
                 let bodies: [BodyState; BODY_COUNT] = moving.map(|moving| BodyState {
@@ -267,7 +267,7 @@ impl<'a> Desired<'a> {
                         moving.pose.rotation.as_quat(),
                         moving.pose.position_m.as_vec3(),
                     ),
-                    velocity: Motion::new(
+                    velocity: Twist::new(
                         moving.angular_rad_s.as_vec3(),
                         moving.linear_m_s.as_vec3(),
                     ),
@@ -283,7 +283,7 @@ impl<'a> Desired<'a> {
     fn set_velocities(
         &mut self,
         frame: usize,
-        velocity: impl Fn(usize) -> Motion,
+        velocity: impl Fn(usize) -> Twist,
     ) -> Result<(), RunError> {
         for joint in 0..BODY_COUNT {
             self.targets

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
 use sinew_core::state_error::{Aim, Aims, Compensation, Method};
-use sinew_core::{Controller, JointStates, JointTargets, Motion, Transform, Workspace};
+use sinew_core::{Controller, JointStates, JointTargets, Transform, Twist, Workspace};
 
 use super::CaseError;
 use super::figure::{self, GoldenBody, Root, Tree, joint_state, tree};
@@ -173,7 +173,7 @@ fn targets(case: &Case, tree: &Tree) -> Result<JointTargets<128>, CaseError> {
             Vec3::ZERO
         };
         targets
-            .set(body, state, Motion::new(angular, linear))
+            .set(body, state, Twist::new(angular, linear))
             .map_err(|error| CaseError::new("desired", error))?;
     }
     Ok(targets)

@@ -6,7 +6,7 @@ use sinew_core::pose_space::{
     BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace,
 };
 use sinew_core::projection::JointRange;
-use sinew_core::{Body, Inertia, JointKind, Motion, Transform, Tree, math};
+use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Twist, math};
 
 use super::CaseError;
 use super::golden::{Vector, expect_count};
@@ -188,7 +188,7 @@ fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), Case
         }
     }
 
-    let mut of_motions = vec![Motion::ZERO; tree.len()];
+    let mut of_motions = vec![Twist::ZERO; tree.len()];
     let mut of_coordinates = vec![JointCoordinates::ZERO; tree.len()];
     for (k, (of_vectors, of_bodies)) in
         case.line.gradient_rotvec.iter().zip(&case.line.gradient_tangent_body).enumerate()

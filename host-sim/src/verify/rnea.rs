@@ -9,7 +9,7 @@ use sinew_core::dynamics::{
     BodyMotion, CompositeBody, degrees_of_freedom, inverse_dynamics, mass_matrix,
 };
 use sinew_core::glam::Vec3;
-use sinew_core::{BodyState, JointState, Motion, Wrench, kinematics};
+use sinew_core::{BodyState, JointState, Twist, Wrench, kinematics};
 
 use super::CaseError;
 use super::figure::{GoldenBody, Root, Tree, joint_state, tree};
@@ -115,14 +115,14 @@ fn check_state(
 
     let joints = joint_states(case, tree, state)?;
     let accelerations = accelerations(state);
-    let run = |joints: &[JointState], accelerations: &[Motion]| {
+    let run = |joints: &[JointState], accelerations: &[Twist]| {
         run(tree, joints, accelerations, case.gravity.rounded())
     };
     let still: Vec<_> =
-        joints.iter().map(|joint| JointState { velocity: Motion::ZERO, ..*joint }).collect();
+        joints.iter().map(|joint| JointState { velocity: Twist::ZERO, ..*joint }).collect();
     let tau = run(&joints, &accelerations);
     let bias = run(&joints, &bias_accelerations(state));
-    let gravity = run(&still, &vec![Motion::ZERO; case.n]);
+    let gravity = run(&still, &vec![Twist::ZERO; case.n]);
 
     // The mount of a welded root is no joint: its reaction is the root wrench.
     let jointed = usize::from(case.root == Root::Welded)..case.n;
@@ -152,7 +152,7 @@ fn check_state(
     Ok(())
 }
 
-fn run(tree: &Tree, joints: &[JointState], accelerations: &[Motion], gravity: Vec3) -> Vec<Wrench> {
+fn run(tree: &Tree, joints: &[JointState], accelerations: &[Twist], gravity: Vec3) -> Vec<Wrench> {
     let mut scratch = vec![BodyMotion::default(); tree.len()];
     let mut out = vec![Wrench::ZERO; tree.len()];
     inverse_dynamics(tree.bodies(), joints, accelerations, gravity, &[], &mut scratch, &mut out);
@@ -180,9 +180,9 @@ fn joint_states(case: &Case, tree: &Tree, state: &State) -> Result<Vec<JointStat
 }
 
 /// Accelerations of the joints; a free root's is classical in the core, so it is turned from the world.
-fn accelerations(state: &State) -> Vec<Motion> {
+fn accelerations(state: &State) -> Vec<Twist> {
     let mut motions: Vec<_> =
-        state.alpha.iter().map(|alpha| Motion::new(alpha.rounded(), Vec3::ZERO)).collect();
+        state.alpha.iter().map(|alpha| Twist::new(alpha.rounded(), Vec3::ZERO)).collect();
     if let Some(root) = &state.root {
         motions[0].linear = (state.quat[0].0.inverse() * root.root_lin_acc_world.0).as_vec3();
     }
@@ -191,8 +191,8 @@ fn accelerations(state: &State) -> Vec<Motion> {
 
 /// Accelerations of zero in the files' coordinates: the derivative of the components in body axes of a
 /// free root's velocity is zero, its classical acceleration is not.
-fn bias_accelerations(state: &State) -> Vec<Motion> {
-    let mut motions = vec![Motion::ZERO; state.alpha.len()];
+fn bias_accelerations(state: &State) -> Vec<Twist> {
+    let mut motions = vec![Twist::ZERO; state.alpha.len()];
     if let Some(root) = &state.root {
         motions[0].linear = state.omega[0].0.cross(root.root_lin_vel_body.0).as_vec3();
     }
@@ -268,12 +268,12 @@ fn check_mass_matrix(
 ) -> Result<(), CaseError> {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let slides = if case.root == Root::Free {
-        axes.map(|axis| (0, Motion::new(Vec3::ZERO, axis))).to_vec()
+        axes.map(|axis| (0, Twist::new(Vec3::ZERO, axis))).to_vec()
     } else {
         vec![]
     };
     let turns = (usize::from(case.root == Root::Welded)..case.n)
-        .flat_map(|body| axes.map(|axis| (body, Motion::new(axis, Vec3::ZERO))));
+        .flat_map(|body| axes.map(|axis| (body, Twist::new(axis, Vec3::ZERO))));
     let coordinates: Vec<_> = slides.into_iter().chain(turns).collect();
     let count = coordinates.len();
     expect_count("H_lower", expected.len(), count * (count + 1) / 2)?;
@@ -290,7 +290,7 @@ fn check_mass_matrix(
     };
 
     for (column, (moved, unit)) in coordinates.iter().enumerate() {
-        let mut accelerations = vec![Motion::ZERO; case.n];
+        let mut accelerations = vec![Twist::ZERO; case.n];
         accelerations[*moved] = *unit;
         let wrenches = run(tree, still, &accelerations, Vec3::ZERO);
         for (row, (body, along)) in coordinates.iter().enumerate().skip(column) {

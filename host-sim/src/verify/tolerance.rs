@@ -23,7 +23,7 @@ pub const MASS_MATRIX: f64 = 5e-6;
 pub const CONTROL_TORQUE: f64 = 4e-6;
 
 /// Commanded accelerations, relative to the largest of the state: kp (200) times a rotation error that may
-/// be off by [`ROTATION`], 2e-4 rad/s², and kv (28) times the error of a rate, at some 100 rad/s².
+/// be off by [`ROTATION`], 2e-4 rad/s², and kd (28) times the error of a rate, at some 100 rad/s².
 pub const COMMAND: f64 = 8e-6;
 
 /// World positions down a chain, relative to the largest of the tree: each joint turns an offset and

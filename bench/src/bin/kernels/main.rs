@@ -36,8 +36,8 @@ use sinew_core::state_error::{
 };
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Motion,
-    StateInputError, Transform, Tree, Workspace, Wrench, kinematics,
+    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets,
+    StateInputError, Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{DELAY_MOST, ROTATION_M, Recommended};
@@ -180,7 +180,7 @@ fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
 fn inverse<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
     let tree = figure::<N>(N, root).map_err(|_| "the rig cannot be")?;
     let mut joints = [JointState::default(); N];
-    let mut accelerations = [Motion::ZERO; N];
+    let mut accelerations = [Twist::ZERO; N];
     states(tree.bodies(), &mut joints, &mut accelerations);
     let mut scratch = [BodyMotion::default(); N];
     let mut wrenches = [Wrench::ZERO; N];
@@ -197,7 +197,7 @@ fn inverse<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
 fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let mut joints = [JointState::default(); N];
-    let mut accelerations = [Motion::ZERO; N];
+    let mut accelerations = [Twist::ZERO; N];
     states(tree.bodies(), &mut joints, &mut accelerations);
     let mut scratch = [CompositeBody::default(); N];
     count::<N>("crba", |_| {
@@ -295,9 +295,9 @@ fn errors<const N: usize>(tree: &Tree<N>) {
 
     let weights = BodyWeights::rotations(tree);
     let mut scratch = [Resolved::ZERO; N];
-    let mut accelerations = [Motion::ZERO; N];
+    let mut accelerations = [Twist::ZERO; N];
     count::<N>("resolved_acceleration", |_| {
-        accelerations.fill(Motion::new(Vec3::X, Vec3::Y));
+        accelerations.fill(Twist::new(Vec3::X, Vec3::Y));
         let (bodies, joints) = black_box((tree.bodies(), measured.as_slice()));
         let (scratch, accelerations) = (&mut scratch, &mut accelerations);
         resolved_acceleration(bodies, joints, &of_measured, &weights, scratch, accelerations);
@@ -355,7 +355,7 @@ fn others<const N: usize>(
         Observer::<N, { DELAY_MOST + 1 }>::new(settings, &JointStates::rest(tree), 0)
             .map_err(|_| "no observer")?;
     let mut targets = JointTargets::rest(tree);
-    let (commands, torques) = ([Motion::ZERO; N], [Limited::default(); N]);
+    let (commands, torques) = ([Twist::ZERO; N], [Limited::default(); N]);
     count::<N>("observer", |run| {
         black_box(observer.observe(tree, &frames[run]).is_ok());
         observer.compensate(&mut targets);

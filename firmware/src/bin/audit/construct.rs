@@ -15,7 +15,7 @@ use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::supply::TorqueSupply;
-use sinew_core::{BodySet, Controller, JointState, Motion, RotationalInertia, Tree};
+use sinew_core::{BodySet, Controller, JointState, RotationalInertia, Tree, Twist};
 use sinew_firmware::recommended::Recommended;
 use sinew_firmware::show::Show;
 
@@ -97,8 +97,8 @@ pub(crate) fn controllers() {
     black_box(&TorqueLimit::new(black_box(1.0), black_box(1.0)));
     let state = black_box(JointState::default());
     let mut targets = desired();
-    black_box(&targets.set(black_box(1), state, black_box(Motion::ZERO)));
-    black_box(&targets.set_velocity(black_box(1), black_box(Motion::ZERO)));
+    black_box(&targets.set(black_box(1), state, black_box(Twist::ZERO)));
+    black_box(&targets.set_velocity(black_box(1), black_box(Twist::ZERO)));
     black_box(&measured().set(black_box(1), state));
 }
 
@@ -141,7 +141,7 @@ pub(crate) fn pose_space() {
     let mut workspace = LineWorkspace::new();
     black_box(space.line_distance(&pose, &pose, black_box(10), &mut workspace));
     black_box((space.curve_energy(slice()), space.curve_length(slice())));
-    space.jacobian_column(&bodies, black_box(1), black_box(Motion::ZERO), slice_mut());
+    space.jacobian_column(&bodies, black_box(1), black_box(Twist::ZERO), slice_mut());
     space.metric_product(&bodies, slice(), slice_mut());
     black_box(space.metric_trace(&bodies));
     space.energy_gradient(&bodies, &bodies, &bodies, slice_mut());

@@ -12,7 +12,7 @@ use sinew_core::state_error::{
     Compensation, StateError, accumulated, compensate, compensate_all, linear_compensation, local,
     world,
 };
-use sinew_core::{BodyState, JointKind, JointState, Motion, Transform, Wrench, kinematics, math};
+use sinew_core::{BodyState, JointKind, JointState, Transform, Twist, Wrench, kinematics, math};
 
 use crate::{gains, slice, slice_mut, tree};
 
@@ -56,7 +56,7 @@ pub(crate) fn dynamics() {
     resolved_acceleration(slice(), slice(), slice(), &weights, slice_mut(), slice_mut());
     let Some(gains) = gains() else { return };
     black_box(gains.apply(&black_box(StateError::default())));
-    let (rotation, motion) = (black_box(Quat::IDENTITY), black_box(Motion::ZERO));
+    let (rotation, motion) = (black_box(Quat::IDENTITY), black_box(Twist::ZERO));
     let (joint, wrench) = (black_box(JointKind::Free), black_box(Wrench::ZERO));
     black_box((joint.project_motion(rotation, motion), joint.project_wrench(rotation, wrench)));
     black_box(&joint.motion_subspace(rotation));

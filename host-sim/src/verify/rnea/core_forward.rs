@@ -2,7 +2,7 @@
 
 use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 use sinew_core::glam::Vec3;
-use sinew_core::{JointState, Motion, Wrench};
+use sinew_core::{JointState, Twist, Wrench};
 
 use super::{Case, State, accelerations, bias_accelerations};
 use crate::verify::figure::Tree;
@@ -24,7 +24,7 @@ pub(super) fn check(
             torques.iter().map(|torque| Wrench::new(torque.rounded(), Vec3::ZERO)).collect();
         drives[0].force_n = root_force_n;
         let mut workspace = vec![ArticulatedBody::default(); tree.len()];
-        let mut out = vec![Motion::ZERO; tree.len()];
+        let mut out = vec![Twist::ZERO; tree.len()];
         forward_dynamics(tree.bodies(), joints, &drives, gravity, &[], &mut workspace, &mut out);
         out
     };

@@ -5,7 +5,7 @@ mod difference;
 
 use serde::Deserialize;
 use sinew_core::state_error::{References, StateError, accumulated, local, world};
-use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Motion, Transform, kinematics};
+use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Transform, Twist, kinematics};
 
 use super::CaseError;
 use super::figure::{self, Tree};
@@ -141,7 +141,7 @@ impl States {
         }
         let state = |body: usize| BodyState {
             pose: Transform::new(self.quat[body].rounded(), self.pos[body].rounded()),
-            velocity: Motion::new(self.ang_vel[body].rounded(), self.lin_vel[body].rounded()),
+            velocity: Twist::new(self.ang_vel[body].rounded(), self.lin_vel[body].rounded()),
         };
         Ok((0..n).map(state).collect())
     }
