@@ -8,8 +8,7 @@ use std::process::Command;
 
 use sinew_firmware::parity::{METHODS, NUMBERS, QUANTITIES, perform, pose_bytes};
 use sinew_sim::evaluate::{MethodName, Protocol, track};
-use sinew_sim::figure::{BODIES, BODY_COUNT};
-use sinew_sim::mocap::FigureMotion;
+use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
 
 /// A run of the evaluation: a clip, tracked by a figure of a scale with a method.

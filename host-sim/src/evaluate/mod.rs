@@ -21,8 +21,7 @@ mod track;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::figure::Dimensions;
-use crate::mocap::FigureMotion;
+use crate::figure::{Dimensions, FigureMotion};
 
 pub use controller::{
     AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,

@@ -20,8 +20,7 @@ use super::metrics::Errors;
 use super::reference::Performance;
 use super::setup::Setup;
 use super::{Protocol, track};
-use crate::figure::{BODIES, BODY_COUNT, Root};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT, FigureMotion, Root};
 use crate::plant::Pose;
 
 /// The rotation weights of a curve, in metres: from World's rotations to the nearest positions.
@@ -351,8 +350,7 @@ mod tests {
     use sinew_core::projection::ProjectionWorkspace;
 
     use super::*;
-    use crate::evaluate::MethodName;
-    use crate::evaluate::ProjectionSettings;
+    use crate::evaluate::{MethodName, ProjectionSettings};
     use crate::figure::Dimensions;
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};

@@ -14,8 +14,7 @@ use super::controller::{
 };
 use super::disturbance::Disturbance;
 use super::error::RunError;
-use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, Subject};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Subject};
 use crate::plant::PlantSettings;
 use crate::weights;
 use crate::words::in_words;
