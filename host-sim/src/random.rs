@@ -9,11 +9,11 @@ use rand_pcg::rand_core::Rng;
 /// PCG XSL RR 128/64 is a published algorithm, and the conversions below are spelt out rather than
 /// taken from a library of distributions, so that no upgrade can change a clip or a result.
 #[derive(Debug, Clone)]
-pub(crate) struct Random(Pcg64);
+pub struct Random(Pcg64);
 
 /// What a stream is for: more draws for one subject must not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Subject {
+pub enum Subject {
     /// Order, timing and strength of the strikes.
     Script = 1,
     /// Steps between the strikes.
@@ -44,29 +44,29 @@ pub(crate) enum Subject {
 
 impl Random {
     /// The stream of a seed for one subject.
-    pub(crate) fn new(seed: u64, subject: Subject) -> Self {
+    pub fn new(seed: u64, subject: Subject) -> Self {
         Self::numbered(seed, 0, subject)
     }
 
     /// One of many streams of a seed for one subject.
-    pub(crate) fn numbered(seed: u64, number: u64, subject: Subject) -> Self {
+    pub fn numbered(seed: u64, number: u64, subject: Subject) -> Self {
         let state = u128::from(number) << 64 | u128::from(seed);
         Self(Pcg64::new(state, subject as u128))
     }
 
     /// Uniform in `[0, 1)`, on a grid of 2^-53.
-    pub(crate) fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
         (self.0.next_u64() >> 11) as f64 * STEP
     }
 
     /// Uniform in `[low, high)`.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// Uniform in `0..count`; the bias is below `count / 2^64`.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         let wide = u128::from(self.0.next_u64()) * count as u128;
         #[expect(clippy::cast_possible_truncation, reason = "below `count`, which is a usize")]
         let index = (wide >> 64) as usize;
@@ -74,7 +74,7 @@ impl Random {
     }
 
     /// Normally distributed components with mean 0 and standard deviation 1 (Box and Muller 1958).
-    pub(crate) fn normal3(&mut self) -> DVec3 {
+    pub fn normal3(&mut self) -> DVec3 {
         let mut normal = || {
             // `1 - unit` is in (0, 1]: the logarithm is finite.
             let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.unit()));
@@ -84,7 +84,7 @@ impl Random {
     }
 
     /// Shuffles in place (Fisher and Yates).
-    pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last + 1));
         }

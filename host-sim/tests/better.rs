@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use sinew_sim::evaluate::rig::{as_built, median, trial};
+use sinew_sim::evaluate::robustness::{as_built, median, trial};
 use sinew_sim::evaluate::{DifferencesName, Errors, MethodName, Protocol, Setup, evaluate};
 use sinew_sim::figure::{Dimensions, FigureMotion};
 use sinew_sim::pipeline::{self, Settings, prepare};

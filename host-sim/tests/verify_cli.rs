@@ -43,12 +43,12 @@ fn failure_over_a_limit_names_the_worst_case() {
     let bad = good.replacen("\"gravity_term\":[[", "\"gravity_term\":[[0.0,0.0,0.0],[", 1);
     fs::write(folder.path().join("a.json"), bad).expect("the folder can be written");
     let output = verify(folder.path(), &[]);
-    assert!(!output.status.success(), "one entry too many");
+    assert_eq!(output.status.code(), Some(2), "one entry too many: it cannot be computed");
     let wrong = good.replacen("\"mass\":", "\"mass\":1", 1);
     fs::write(folder.path().join("a.json"), wrong).expect("the folder can be written");
     let output = verify(folder.path(), &[]);
     let printed = text(&output.stdout);
-    assert!(!output.status.success(), "{printed}");
+    assert_eq!(output.status.code(), Some(1), "computed, and bad: {printed}");
     assert!(
         printed.contains("FAIL a.json, tau: worst at case 0 (s05_free_random_g0)"),
         "{printed}"
@@ -64,7 +64,7 @@ fn what_is_skipped_is_said_and_unknown_names_are_refused() {
         .expect("the folder can be written");
 
     let output = verify(folder.path(), &[]);
-    assert!(!output.status.success(), "there is no second version of it");
+    assert_eq!(output.status.code(), Some(2), "there is no second version of it");
     let error = text(&output.stderr);
     assert!(error.contains("h.json") && error.contains("hauberg/2"), "{error}");
 

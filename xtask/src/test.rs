@@ -16,7 +16,7 @@ pub(crate) fn run() -> Result<()> {
     step::run(
         "documentation",
         step::cargo()
-            // Examples, of which there are none, let it share with clippy what is checked of the dependencies.
+            // With the examples it shares with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
             .env("RUSTDOCFLAGS", "--deny warnings"),

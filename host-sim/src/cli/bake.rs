@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use sinew_mocap::files::ClipFile;
+use sinew_sim::command::{note, print};
 use sinew_sim::figure::{BodyModel, mapping};
 use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
 use super::evaluate::scale;
-use super::output::{note, print};
 
 /// Bake a clip and the figure that performs it into a file that a board's image reads from its flash.
 ///

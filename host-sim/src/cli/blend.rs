@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use sinew_mocap::bvh;
 use sinew_mocap::files::ClipFile;
 use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
+use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::figure::Mapping;
 use sinew_sim::find::{Part, Reference};
 use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
@@ -15,8 +16,6 @@ use sinew_sim::report::blend as picture;
 use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
 
 use super::clips::seconds;
-use super::output::{note, print, with_progress};
-use super::threads::ThreadArgs;
 
 /// Go from one clip over to another where their poses are nearest, and write the motion as
 /// BVH.

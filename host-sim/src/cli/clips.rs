@@ -7,7 +7,7 @@ use sinew_sim::builtin;
 use sinew_sim::figure::{FigureMotion, mapping};
 use sinew_sim::pipeline::{self, Notice, Settings};
 
-use super::output::note;
+use sinew_sim::command::note;
 
 /// Options that name clips.
 #[derive(Debug, Clone, clap::Args)]
@@ -21,12 +21,12 @@ pub(super) struct ClipArgs {
     mapping: Option<PathBuf>,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Without: 100 as in the paper, 500 for
-    /// `rig`.
+    /// `robustness`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate: Option<f64>,
 
     /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
-    /// between them. Without: a frame for every tick; 100 for `rig` and `latency`.
+    /// between them. Without: a frame for every tick; 100 for `robustness` and `latency`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     frames: Option<f64>,
 }

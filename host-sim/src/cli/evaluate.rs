@@ -7,14 +7,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::evaluate::{EvaluateError, Evaluation, Protocol, evaluate, report, steps_of_all};
 
 use super::clips::{ClipArgs, seconds};
 use super::methods::{MethodArg, methods};
-use super::output::{note, print, with_progress};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
-use super::threads::ThreadArgs;
 
 /// Track motion capture with every method and print the paper's tables.
 ///

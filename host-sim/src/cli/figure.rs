@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
+use sinew_sim::command::print;
 use sinew_sim::figure::{BODIES, BodyModel, MassProperties, Subject, de_leva_mass_fraction};
 
 use super::evaluate::scale;
-use super::output::print;
 
 /// Print the bodies of the Hanavan-Kwon model of a measured subject.
 ///

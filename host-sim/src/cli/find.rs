@@ -12,9 +12,7 @@ use sinew_sim::pipeline::Settings;
 use sinew_sim::report::moments as picture;
 use sinew_sim::spatial::{Measuring, SpatialRig};
 
-use super::measure::MeasureArgs;
-use super::output::{note, print, with_progress};
-use super::threads::ThreadArgs;
+use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
 
 /// Find the moments in clips that are most like a pose, or like a piece of a clip.
 ///

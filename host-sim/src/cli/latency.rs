@@ -5,24 +5,23 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
+use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::evaluate::Setup;
-use sinew_sim::evaluate::rig::{LATENCY_MOST, STANDS_BELOW_DEG, largest_latency};
+use sinew_sim::evaluate::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
 use sinew_sim::figure::{Dimensions, FigureMotion};
 use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, rate, seconds};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, methods};
-use super::output::{note, print, with_progress};
 use super::setup::SetupArgs;
-use super::threads::ThreadArgs;
 
-/// Find the largest latency that each method stands at, by rate of control.
+/// Find the largest latency that each method tracks at, by rate of control.
 ///
 /// A torque comes some steps after the measurement that it was made from. The table has the most steps at
 /// which, and at all fewer, no figure is lost and the mean angular error stays below 10 degrees; in ms too.
 /// Each method is tried without and with looking ahead: the controller then knows the latency, and makes the
-/// commands on their way to find the state that the next one will meet. `-` does not stand without latency.
+/// commands on their way to find the state that the next one will meet. `-` does not track without latency.
 /// Without `--plant`, the exact one; the clips have 100 frames a second.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -129,7 +128,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let (_, first) = &motions[0];
     print(&format!(
         "{} clips, their first {} s, {} times the dimensions; plant: {}\n\
-         the largest latency at which no figure is lost and the mean angular error is below {STANDS_BELOW_DEG} deg\n\n{table}\n",
+         the largest latency at which no figure is lost and the mean angular error is below {TRACKS_BELOW_DEG} deg\n\n{table}\n",
         first.len(),
         args.seconds,
         args.scale,

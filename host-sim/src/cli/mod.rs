@@ -1,6 +1,4 @@
 //! The command line: one file per subcommand.
-//!
-//! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
 mod bake;
 mod blend;
@@ -9,24 +7,20 @@ mod evaluate;
 mod figure;
 mod find;
 mod latency;
-mod measure;
 mod methods;
-mod output;
 mod page;
-mod rig;
+mod robustness;
 mod setup;
 mod study;
 mod sweep;
-mod threads;
 mod verify;
 mod weights;
 
-use std::io;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use output::note;
+use sinew_sim::command::exit_code;
 
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///
@@ -47,9 +41,10 @@ enum Command {
     Bake(bake::Args),
     Figure(figure::Args),
     Sweep(sweep::Args),
-    Rig(rig::Args),
+    Robustness(robustness::Args),
     Latency(latency::Args),
     Weights(weights::Args),
+    #[command(hide = true)]
     Study(study::Args),
     Find(find::Args),
     Blend(blend::Args),
@@ -63,39 +58,15 @@ pub(crate) fn main() -> ExitCode {
         Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Sweep(args) => sweep::run(&args),
-        Command::Rig(args) => rig::run(&args),
+        Command::Robustness(args) => robustness::run(&args),
         Command::Latency(args) => latency::run(&args),
         Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Study(args) => study::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Study(args) => study::run(&args),
         Command::Find(args) => find::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Blend(args) => blend::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Verify(args) => verify::run(&args),
     };
-    result.unwrap_or_else(|error| {
-        // The reader has gone, as in `sinew | head`: nothing is wrong.
-        if error.downcast_ref::<io::Error>().is_some_and(is_broken_pipe) {
-            return ExitCode::SUCCESS;
-        }
-        note(format_args!("error: {}", chain(&error)));
-        ExitCode::from(2)
-    })
-}
-
-/// The error and its causes in one line, without what an error already says of its cause.
-fn chain(error: &anyhow::Error) -> String {
-    let mut line = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if line.is_empty() {
-            line = cause;
-        } else if !line.contains(&cause) {
-            line = format!("{line}: {cause}");
-        }
-    }
-    line
-}
-
-fn is_broken_pipe(error: &io::Error) -> bool {
-    error.kind() == io::ErrorKind::BrokenPipe
+    exit_code(result)
 }
 
 #[cfg(test)]

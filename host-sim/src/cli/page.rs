@@ -9,7 +9,7 @@ use sinew_sim::evaluate::{BodySource, Evaluation, Protocol};
 use sinew_sim::figure::FigureMotion;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 
-use super::output::note;
+use sinew_sim::command::note;
 
 /// Options of the report.
 #[derive(Debug, clap::Args)]

@@ -1,42 +1,22 @@
-//! `sinew study`: what articles claim, tried again.
+//! `sinew study`: where the studies went. They have a command of their own, so that `sinew` needs no training framework.
 
-mod autoencoder;
-mod classify;
-mod cluster;
-mod data;
-mod distances;
-mod geodesic_ratio;
-mod mds;
-mod results;
-mod two_classes;
+use std::ffi::OsString;
 
-use clap::Subcommand;
+use anyhow::bail;
 
-/// Try again what an article claims, on other data.
+/// The studies are a command of their own: `cargo run --release -p sinew-studies`.
 #[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
 pub(super) struct Args {
-    #[command(subcommand)]
-    study: Study,
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
 }
 
-#[derive(Debug, Subcommand)]
-enum Study {
-    Autoencoder(autoencoder::Args),
-    Classify(classify::Args),
-    Cluster(cluster::Args),
-    Distances(distances::Args),
-    GeodesicRatio(geodesic_ratio::Args),
-    Mds(mds::Args),
-}
-
-/// Runs the subcommand.
-pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    match &args.study {
-        Study::Autoencoder(args) => autoencoder::run(args),
-        Study::Classify(args) => classify::run(args),
-        Study::Cluster(args) => cluster::run(args),
-        Study::Distances(args) => distances::run(args),
-        Study::GeodesicRatio(args) => geodesic_ratio::run(args),
-        Study::Mds(args) => mds::run(args),
-    }
+/// Says what to run instead.
+pub(super) fn run(args: &Args) -> anyhow::Result<std::process::ExitCode> {
+    let given: Vec<_> = args.arguments.iter().map(|argument| argument.to_string_lossy()).collect();
+    let given = if given.is_empty() { "--help".into() } else { given.join(" ") };
+    bail!(
+        "the studies are a command of their own: run `cargo run --release -p sinew-studies -- {given}`"
+    )
 }

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
+use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::evaluate::{Errors, step_count};
-use sinew_sim::sweep::{self, Front, Journal, Plan, Shard, Summary, SweepFile};
+use sinew_sim::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
 
 use super::clips::{ClipArgs, seconds};
-use super::output::{note, print, with_progress};
-use super::threads::ThreadArgs;
 
 /// Run every combination of many settings and write a row for each.
 ///
@@ -156,7 +155,7 @@ fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
 }
 
 /// The task of a front, and its cells.
-fn of_front(front: &Front, own: &[Vec<String>]) -> Vec<String> {
+fn of_front(front: &ParetoFront, own: &[Vec<String>]) -> Vec<String> {
     let is_task =
         |line: &&String| !line.starts_with("controller.") || line.starts_with("controller.root");
     let listed = |lines: Vec<&str>| match lines.as_slice() {

@@ -9,7 +9,7 @@ use sinew_sim::report::weights as picture;
 use sinew_sim::weights::radii::{self, Radii};
 use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
 
-use super::output::{note, print};
+use sinew_sim::command::{note, print};
 
 /// Weigh the joints of a character: how much of it each one moves, and how far.
 ///

@@ -15,9 +15,9 @@ use super::controller::{
 use super::disturbance::Disturbance;
 use super::error::RunError;
 use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Subject};
+use crate::parse_message::parse_message;
 use crate::plant::PlantSettings;
 use crate::weights;
-use crate::words::in_words;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
@@ -101,7 +101,7 @@ impl Setup {
     /// [`SetupError`].
     pub fn parse(toml: &str) -> Result<Self, SetupError> {
         let setup: Self =
-            toml::from_str(toml).map_err(|error| SetupError::Toml(in_words(&error)))?;
+            toml::from_str(toml).map_err(|error| SetupError::Toml(parse_message(&error)))?;
         setup.check()?;
         Ok(setup)
     }
@@ -113,7 +113,7 @@ impl Setup {
     pub fn from_table(table: toml::Table) -> Result<Self, SetupError> {
         let setup: Self =
             serde_path_to_error::deserialize(toml::Value::Table(table)).map_err(|error| {
-                let (path, message) = (error.path(), in_words(&error.inner().message()));
+                let (path, message) = (error.path(), parse_message(&error.inner().message()));
                 // The path of the whole table is a dot.
                 SetupError::Toml(match path.iter().next() {
                     Some(_) => format!("{path}: {message}"),

@@ -39,7 +39,7 @@ pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
+pub fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
     fs::create_dir_all(folder)?;
     let mut written = Vec::new();
     for (name, picture) in pictures {

@@ -1,22 +1,18 @@
 //! An evaluation as one page that needs nothing but a browser, and its pictures as files.
 
 pub mod blend;
-mod chart;
-mod classify;
-mod cluster;
+pub mod chart;
 mod comparison;
-mod file;
-mod front;
+pub mod file;
 mod labels;
 pub mod moments;
 mod page;
 mod palette;
+mod pareto;
 mod playback;
 mod png;
-mod scene;
-mod spatial;
+pub mod scene;
 mod still;
-mod study;
 mod sweep;
 mod tables;
 pub mod weights;
@@ -26,13 +22,9 @@ use std::{fs, io};
 
 use maud::{Markup, html};
 
-pub use classify::write_classify;
-pub use cluster::write_cluster;
 pub use comparison::Comparison;
 pub use playback::Playback;
-pub use spatial::{write_geodesic_ratio, write_mds};
-pub use study::write_study;
-pub use sweep::{Sweep, SweepError};
+pub use sweep::{Grid, Sweep, SweepError};
 
 use crate::evaluate::detail::{Detail, Spread};
 use crate::evaluate::optimum::Optimum;
@@ -98,7 +90,7 @@ impl Report<'_> {
             if !rows.is_empty() {
                 add("ratios", vec![chart::ratios(&tables::figure_name(scale), &rows)]);
             }
-            add("front", front::charts(figure, place, self.optimum).into());
+            add("front", pareto::charts(figure, place, self.optimum).into());
             let both = Quantity::BOTH;
             let courses = courses(figure, 0);
             add(
@@ -116,7 +108,7 @@ impl Report<'_> {
         }
         let fronts = self.sweep.iter().flat_map(|sweep| sweep.fronts());
         for (index, front) in fronts.take(page::FRONTS).enumerate() {
-            let charts: Vec<Markup> = front.charts.iter().map(chart::Front::draw).collect();
+            let charts: Vec<Markup> = front.charts.iter().map(chart::ParetoChart::draw).collect();
             pictures.push((format!("sweep-front-{}", index + 1), row(front.methods, &charts)));
         }
         pictures

@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart::{self, Quantity, Statistic, legend};
 use super::tables::{figure_name, ratios, table};
-use super::{Comparison, Playback, Report, Sweep, courses, front, palette, spreads};
+use super::{Comparison, Playback, Report, Sweep, courses, palette, pareto, spreads};
 use crate::evaluate::paper::Kind;
 use crate::evaluate::{Evaluation, FigureResult, MethodName};
 
@@ -326,11 +326,11 @@ fn fronts(report: &Report<'_>) -> Markup {
     html! {
         section id="front" class="choices" {
             h2 { "Angle against distance" }
-            (front::explanation(report.optimum))
+            (pareto::explanation(report.optimum))
             div class="options" { (choice("figure", "Figure", &scales(evaluation), last(evaluation))) }
             @for (place, figure) in evaluation.figures.iter().enumerate() {
                 div class="pair" data-figure=(place) hidden[place != last(evaluation)] {
-                    @for chart in front::charts(figure, place, report.optimum) { (chart) }
+                    @for chart in pareto::charts(figure, place, report.optimum) { (chart) }
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! A sweep's CSV as fields of cells, one metric over two parameters, and as fronts of methods and weights.
 
-mod front;
+mod pareto;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -30,18 +30,23 @@ struct Column<T> {
 
 /// One field: a metric over two parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid {
-    pub(super) title: String,
+pub struct Grid {
+    /// What is shown.
+    pub title: String,
     /// What the other parameters are, where fields differ in them.
-    pub(super) condition: String,
-    pub(super) row_name: String,
-    pub(super) column_name: String,
-    pub(super) rows: Vec<String>,
-    pub(super) columns: Vec<String>,
+    pub condition: String,
+    /// What rows are.
+    pub row_name: String,
+    /// What columns are.
+    pub column_name: String,
+    /// The rows' names.
+    pub rows: Vec<String>,
+    /// The columns' names.
+    pub columns: Vec<String>,
     /// By row; `None` where there is no cell, or no value in it.
-    pub(super) cells: Vec<Option<f64>>,
+    pub cells: Vec<Option<f64>>,
     /// Smallest and largest value.
-    pub(super) range: (f64, f64),
+    pub range: (f64, f64),
 }
 
 /// Why a sweep's file cannot be shown.

@@ -3,12 +3,10 @@
 mod matrix;
 mod measure;
 mod rig;
-mod stream;
 
 pub use matrix::Distances;
 pub use measure::{Measure, MeasuredPose, Measuring, Metric, Weighting, Workspace};
 pub use rig::{SpatialError, SpatialRig};
-pub use stream::{Spread, Written, write_distances};
 
 /// As many bodies as a skeleton's rig may have.
 pub const BODY_COUNT_MAX: usize = 64;

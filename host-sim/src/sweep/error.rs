@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::evaluate::SetupError;
-use crate::words::in_words;
+use crate::parse_message::parse_message;
 
 /// Why a sweep was refused or could not go on.
 #[derive(Debug, Error)]
@@ -19,7 +19,7 @@ pub enum SweepError {
         source: std::io::Error,
     },
     /// Not a sweep file.
-    #[error("{}: {}", file.display(), in_words(source))]
+    #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
         /// The file.
         file: PathBuf,

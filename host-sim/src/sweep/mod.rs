@@ -7,8 +7,8 @@
 
 mod error;
 mod file;
-mod front;
 mod journal;
+mod pareto;
 mod plan;
 mod table;
 
@@ -22,8 +22,8 @@ use crate::figure::FigureMotion;
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
-pub use front::Front;
 pub use journal::{Journal, Notice, Outcome};
+pub use pareto::ParetoFront;
 pub use plan::{Plan, Shard, Unit};
 
 /// What a sweep came to.
@@ -41,7 +41,7 @@ pub struct Summary {
     pub ranking: Vec<(usize, Errors)>,
     /// What is on the front of mean linear over mean angular error of all joints, for each task of several
     /// cells; of a shard, nothing.
-    pub fronts: Vec<Front>,
+    pub fronts: Vec<ParetoFront>,
     /// The tables.
     pub files: Vec<PathBuf>,
 }
@@ -115,7 +115,7 @@ fn finish(
     let (files, mut ranking) = table::write(plan, journal, folder)?;
     // A cell may be bettered by one of another shard.
     let whole = if plan.shard == Shard::WHOLE { &ranking[..] } else { &[] };
-    let fronts = front::fronts(
+    let fronts = pareto::fronts(
         whole.iter().map(|(cell, errors)| (*cell, &plan.cells[*cell].setup, *errors)),
     );
     ranking.sort_by(|(_, a), (_, b)| a.all.linear_mean_cm().total_cmp(&b.all.linear_mean_cm()));

@@ -14,8 +14,8 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::error::{SweepError, io};
-use super::front;
 use super::journal::{Journal, Outcome};
+use super::pareto;
 use super::plan::{Plan, Shard, Unit};
 use crate::evaluate::{Errors, Setup};
 
@@ -146,9 +146,9 @@ fn on_front(rows: &[Row<'_>], whole: bool) -> Vec<Option<String>> {
         return vec![None; rows.len()];
     }
     let rows: Vec<_> =
-        rows.iter().map(|row| ((row.clip, front::task(row.setup)), row.result.ok())).collect();
+        rows.iter().map(|row| ((row.clip, pareto::task(row.setup)), row.result.ok())).collect();
     let said = |on_front: bool| if on_front { "yes" } else { "no" }.to_owned();
-    front::of_rows(&rows).into_iter().map(|on_front| on_front.map(said)).collect()
+    pareto::of_rows(&rows).into_iter().map(|on_front| on_front.map(said)).collect()
 }
 
 type Group = fn(&Errors) -> [f64; 4];

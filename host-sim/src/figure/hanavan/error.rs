@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::words::in_words;
+use crate::parse_message::parse_message;
 
 /// A subject file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +17,7 @@ pub enum SubjectError {
         source: std::io::Error,
     },
     /// A key is missing, unknown, or has a value that cannot be.
-    #[error("{}: {}", file.display(), in_words(source))]
+    #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
         /// The file.
         file: PathBuf,

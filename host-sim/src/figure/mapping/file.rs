@@ -7,7 +7,7 @@ use sinew_mocap::SkeletonMap;
 use sinew_mocap::skeleton_map::{Part, Signature};
 
 use crate::figure::{BODIES, BODY_COUNT};
-use crate::words::in_words;
+use crate::parse_message::parse_message;
 
 /// A skeleton that cannot be mapped, or a mapping file that cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -21,7 +21,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Not a mapping file.
-    #[error("{}: {}", file.display(), in_words(source))]
+    #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
         /// The file.
         file: PathBuf,

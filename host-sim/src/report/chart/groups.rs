@@ -10,10 +10,10 @@ const GAP: f64 = 10.0;
 const KEY: f64 = 20.0;
 
 /// Kinds of bars, with their classes and labels.
-pub(in crate::report) type Kinds<'a> = &'a [(&'a str, &'a str)];
+pub type Kinds<'a> = &'a [(&'a str, &'a str)];
 
 /// Values of all kinds by group; a value that does not exist has no bar.
-pub(in crate::report) fn groups(
+pub fn groups(
     title: &str,
     unit: &str,
     kinds: Kinds<'_>,

@@ -11,7 +11,7 @@ const CELL: f64 = 34.0;
 const NUMBER: f64 = 30.0;
 
 /// A field of coloured cells with their values: the darker, the larger. Empty cells are crossed.
-pub(in crate::report) fn heat_map(grid: &Grid) -> Markup {
+pub fn heat_map(grid: &Grid) -> Markup {
     let longest = grid.rows.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     // A letter is some 7 units wide.
     let (left, top) = (f64::max(110.0, 16.0 + 7.0 * longest as f64), 46.0);

@@ -11,30 +11,30 @@ const KEY: f64 = 20.0;
 
 /// Histograms of the same kinds of values.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Histograms<'a> {
-    pub(in crate::report) title: &'a str,
+pub struct Histograms<'a> {
+    pub title: &'a str,
     /// What the values are, with their unit.
-    pub(in crate::report) axis: &'a str,
+    pub axis: &'a str,
     /// Ends of the axis and width of a bin.
-    pub(in crate::report) range: [f64; 2],
-    pub(in crate::report) bin: f64,
+    pub range: [f64; 2],
+    pub bin: f64,
     /// Classes and names of kinds of values, stacked in this order.
-    pub(in crate::report) kinds: &'a [(&'a str, &'a str)],
-    pub(in crate::report) panels: Vec<Panel>,
+    pub kinds: &'a [(&'a str, &'a str)],
+    pub panels: Vec<Panel>,
 }
 
 /// One histogram.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Panel {
-    pub(in crate::report) title: String,
+pub struct Panel {
+    pub title: String,
     /// Values of every kind.
-    pub(in crate::report) values: Vec<Vec<f64>>,
+    pub values: Vec<Vec<f64>>,
     /// A value to hold them against, and what it is.
-    pub(in crate::report) mark: Option<(f64, String)>,
+    pub mark: Option<(f64, String)>,
 }
 
 impl Histograms<'_> {
-    pub(in crate::report) fn draw(&self) -> Markup {
+    pub fn draw(&self) -> Markup {
         let top = if self.kinds.len() > 1 { 28.0 + KEY } else { 28.0 };
         let height = top + (LINE + PANEL) * self.panels.len() as f64 + 40.0;
         let x = Axis::exact(self.range, [44.0, WIDTH - 14.0]);

@@ -11,26 +11,26 @@ const KEY: f64 = 18.0;
 
 /// A mean among the values that it is of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::report) struct Interval {
-    pub(in crate::report) mean: f64,
+pub struct Interval {
+    pub mean: f64,
     /// The middle half of the values.
-    pub(in crate::report) middle: [f64; 2],
+    pub middle: [f64; 2],
     /// All but the outermost.
-    pub(in crate::report) ends: [f64; 2],
+    pub ends: [f64; 2],
 }
 
 /// One thing.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Row {
-    pub(in crate::report) label: String,
+pub struct Row {
+    pub label: String,
     /// By kind.
-    pub(in crate::report) intervals: Vec<Option<Interval>>,
+    pub intervals: Vec<Option<Interval>>,
     /// What the paper has.
-    pub(in crate::report) paper: Option<f64>,
+    pub paper: Option<f64>,
 }
 
 /// Rows of intervals in percent, each kind with its class and label; the paper's figures as rings.
-pub(in crate::report) fn intervals(title: &str, kinds: &[(&str, String)], rows: &[Row]) -> Markup {
+pub fn intervals(title: &str, kinds: &[(&str, String)], rows: &[Row]) -> Markup {
     let row = MARK * kinds.len() as f64 + GAP;
     let has_paper = rows.iter().any(|row| row.paper.is_some());
     let top = 30.0 + KEY * (kinds.len() + usize::from(has_paper)) as f64;

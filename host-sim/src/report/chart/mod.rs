@@ -4,13 +4,13 @@
 mod axis;
 mod course;
 mod distribution;
-mod front;
 mod groups;
 mod heat_map;
 mod histogram;
 mod intervals;
 mod joints;
 mod legend;
+mod pareto;
 mod plane;
 mod ratios;
 mod strips;
@@ -22,16 +22,16 @@ use maud::{Markup, html};
 pub(super) use axis::Axis;
 pub(super) use course::{Statistic, course};
 pub(super) use distribution::distribution;
-pub(super) use front::{Front, Joined, Reference, Spot};
-pub(super) use groups::groups;
-pub(super) use heat_map::heat_map;
-pub(super) use histogram::{Histograms, Panel};
-pub(super) use intervals::{Interval, Row, intervals};
+pub use groups::{Kinds, groups};
+pub use heat_map::heat_map;
+pub use histogram::{Histograms, Panel};
+pub use intervals::{Interval, Row, intervals};
 pub(super) use joints::joints;
 pub(super) use legend::{legend, legend_lines};
-pub(super) use plane::{Plane, planes};
+pub(super) use pareto::{Joined, ParetoChart, Reference, Spot};
+pub use plane::{Plane, planes};
 pub(super) use ratios::{Ratio, ratios};
-pub(super) use strips::{Pair, strips};
+pub use strips::{Pair, strips};
 
 use crate::evaluate::ErrorTotals;
 
@@ -140,7 +140,7 @@ pub(super) fn line(points: impl IntoIterator<Item = (f64, f64)>) -> String {
 }
 
 /// A coordinate to a tenth: finer than can be seen, and the same text on every machine.
-pub(super) fn px(x: f64) -> String {
+pub fn px(x: f64) -> String {
     let text = format!("{x:.1}");
     let short = text.strip_suffix(".0").unwrap_or(&text);
     if short == "-0" { "0".into() } else { short.into() }

@@ -10,20 +10,16 @@ const TOP: f64 = 74.0;
 
 /// Places of several things over time.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Plane {
-    pub(in crate::report) title: String,
+pub struct Plane {
+    pub title: String,
     /// Below the title.
-    pub(in crate::report) subtitle: String,
+    pub subtitle: String,
     /// One way for each thing.
-    pub(in crate::report) ways: Vec<Vec<[f64; 2]>>,
+    pub ways: Vec<Vec<[f64; 2]>>,
 }
 
 /// Two planes side by side; `things` has classes and names.
-pub(in crate::report) fn planes(
-    title: &str,
-    things: &[(&str, &str)],
-    planes: &[Plane; 2],
-) -> Markup {
+pub fn planes(title: &str, things: &[(&str, &str)], planes: &[Plane; 2]) -> Markup {
     let height = TOP + SIDE + 10.0;
     let key_width = (WIDTH - 20.0) / things.len() as f64;
     let texts: Vec<String> =

@@ -14,20 +14,20 @@ const SEAM: f64 = 6.0;
 
 /// Strips of one pair of sequences.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Pair {
+pub struct Pair {
     /// What both sequences are.
-    pub(in crate::report) names: [String; 2],
+    pub names: [String; 2],
     /// How many poses the first one has.
-    pub(in crate::report) first: usize,
+    pub first: usize,
     /// Label, cluster of every pose of both, and what is written behind.
-    pub(in crate::report) strips: Vec<(String, Vec<usize>, String)>,
+    pub strips: Vec<(String, Vec<usize>, String)>,
 }
 
 /// The classes of both clusters' colours.
 const CLASSES: [&str; 2] = ["local", "world"];
 
 /// Pairs below each other.
-pub(in crate::report) fn strips(title: &str, pairs: &[Pair]) -> Markup {
+pub fn strips(title: &str, pairs: &[Pair]) -> Markup {
     let heights = pairs.iter().map(|pair| 34.0 + (STRIP + GAP) * pair.strips.len() as f64);
     let tops: Vec<f64> = heights
         .clone()

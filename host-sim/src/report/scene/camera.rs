@@ -4,19 +4,19 @@ use glam::DVec3;
 
 /// A camera on a sphere around its target, y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::report) struct Camera {
+pub struct Camera {
     /// What it looks at, in metres.
-    pub(in crate::report) target_m: DVec3,
+    pub target_m: DVec3,
     /// Angle about the vertical from the z axis to the x axis.
-    pub(in crate::report) yaw_rad: f64,
+    pub yaw_rad: f64,
     /// Angle above the horizon.
-    pub(in crate::report) pitch_rad: f64,
+    pub pitch_rad: f64,
     /// Distance to the target.
-    pub(in crate::report) distance_m: f64,
+    pub distance_m: f64,
     /// Picture units per metre at a distance of one metre.
-    pub(in crate::report) focal: f64,
+    pub focal: f64,
     /// Where the target is in the picture.
-    pub(in crate::report) center: [f64; 2],
+    pub center: [f64; 2],
 }
 
 /// A point in the picture.

@@ -11,10 +11,10 @@ use crate::plant::Pose;
 const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
 
 /// Points of a figure: the joints, then the ends of head, hands and feet.
-pub(in crate::report) const POINT_COUNT: usize = BODY_COUNT + ENDS.len();
+pub const POINT_COUNT: usize = BODY_COUNT + ENDS.len();
 
 /// Points of a figure in the world, in metres.
-pub(in crate::report) type Points = [DVec3; POINT_COUNT];
+pub type Points = [DVec3; POINT_COUNT];
 
 /// A round part: between which points, from which to which share of the way, and how thick at both ends, in
 /// metres for a leg of [`LEG_M`].
@@ -60,7 +60,7 @@ const SHORTEST_M: f64 = 1e-3;
 pub(in crate::report) const HANDS_AND_FEET: [usize; 4] = [7, 11, 14, 17];
 
 /// How far beside the pelvis a hand or a foot is at most, in metres.
-pub(in crate::report) fn reach_m(points: &[DVec3]) -> f64 {
+pub fn reach_m(points: &[DVec3]) -> f64 {
     farthest_reach(points).length()
 }
 
@@ -74,7 +74,7 @@ fn farthest_reach(points: &[DVec3]) -> DVec3 {
 
 /// From where a figure's farthest reach is seen from its side, a little from in front: angle about the
 /// vertical from the z axis to the x axis.
-pub(in crate::report) fn side_view_rad(points: &[DVec3]) -> f64 {
+pub fn side_view_rad(points: &[DVec3]) -> f64 {
     /// Straight from the side a figure is flat.
     const TURN_RAD: f64 = 0.45;
     let reach = farthest_reach(points);
@@ -88,7 +88,7 @@ pub(in crate::report) fn side_view_rad(points: &[DVec3]) -> f64 {
 
 /// What a skeleton tells about the mannequin's shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::report) struct Mannequin {
+pub struct Mannequin {
     /// Ends of head, hands and feet in their bodies' frames, in metres.
     ends_m: [DVec3; ENDS.len()],
     /// Factor on the thickness of all parts.
@@ -97,7 +97,7 @@ pub(in crate::report) struct Mannequin {
 
 impl Mannequin {
     /// The mannequin on a clip's skeleton.
-    pub(in crate::report) fn new(motion: &FigureMotion) -> Self {
+    pub fn new(motion: &FigureMotion) -> Self {
         let legs = BODIES
             .iter()
             .zip(&motion.segment_end_m)
@@ -124,12 +124,12 @@ impl Mannequin {
     }
 
     /// Factor on the thickness of all parts.
-    pub(in crate::report) fn girth(&self) -> f64 {
+    pub fn girth(&self) -> f64 {
         self.girth
     }
 
     /// The figure's points at poses of its bodies in the world.
-    pub(in crate::report) fn points(&self, poses: &[Pose]) -> Points {
+    pub fn points(&self, poses: &[Pose]) -> Points {
         array::from_fn(|point| match point.checked_sub(BODY_COUNT) {
             None => poses[point].position_m,
             Some(end) => {

@@ -6,9 +6,8 @@ mod outline;
 mod posed;
 mod stage;
 
-pub(super) use camera::Camera;
-pub(super) use mannequin::{
-    MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK, reach_m, side_view_rad,
-};
-pub(super) use posed::posed;
-pub(super) use stage::{STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE};
+pub use camera::Camera;
+pub(super) use mannequin::{MEASURED_GIRTH, PARTS, Part, TRUNK};
+pub use mannequin::{Mannequin, POINT_COUNT, Points, reach_m, side_view_rad};
+pub use posed::posed;
+pub use stage::{STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE};

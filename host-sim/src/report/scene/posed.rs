@@ -5,7 +5,7 @@ use crate::figure::{BODIES, FigureMotion};
 use crate::plant::Pose;
 
 /// The mannequin of a motion, and its points in a frame.
-pub(in crate::report) fn posed(motion: &FigureMotion, frame: usize) -> (Mannequin, Points) {
+pub fn posed(motion: &FigureMotion, frame: usize) -> (Mannequin, Points) {
     let mut poses: Vec<Pose> = Vec::new();
     for (body, position_m) in motion.world_positions_m(frame).into_iter().enumerate() {
         let local = motion.rotation[frame][body];

@@ -12,8 +12,8 @@ use super::outline::capsule;
 use crate::report::chart::{line, px};
 use crate::report::labels::{self, Circle, Ground, Label, Rectangle};
 
-pub(in crate::report) const STAGE_WIDTH: f64 = 480.0;
-pub(in crate::report) const STAGE_HEIGHT: f64 = 500.0;
+pub const STAGE_WIDTH: f64 = 480.0;
+pub const STAGE_HEIGHT: f64 = 500.0;
 
 /// Labels stay off the edges, and below the title.
 const LABELS: Ground = Ground {
@@ -34,17 +34,17 @@ const GROUND_M: f64 = 1.6;
 
 /// Figures in one picture, seen by one camera.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::report) struct Stage<'a> {
+pub struct Stage<'a> {
     /// A word that begins the picture's identifiers: no two pictures of a page may share it.
-    pub(in crate::report) id: &'a str,
+    pub id: &'a str,
     /// The camera.
-    pub(in crate::report) camera: Camera,
+    pub camera: Camera,
     /// Height of the ground.
-    pub(in crate::report) ground_m: f64,
+    pub ground_m: f64,
     /// Where the bodies should be, and the girth of that figure.
-    pub(in crate::report) desired: (&'a Points, f64),
+    pub desired: (&'a Points, f64),
     /// Where they are, and the girth of that figure.
-    pub(in crate::report) measured: (&'a Points, f64),
+    pub measured: (&'a Points, f64),
 }
 
 /// A part in the picture.
@@ -55,7 +55,7 @@ struct Drawn {
 
 impl Stage<'_> {
     /// Stage, shadows and figures, as the content of an SVG.
-    pub(in crate::report) fn draw(&self) -> Markup {
+    pub fn draw(&self) -> Markup {
         let desired = self.parts(self.desired.0, self.desired.1);
         let measured = self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH);
         // From the farthest to the nearest; a part of one figure stays with that of the other, so that the
@@ -79,7 +79,7 @@ impl Stage<'_> {
     }
 
     /// Stage, shadow and the desired figure alone, from the lit side to the dark one in these colours.
-    pub(in crate::report) fn draw_desired(&self, shades: [&str; 3]) -> Markup {
+    pub fn draw_desired(&self, shades: [&str; 3]) -> Markup {
         let parts = self.parts(self.desired.0, self.desired.1);
         let mut order: Vec<usize> = (TRUNK..PARTS.len()).collect();
         let trunk_m = parts[..TRUNK].iter().map(|part| part.depth_m).sum::<f64>() / TRUNK as f64;
@@ -221,5 +221,5 @@ impl Stage<'_> {
 }
 
 /// From the lit side to the dark one.
-pub(in crate::report) const WHITE: [&str; 3] = ["#ffffff", "#e4e8ee", "#98a2b0"];
+pub const WHITE: [&str; 3] = ["#ffffff", "#e4e8ee", "#98a2b0"];
 pub(in crate::report) const RED: [&str; 3] = ["#ff7b68", "#d8301e", "#7e120a"];

@@ -1,0 +1,11 @@
+//! What commands share: options that several have, and writing to the terminal.
+
+mod exit;
+mod measure;
+mod output;
+mod threads;
+
+pub use exit::exit_code;
+pub use measure::MeasureArgs;
+pub use output::{note, print, with_progress};
+pub use threads::ThreadArgs;

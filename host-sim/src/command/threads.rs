@@ -1,0 +1,34 @@
+//! The option of the number of threads.
+
+use std::num::NonZeroUsize;
+
+use anyhow::Context as _;
+
+/// The option of the number of threads.
+#[derive(Debug, clap::Args)]
+pub struct ThreadArgs {
+    /// Number of threads; the result does not depend on it. Without: one per processor.
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    threads: Option<NonZeroUsize>,
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.trim().parse().map_err(|_| "expected a whole number from 1".into())
+}
+
+impl ThreadArgs {
+    /// Does `work` with that many threads.
+    ///
+    /// # Errors
+    /// Those of `work`, and if the threads cannot be started.
+    pub fn install<T: Send>(
+        &self,
+        work: impl FnOnce() -> anyhow::Result<T> + Send,
+    ) -> anyhow::Result<T> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, NonZeroUsize::get))
+            .build()
+            .context("the threads could not be started")?;
+        pool.install(work)
+    }
+}

@@ -1,0 +1,59 @@
+//! `sinew robustness` and `sinew latency` as commands.
+
+use std::process::{Command, Output};
+
+fn sinew(arguments: &[&str]) -> Output {
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew")).args(arguments).output();
+    output.expect("the command starts")
+}
+
+fn printed(arguments: &[&str]) -> String {
+    let output = sinew(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn every_rig_has_a_row_and_the_threads_do_not_matter() {
+    let rigs = |threads: &str| {
+        printed(&["robustness", "--seconds", "0.2", "--seeds", "3", "--threads", threads])
+    };
+    let text = rigs("1");
+    assert_eq!(text, rigs("2"));
+    for row in ["|      1 |", "|      2 |", "|      3 |", "| median |"] {
+        assert!(text.contains(row), "{text}");
+    }
+    assert!(
+        text.contains("recommended is below world in mean angular and linear error on"),
+        "{text}"
+    );
+}
+
+#[test]
+fn looking_ahead_lets_a_drive_come_later() {
+    let text = printed(&["latency", "--seconds", "1", "--rates", "500", "--methods", "world"]);
+    let steps = |looks_ahead: &str| -> usize {
+        let row = text.lines().find(|line| line.contains(&format!("{looks_ahead} |")));
+        let cell = row.and_then(|row| row.split('|').nth(3)).expect("a row of three cells");
+        cell.split_whitespace().next().and_then(|n| n.parse().ok()).expect("a number of steps")
+    };
+    assert!(steps("yes") > steps("no"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_what_could() {
+    for (arguments, part) in [
+        (&["robustness", "--seeds", "0"][..], "1..=1000"),
+        (&["robustness", "--rate", "500", "--frames", "300"], "a whole number of times"),
+        (&["robustness", "--set", "controller.law=pd"], "inverse_dynamics"),
+        (&["robustness", "--set", "disturbance.sensor_bits=40"], "0 to 24 bits"),
+        (&["latency", "--rates", "nan"], "a number of Hz from 10 to 10000"),
+        (&["latency", "--set", "controller.observer.cancel=true"], "nothing to cancel"),
+    ] {
+        let output = sinew(arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains(part), "{arguments:?}: {told}");
+        assert!(output.stdout.is_empty());
+    }
+}

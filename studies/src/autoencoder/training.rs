@@ -1,0 +1,109 @@
+//! One network on its way.
+
+use std::f64::consts::PI;
+
+use candle_core::backprop::GradStore;
+use candle_core::{Device, Result, Tensor};
+use serde::{Deserialize, Serialize};
+use sinew_sim::random::{Random, Subject};
+
+use super::adamw::Moments;
+use super::loss::Loss;
+use super::network::Network;
+use super::samples::{Rows, Samples};
+
+/// How networks are trained, the same for every method.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Schedule {
+    /// Steps of a training.
+    pub steps: usize,
+    /// Poses in a step. The framework spreads operations on more than 65536 numbers over threads of its own, which
+    /// small steps only wait for: forward kinematics of 31 joints makes so many of 235 poses.
+    pub batch: usize,
+    /// Learning rate at the beginning; it falls to zero along half a cosine.
+    pub rate: f64,
+    /// Decay of the parameters per unit of the rate.
+    pub decay: f64,
+    /// How much a metre of global position counts in the forward-kinematics loss, against a number of a rotation's
+    /// column.
+    pub position_per_m: f64,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { steps: 5_000, batch: 128, rate: 1e-3, decay: 1e-3, position_per_m: 1.0 }
+    }
+}
+
+/// A network, its optimiser's memory, and how far it is. What comes next depends on nothing else: the order of
+/// the poses is a function of the seed and the step.
+#[derive(Debug, Clone)]
+pub(super) struct Training {
+    pub(super) network: Network,
+    pub(super) moments: Vec<Moments>,
+    pub(super) step: usize,
+    seed: u64,
+    /// The order of an epoch, so that it need not be drawn for every step of it.
+    order: Option<(usize, Vec<u32>)>,
+}
+
+impl Training {
+    pub(super) fn new(numbers: usize, latent: usize, seed: u64) -> Result<Self> {
+        let network = Network::new(numbers, latent, seed)?;
+        let moments = network.parameters().iter().map(|(_, value)| Moments::zero(value));
+        Ok(Self { moments: moments.collect::<Result<_>>()?, network, step: 0, seed, order: None })
+    }
+
+    /// One step.
+    pub(super) fn advance(
+        &mut self,
+        samples: &Samples,
+        loss: &Loss,
+        schedule: &Schedule,
+    ) -> Result<()> {
+        let batch = self.batch(&samples.train, schedule.batch)?;
+        let gradients = self.loss(samples, &batch, loss)?.backward()?;
+        self.update(&gradients, schedule)
+    }
+
+    /// The poses of the next step. An epoch takes all of them in an order of its own, less those that
+    /// fill no batch.
+    pub(super) fn batch(&mut self, rows: &Rows, batch: usize) -> Result<Rows> {
+        let count = rows.len()?;
+        let batch = batch.min(count);
+        let batches = count / batch;
+        let (epoch, place) = (self.step / batches, self.step % batches);
+        let order = match self.order.take() {
+            Some((of, order)) if of == epoch => order,
+            _ => {
+                let mut order: Vec<u32> =
+                    (0..u32::try_from(count).expect("fewer than 2^32")).collect();
+                Random::numbered(self.seed, epoch as u64, Subject::Batches).shuffle(&mut order);
+                order
+            }
+        };
+        let indices = Tensor::from_slice(&order[place * batch..][..batch], batch, &Device::Cpu)?;
+        self.order = Some((epoch, order));
+        rows.at(&indices)
+    }
+
+    /// The loss of a batch as the network is.
+    pub(super) fn loss(&self, samples: &Samples, batch: &Rows, loss: &Loss) -> Result<Tensor> {
+        loss.mean(&self.reconstruct(samples, batch)?, batch)
+    }
+
+    /// The columns that the network makes of poses.
+    pub(super) fn reconstruct(&self, samples: &Samples, rows: &Rows) -> Result<Tensor> {
+        samples.columns(&self.network.forward(&rows.input)?)
+    }
+
+    pub(super) fn update(&mut self, gradients: &GradStore, schedule: &Schedule) -> Result<()> {
+        let share = self.step as f64 / schedule.steps as f64;
+        let rate = schedule.rate * 0.5 * (1.0 + libm::cos(PI * share));
+        self.step += 1;
+        for ((_, value), moments) in self.network.parameters().iter().zip(&mut self.moments) {
+            moments.update(value, gradients, self.step, rate, schedule.decay)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,155 @@
+//! `sinew-studies autoencoder`: what a loss on joint rotations should count.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::ValueEnum;
+use sinew_sim::character;
+use sinew_sim::command::{ThreadArgs, note, print, with_progress};
+use sinew_sim::weights::{self, Method, weigh};
+use sinew_studies::autoencoder::{self, Plan, Poses, Schedule};
+use sinew_studies::pictures::write_study;
+
+use super::data::DataArgs;
+
+/// Train auto-encoders of poses with five losses, and compare what they reconstruct.
+///
+/// After D. Holden, "Joint Error Propagation" (2025). A network of two layers makes a few numbers of the rotations of all
+/// joints, and the rotations of the numbers. Five losses, the rest alike: differences of local rotations; those and of
+/// global positions and rotations (forward kinematics); local ones weighted by joint: by the length of what hangs
+/// on it, by the surface of cylinders around that, and by the skin of the character Geno, whose joints are matched by name.
+/// The test subjects' poses are in no training.
+///
+/// With `--out`, what is stopped goes on where it was, and pictures are written.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    data: DataArgs,
+
+    /// Latent units of the networks. Without: 150 and 24, or 12 with `--quick`.
+    #[arg(long, value_name = "N,..", value_delimiter = ',')]
+    latent: Vec<NonZeroUsize>,
+
+    /// Train every network with seeds from 1 to N. Without: 3, or 1 with `--quick`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: Option<u64>,
+
+    /// Steps of every training. Without: 5000, or 40 with `--quick`.
+    #[arg(long, value_name = "N")]
+    steps: Option<NonZeroUsize>,
+
+    /// Poses of every step.
+    #[arg(long, value_name = "N", default_value = "128")]
+    batch: NonZeroUsize,
+
+    /// How much a metre counts in the forward-kinematics loss, against a number of a rotation's two columns.
+    #[arg(long, value_name = "FACTOR", default_value = "1.0", value_parser = factor)]
+    position_per_m: f64,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+
+    /// Folder for checkpoints, table, JSON and pictures.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Do not time the steps.
+    #[arg(long)]
+    no_times: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Tables as text.
+    Table,
+    /// One JSON object, with the errors of every joint.
+    Json,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse().unwrap_or(f64::NAN);
+    if (0.0..=1e6).contains(&value) {
+        Ok(value)
+    } else {
+        Err("expected a number from 0 to 1000000".into())
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let threads = args.threads.install(|| Ok(rayon::current_num_threads()))?;
+    let quick = args.data.quick;
+    let (poses, character) = match args.data.folder()? {
+        Some(data) => read(&data)?,
+        None => (Poses::built_in(), None),
+    };
+    let latents: &[usize] = if quick { &[12] } else { &[150, 24] };
+    let plan = Plan {
+        poses: &poses,
+        character: character.as_deref(),
+        latents: if args.latent.is_empty() {
+            latents.to_vec()
+        } else {
+            args.latent.iter().map(|latent| latent.get()).collect()
+        },
+        seeds: args.seeds.unwrap_or(if quick { 1 } else { 3 }),
+        schedule: Schedule {
+            steps: args.steps.map_or(if quick { 40 } else { 5_000 }, NonZeroUsize::get),
+            batch: args.batch.get(),
+            position_per_m: args.position_per_m,
+            ..Schedule::default()
+        },
+        checkpoints: args.out.as_ref().map(|out| out.join("checkpoints")),
+        threads,
+    };
+    let study = with_progress(plan.steps(), |progress| autoencoder::run(&plan, progress))?;
+    let times = if args.no_times { Vec::new() } else { autoencoder::time_steps(&plan)? };
+    let table = autoencoder::tables(&plan, &study, &times);
+    let json = format!("{:#}\n", autoencoder::json(&plan, &study, &times));
+    if let Some(out) = &args.out {
+        let write = |name: &str, text: &str| {
+            let path = out.join(name);
+            fs::write(&path, text).with_context(|| format!("{}: cannot be written", path.display()))
+        };
+        let pictures = write_study(&study, &poses.skeleton, out)
+            .with_context(|| format!("{}: cannot be written", out.display()))?;
+        write("autoencoder.txt", &table)?;
+        write("autoencoder.json", &json)?;
+        for picture in pictures {
+            note(format_args!("{}", picture.display()));
+        }
+    }
+    print(match args.format {
+        Format::Table => &table,
+        Format::Json => &json,
+    })?;
+    Ok(())
+}
+
+/// Weights of a character's joints by name.
+type Character = Vec<(String, f64)>;
+
+/// The poses of CMU, and the importance of Geno's joints.
+fn read(data: &Path) -> anyhow::Result<(Poses, Option<Character>)> {
+    let geno = data.join("geno").join("Geno.bin");
+    let character = if geno.exists() {
+        Some(importance_by_mesh(&geno)?)
+    } else {
+        note(format_args!("{}: is not there, so there are no weights by a mesh", geno.display()));
+        None
+    };
+    Ok((Poses::cmu(&data.join("cmu"))?, character))
+}
+
+fn importance_by_mesh(file: &Path) -> anyhow::Result<Character> {
+    let character = character::read(file, &character::Options::default())?;
+    let weighing = weigh(&character, Method::Mesh, &weights::Settings::default())?;
+    let names = character.joints().iter().map(|joint| joint.name.clone());
+    Ok(names.zip(weighing.weights).collect())
+}

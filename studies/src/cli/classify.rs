@@ -1,0 +1,61 @@
+//! `sinew-studies classify`: walking or running, by the nearest pose.
+
+use std::num::NonZeroUsize;
+
+use sinew_studies::pictures::write_classify;
+use sinew_studies::spatial::classify::{self, Plan};
+use sinew_studies::spatial::cost;
+
+use sinew_sim::command::with_progress;
+
+use super::two_classes::TwoClassesArgs;
+
+/// Tell walking from running by the nearest pose, with every distance of poses.
+///
+/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding" (2012),
+/// that had 100 % right by the geodesic line and 90 % by joint angles. Ten sequences of walking and ten of running are
+/// drawn, and every pose of each is called what its nearest neighbour among the other sequences' poses is; again and again. Also with
+/// neighbours of other people only (of another style, in Bandai's recordings, that name no people). Where the root is and
+/// how it is turned does not count. What a distance takes is timed in the same run.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    common: TwoClassesArgs,
+
+    /// Sequences of each class in a draw. Without: 10, or 3 with `--quick`.
+    #[arg(long, value_name = "N")]
+    each: Option<NonZeroUsize>,
+
+    /// How often sequences are drawn. Without: 50, or 5 with `--quick`.
+    #[arg(long, value_name = "N")]
+    draws: Option<NonZeroUsize>,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let Args { common, each, draws } = args;
+    let classes = common.read()?;
+    let rig = common.rig(&classes)?;
+    let of = |given: &Option<NonZeroUsize>, full: usize, quick: usize| {
+        given.map_or(if common.is_quick() { quick } else { full }, NonZeroUsize::get)
+    };
+    let plan = Plan {
+        classes: &classes,
+        rig: &rig,
+        measures: common.measures(),
+        each: of(each, 10, 3),
+        draws: of(draws, 50, 5),
+        seed: common.seed,
+    };
+    let study = with_progress(plan.steps(), |progress| {
+        common.threads.install(|| Ok(classify::run(&plan, progress)?))
+    })?;
+    let costs =
+        if common.no_times { Vec::new() } else { cost::of(&classes, &rig, &plan.measures)? };
+    common.results.write(
+        "classify",
+        &classify::tables(&plan, &study, &costs),
+        &classify::json(&plan, &study, &costs),
+        |folder| write_classify(&plan, &study, folder),
+    )
+}

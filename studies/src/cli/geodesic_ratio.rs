@@ -1,0 +1,75 @@
+//! `sinew-studies geodesic-ratio`: how much shorter geodesics are than the lines that stand in for them.
+
+use std::num::NonZeroU16;
+
+use sinew_studies::pictures::write_geodesic_ratio;
+use sinew_studies::recordings::Recordings;
+use sinew_studies::spatial::geodesic_ratio::{self, Plan};
+
+use sinew_sim::command::{ThreadArgs, with_progress};
+
+use super::data::DataArgs;
+use super::results::ResultArgs;
+
+/// Hold geodesics against the straight lines that stand in for them: how much longer is a line?
+///
+/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
+/// (2012), eq. (8): r = L(geodesic) / L(line) of random pairs of poses from walking, of which they find none below 0.94.
+/// All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
+///
+/// Then the same with one thing changed: where pairs are from, steps, coordinates of the line, which joints count, what
+/// is done; and by how far apart the poses are.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    data: DataArgs,
+
+    /// Pairs of poses for each condition.
+    #[arg(long, value_name = "N", default_value = "100")]
+    pairs: NonZeroU16,
+
+    /// Seed of the draws.
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+
+    /// Steps of a curve; there are conditions with twice and four times as many.
+    #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    steps: u16,
+
+    /// See poses from this joint. Without: from the skeleton's root.
+    #[arg(long, value_name = "JOINT")]
+    root: Option<String>,
+
+    #[command(flatten)]
+    results: ResultArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let recordings = match args.data.folder()? {
+        Some(data) => Recordings::cmu(&data.join("cmu"))?,
+        None => Recordings::built_in(),
+    };
+    let plan = Plan {
+        recordings: &recordings,
+        root: args.root.as_deref(),
+        pairs: usize::from(args.pairs.get()),
+        seed: args.seed,
+        steps: usize::from(args.steps),
+    };
+    let conditions = plan.conditions();
+    let outcomes = args.threads.install(|| {
+        Ok(with_progress(conditions.len() * plan.pairs, |progress| {
+            geodesic_ratio::run(&plan, &conditions, progress)
+        })?)
+    })?;
+    args.results.write(
+        "geodesic-ratio",
+        &geodesic_ratio::tables(&plan, &outcomes),
+        &geodesic_ratio::json(&plan, &outcomes),
+        |out| write_geodesic_ratio(&outcomes, out),
+    )
+}

@@ -1,0 +1,108 @@
+//! `sinew-studies mds`: how few dimensions motion needs under each measure.
+
+use std::num::NonZeroU16;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, ensure};
+use sinew_sim::command::{ThreadArgs, with_progress};
+use sinew_studies::pictures::write_mds;
+use sinew_studies::recordings::{Recordings, Sequence, broad};
+use sinew_studies::spatial::components::{self, Plan};
+
+use super::data::DataArgs;
+use super::results::ResultArgs;
+
+/// Embed motion by multidimensional scaling and Isomap: how much does one dimension hold under each measure of poses?
+///
+/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
+/// (2012), figure 4 and the test after it. The measures: differences of joint coordinates (angles), rotations times bone
+/// lengths (rotations), positions of joints, the geodesic line; each with joints alike and weighted by importance.
+///
+/// Two people's walks, on one skeleton, are embedded together; then every broad recording at 12 Hz alone, on its own
+/// skeleton, of which the share of the first component is taken.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    data: DataArgs,
+
+    /// The two walks: files of CMU's 31-joint skeletons, from the data set's folder.
+    #[arg(
+        long,
+        value_name = "FILE",
+        num_args = 2,
+        default_values = WALKS,
+        conflicts_with = "quick"
+    )]
+    walks: Vec<String>,
+
+    /// Steps that a line is sampled in.
+    #[arg(long, value_name = "N", default_value = "10")]
+    steps: NonZeroU16,
+
+    /// Nearest poses that Isomap joins every pose with.
+    #[arg(long, value_name = "N", default_value = "7", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    neighbours: u16,
+
+    /// See poses from this joint: of several, from the first that a skeleton has. Without: from its root.
+    #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
+    root: Vec<String>,
+
+    #[command(flatten)]
+    results: ResultArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// Walks of subjects 07 and 35, straight on.
+const WALKS: [&str; 2] = ["broad-12hz/07_01.bvh", "broad-12hz/35_01.bvh"];
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let (walking, broad, walks) = if let Some(data) = args.data.folder()? {
+        (Recordings::cmu(&data.join("cmu"))?, broad(&data)?, args.walks.clone())
+    } else {
+        let clips = Recordings::built_in();
+        let walks = clips.sequences[..2].iter().map(|clip| clip.file.clone()).collect();
+        (clips.clone(), vec![clips], walks)
+    };
+    let [first, second] = [&walks[0], &walks[1]].map(|file| find(&walking, file));
+    let plan = Plan {
+        skeleton: &walking.skeleton,
+        walks: [first?, second?],
+        broad: &broad,
+        roots: &args.root,
+        steps: args.steps.get(),
+        neighbours: usize::from(args.neighbours),
+    };
+    let study = args.threads.install(|| {
+        Ok(with_progress(plan.steps(), |progress| components::run(&plan, progress))?)
+    })?;
+    let walkers = plan.walks.map(walker);
+    args.results.write(
+        "mds",
+        &components::tables(&plan, &study),
+        &components::json(&plan, &study),
+        |out| write_mds(&study, [&walkers[0], &walkers[1]], out),
+    )
+}
+
+fn find<'r>(recordings: &'r Recordings, file: &str) -> anyhow::Result<&'r Sequence> {
+    let found = recordings.sequences.iter().find(|sequence| sequence.file == file);
+    let sequence = found.with_context(|| {
+        format!("{file}: expected a recording of CMU's 31-joint skeletons, such as {}", WALKS[0])
+    })?;
+    ensure!(sequence.frames.len() > 1, "{file}: expected more than one pose");
+    Ok(sequence)
+}
+
+/// A name for a legend.
+fn walker(walk: &Sequence) -> String {
+    let file = PathBuf::from(&walk.file);
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    if walk.trial.is_empty() {
+        stem.into_owned()
+    } else {
+        format!("subject {}, {stem}", walk.subject)
+    }
+}

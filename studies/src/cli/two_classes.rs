@@ -1,0 +1,60 @@
+//! What `sinew-studies classify` and `sinew-studies cluster` ask alike.
+
+use std::num::NonZeroU16;
+
+use sinew_sim::command::ThreadArgs;
+use sinew_sim::spatial::{Measure, SpatialRig};
+use sinew_studies::spatial::classes::TwoClasses;
+
+use super::data::RecordingArgs;
+use super::results::ResultArgs;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TwoClassesArgs {
+    #[command(flatten)]
+    recordings: RecordingArgs,
+
+    /// Seed of what is drawn.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(super) seed: u64,
+
+    /// Steps that lines are sampled in.
+    #[arg(long, value_name = "N", default_value = "10")]
+    steps: NonZeroU16,
+
+    /// Joint that poses are seen from. Without: the skeleton's root.
+    #[arg(long, value_name = "JOINT")]
+    root: Option<String>,
+
+    #[command(flatten)]
+    pub(super) results: ResultArgs,
+
+    /// Do not time the distances.
+    #[arg(long)]
+    pub(super) no_times: bool,
+
+    #[command(flatten)]
+    pub(super) threads: ThreadArgs,
+}
+
+impl TwoClassesArgs {
+    /// Without data and for a moment.
+    pub(super) const fn is_quick(&self) -> bool {
+        self.recordings.data.quick
+    }
+
+    /// What is told apart.
+    pub(super) fn read(&self) -> anyhow::Result<TwoClasses> {
+        Ok(TwoClasses::of(&self.recordings.read()?)?)
+    }
+
+    /// How poses are seen.
+    pub(super) fn rig(&self, classes: &TwoClasses) -> anyhow::Result<SpatialRig> {
+        Ok(SpatialRig::new(&classes.skeleton, self.root.as_deref())?)
+    }
+
+    /// All distances.
+    pub(super) fn measures(&self) -> Vec<Measure> {
+        Measure::all().map(|measure| Measure { steps: self.steps.get(), ..measure }).collect()
+    }
+}

@@ -1,0 +1,126 @@
+//! How near poses come to sequences: all that a classifier by nearest neighbours asks, once for any choice of sequences.
+
+use rayon::prelude::*;
+
+use sinew_sim::spatial::{MeasuredPose, Measuring, Metric, Workspace};
+
+/// For every pose of some sequences the distance of the nearest pose of every other sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    sequences: usize,
+    /// The first pose of each sequence, counted through all.
+    first: Vec<usize>,
+    /// By pose, then by sequence; infinite to its own.
+    distances: Vec<f32>,
+}
+
+impl Nearest {
+    /// Between the poses of all sequences; `done` is told of pairs of poses. Pairs of sequences in parallel, the same bits
+    /// for any number of threads.
+    ///
+    /// A line that cannot be the shortest, because the way straight through space is not, is not walked: exact but for the
+    /// rounding of f32 in which a straight line may look shorter than it is.
+    pub fn new(
+        measuring: &Measuring<'_>,
+        poses: &[Vec<MeasuredPose>],
+        done: impl Fn(usize) + Sync,
+    ) -> Self {
+        let sequences = poses.len();
+        let mut first = Vec::with_capacity(sequences);
+        let mut count = 0;
+        for of_sequence in poses {
+            first.push(count);
+            count += of_sequence.len();
+        }
+        let mut nearest =
+            Self { sequences, first, distances: vec![f32::INFINITY; count * sequences] };
+        let pairs: Vec<(usize, usize)> =
+            (0..sequences).flat_map(|a| (0..a).map(move |b| (a, b))).collect();
+        let between = |workspace: &mut Workspace, (a, b): &(usize, usize)| {
+            let both = of_pair(measuring, &poses[*a], &poses[*b], workspace);
+            done(poses[*a].len() * poses[*b].len());
+            both
+        };
+        let found: Vec<(Vec<f32>, Vec<f32>)> =
+            pairs.par_iter().map_init(Workspace::new, between).collect();
+        for ((a, b), (of_a, of_b)) in pairs.iter().zip(found) {
+            for (own, other, distances) in [(*a, *b, of_a), (*b, *a, of_b)] {
+                for (pose, distance) in distances.into_iter().enumerate() {
+                    let at = (nearest.first[own] + pose) * sequences + other;
+                    nearest.distances[at] = distance;
+                }
+            }
+        }
+        nearest
+    }
+
+    /// The distances of a sequence's pose to all sequences.
+    pub fn of(&self, sequence: usize, pose: usize) -> &[f32] {
+        let from = (self.first[sequence] + pose) * self.sequences;
+        &self.distances[from..from + self.sequences]
+    }
+}
+
+/// For every pose of either sequence the distance of the other's nearest.
+fn of_pair(
+    measuring: &Measuring<'_>,
+    a: &[MeasuredPose],
+    b: &[MeasuredPose],
+    workspace: &mut Workspace,
+) -> (Vec<f32>, Vec<f32>) {
+    let is_bounded = measuring.measure().metric == Metric::Line;
+    let (mut of_a, mut of_b) = (vec![f32::INFINITY; a.len()], vec![f32::INFINITY; b.len()]);
+    for (one, of_one) in a.iter().zip(&mut of_a) {
+        for (other, of_other) in b.iter().zip(&mut of_b) {
+            let to_beat = of_one.max(*of_other);
+            if is_bounded && measuring.position_distance(one, other) >= to_beat {
+                continue;
+            }
+            let distance = measuring.distance(one, other, workspace);
+            *of_one = of_one.min(distance);
+            *of_other = of_other.min(distance);
+        }
+    }
+    (of_a, of_b)
+}
+
+#[cfg(test)]
+mod tests {
+    use sinew_sim::spatial::{Measure, SpatialRig};
+
+    use super::*;
+    use crate::recordings::Recordings;
+    use crate::spatial::classes::TwoClasses;
+
+    #[test]
+    fn bounds_leave_out_nothing_that_is_nearest() {
+        let mut classes = TwoClasses::of(&Recordings::built_in()).unwrap();
+        classes.sequences.drain(2..9);
+        for sequence in &mut classes.sequences {
+            sequence.frames.truncate(20);
+        }
+        let rig = SpatialRig::new(&classes.skeleton, None).unwrap();
+        let mut workspace = Workspace::new();
+        for measure in Measure::all() {
+            let measuring = Measuring::new(&rig, measure);
+            let poses = classes.measured(&measuring).unwrap();
+            let nearest = Nearest::new(&measuring, &poses, |_| ());
+            for (a, of_a) in poses.iter().enumerate() {
+                for (pose, one) in of_a.iter().enumerate() {
+                    let of = nearest.of(a, pose);
+                    for (b, of_b) in poses.iter().enumerate() {
+                        if a == b {
+                            assert!(of[b].is_infinite(), "its own");
+                            continue;
+                        }
+                        let all = of_b.iter();
+                        let all = all.map(|other| measuring.distance(one, other, &mut workspace));
+                        let expected = all.fold(f32::INFINITY, f32::min);
+                        let off = (of[b] - expected).abs();
+                        assert!(off <= 1e-5 * expected, "{measure}: {} {expected}", of[b]);
+                    }
+                }
+            }
+        }
+    }
+}

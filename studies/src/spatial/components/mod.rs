@@ -1,0 +1,277 @@
+//! How few dimensions motion needs under a measure: classical multidimensional scaling, and Isomap, of a recording's frames.
+//!
+//! Their figure 4 embeds two people's walks; over many recordings they give the share of the first component, with a mode
+//! of 40 % under the angle metric and of 80 % under the geodesic line.
+
+mod report;
+
+use std::iter;
+
+use rayon::prelude::*;
+use sinew_core::pose_space::PoseSpaceError;
+use sinew_mocap::Skeleton;
+
+use super::isomap::along_neighbours;
+use super::mds::{Embedding, classical, spectrum};
+use crate::recordings::{CMU_KINDS, Class, DataSet, Pose, Recordings, Sequence};
+pub use report::{json, tables};
+use sinew_sim::spatial::{
+    Distances, Measure, Measuring, Metric, SpatialError, SpatialRig, Weighting, Workspace,
+};
+
+/// What is tried.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan<'a> {
+    /// The skeleton of both walks.
+    pub skeleton: &'a Skeleton,
+    /// Walks of two people, embedded together.
+    pub walks: [&'a Sequence; 2],
+    /// Recordings that the share of the first component is of.
+    pub broad: &'a [Recordings],
+    /// Where poses are seen from: the first of these joints that a skeleton has; without any, from its root.
+    pub roots: &'a [String],
+    /// Steps that lines are sampled in.
+    pub steps: u16,
+    /// Neighbours that Isomap joins every frame with.
+    pub neighbours: usize,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Both walks in one embedding, the first one's frames first, under every measure.
+    pub walks: Vec<(Measure, Embedding)>,
+    /// Number of the first walk's frames.
+    pub first_frames: usize,
+    /// Every recording.
+    pub recordings: Vec<OfRecording>,
+}
+
+/// One recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OfRecording {
+    /// Its file.
+    pub file: String,
+    /// Where it is from.
+    pub data_set: DataSet,
+    /// Kind of skeleton.
+    pub kind: String,
+    /// What is done.
+    pub class: Class,
+    /// Number of its frames.
+    pub frames: usize,
+    /// Under every measure, in the order of [`Measure::all`].
+    pub components: Vec<Components>,
+}
+
+/// What the first components hold of one recording under one measure. NaN where all poses are the same.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Components {
+    /// Share of the first component.
+    pub mds: f64,
+    /// Sum of the negative eigenvalues against the positive ones.
+    pub mds_negative: f64,
+    /// The same along neighbours.
+    pub isomap: f64,
+    /// Sum of the negative eigenvalues along neighbours.
+    pub isomap_negative: f64,
+    /// Share of the frames that hang together by neighbours.
+    pub together: f64,
+}
+
+/// One of the figures.
+pub type Figure = fn(&Components) -> f64;
+
+/// A recording cannot be compared in space.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Its skeleton.
+    #[error("{file}: {source}")]
+    Skeleton {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: SpatialError,
+    },
+    /// It has none: it is shorter than what is left out at its beginning.
+    #[error("{file}: expected poses, found none at 12 Hz")]
+    NoPoses {
+        /// The file.
+        file: String,
+    },
+    /// A pose.
+    #[error("{file}: {source}")]
+    Pose {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: PoseSpaceError,
+    },
+}
+
+impl Plan<'_> {
+    /// All measures, with this plan's steps.
+    pub fn measures(&self) -> impl Iterator<Item = Measure> {
+        let steps = self.steps;
+        Measure::all().map(move |measure| Measure { steps, ..measure })
+    }
+
+    /// Number of recordings and measures that [`run`] goes through.
+    pub fn steps(&self) -> usize {
+        self.measures().count() * (1 + self.sequences().count())
+    }
+
+    fn sequences(&self) -> impl Iterator<Item = (&Skeleton, &Sequence)> {
+        self.broad.iter().flat_map(|of| iter::repeat(&of.skeleton).zip(&of.sequences))
+    }
+
+    fn rig(&self, skeleton: &Skeleton, file: &str) -> Result<SpatialRig, Error> {
+        let found = self.roots.iter().find(|root| skeleton.find(root).is_some());
+        let root = found.or(self.roots.first()).map(String::as_str);
+        let failed = |source| Error::Skeleton { file: file.to_owned(), source };
+        SpatialRig::new(skeleton, root).map_err(failed)
+    }
+}
+
+/// Embeds both walks, and works out the components of all recordings, in parallel; `done` is told of every measure of each. The
+/// same result for any number of threads.
+///
+/// # Errors
+/// [`Error`] of the first recording that cannot be compared.
+pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Error> {
+    let mut all = plan.walks.into_iter().chain(plan.sequences().map(|(_, sequence)| sequence));
+    if let Some(sequence) = all.find(|sequence| sequence.frames.is_empty()) {
+        return Err(Error::NoPoses { file: sequence.file.clone() });
+    }
+    let [first, second] = plan.walks;
+    let rig = plan.rig(plan.skeleton, &first.file)?;
+    let both: Vec<&Pose> = first.frames.iter().chain(&second.frames).collect();
+    let walks = plan.measures().map(|measure| {
+        let embedding = classical(&distances(&rig, measure, &both, &first.file)?, 3);
+        done(1);
+        Ok((measure, embedding))
+    });
+    let walks = walks.collect::<Result<_, Error>>()?;
+    let sequences: Vec<_> = plan.sequences().collect();
+    let recordings = sequences.par_iter().map(|(skeleton, sequence)| {
+        let rig = plan.rig(skeleton, &sequence.file)?;
+        let components = plan.measures().map(|measure| {
+            let poses: Vec<&Pose> = sequence.frames.iter().collect();
+            let distances = distances(&rig, measure, &poses, &sequence.file)?;
+            done(1);
+            Ok(Components::of(&distances, plan.neighbours))
+        });
+        Ok(OfRecording {
+            file: sequence.file.clone(),
+            data_set: sequence.data_set,
+            kind: sequence.kind.clone(),
+            class: sequence.class,
+            frames: sequence.frames.len(),
+            components: components.collect::<Result<_, Error>>()?,
+        })
+    });
+    let recordings = recordings.collect::<Result<_, _>>()?;
+    Ok(Study { walks, first_frames: first.frames.len(), recordings })
+}
+
+/// Recordings that are alike in how they were made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// CMU's, on the skeletons of 31 joints that they were recorded on.
+    Cmu31,
+    /// CMU's, carried over to other skeletons.
+    CmuOthers,
+    /// Bandai's.
+    Bandai,
+    /// The built-in clips.
+    BuiltIn,
+}
+
+impl Part {
+    /// All, in the order in which they are shown.
+    pub const ALL: [Self; 4] = [Self::Cmu31, Self::CmuOthers, Self::Bandai, Self::BuiltIn];
+
+    /// The name in tables and pictures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cmu31 => "CMU, 31 joints",
+            Self::CmuOthers => "CMU, other skeletons",
+            Self::Bandai => "Bandai",
+            Self::BuiltIn => "built-in",
+        }
+    }
+}
+
+impl OfRecording {
+    /// Which part it is of.
+    pub fn part(&self) -> Part {
+        match self.data_set {
+            DataSet::Cmu if CMU_KINDS.contains(&self.kind.as_str()) => Part::Cmu31,
+            DataSet::Cmu => Part::CmuOthers,
+            DataSet::Bandai => Part::Bandai,
+            DataSet::BuiltIn => Part::BuiltIn,
+        }
+    }
+
+    fn under(&self, metric: Metric, weighting: Weighting) -> &Components {
+        let mut measures = Measure::all();
+        let at = measures.position(|m| m.metric == metric && m.weighting == weighting);
+        &self.components[at.expect("all measures are there")]
+    }
+}
+
+impl Study {
+    /// A figure of recordings under one measure; where all poses are the same there is none.
+    pub fn figures<'a>(
+        recordings: impl IntoIterator<Item = &'a OfRecording>,
+        metric: Metric,
+        weighting: Weighting,
+        of: Figure,
+    ) -> Vec<f64> {
+        let figures = recordings.into_iter().map(|one| of(one.under(metric, weighting)));
+        figures.filter(|figure| figure.is_finite()).collect()
+    }
+}
+
+/// The mode that the paper has of the first component's share.
+pub const fn mode_of_paper(metric: Metric) -> Option<f64> {
+    match metric {
+        Metric::Angles => Some(0.4),
+        Metric::Line => Some(0.8),
+        Metric::Rotations | Metric::Positions => None,
+    }
+}
+
+impl Components {
+    fn of(distances: &Distances, neighbours: usize) -> Self {
+        let straight = spectrum(distances);
+        let (together, along) = along_neighbours(distances, neighbours);
+        let bent = spectrum(&along);
+        let first = |shares: &[f64]| shares.first().copied().unwrap_or(f64::NAN);
+        Self {
+            mds: first(&straight.shares),
+            mds_negative: straight.negative_share,
+            isomap: first(&bent.shares),
+            isomap_negative: bent.negative_share,
+            together: together.len() as f64 / distances.count() as f64,
+        }
+    }
+}
+
+fn distances(
+    rig: &SpatialRig,
+    measure: Measure,
+    poses: &[&Pose],
+    file: &str,
+) -> Result<Distances, Error> {
+    let measuring = Measuring::new(rig, measure);
+    let failed = |source| Error::Pose { file: file.to_owned(), source };
+    let measured = poses.iter().map(|pose| measuring.pose(pose));
+    let measured: Vec<_> = measured.collect::<Result<_, _>>().map_err(failed)?;
+    Ok(Distances::new(
+        measured.len(),
+        Workspace::new,
+        |workspace, a, b| measuring.distance(&measured[a], &measured[b], workspace),
+        |_| (),
+    ))
+}
