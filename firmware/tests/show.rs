@@ -10,8 +10,8 @@ use sinew_core::{
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::{Recommended, RecommendedError};
-use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::{Show, ShowError, write};
+use sinew_parity::replay::{METHODS, Replay, TorqueHash};
 
 const BODIES: usize = 3;
 

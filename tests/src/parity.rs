@@ -1,4 +1,4 @@
-//! Runs of the built-in evaluation as [`sinew_firmware::parity`] makes them on any machine, and where two answers differ.
+//! Runs of the built-in evaluation as [`sinew_parity::run`] makes them on any machine, and where two answers differ.
 
 use std::fmt;
 use std::fs::File;
@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
-use sinew_firmware::parity::{METHODS, NUMBERS, QUANTITIES, perform, pose_bytes};
+use sinew_parity::run::{METHODS, NUMBERS, QUANTITIES, perform, pose_bytes};
 use sinew_sim::evaluate::{MethodName, Protocol, track};
 use sinew_sim::figure::{BODIES, BODY_COUNT};
 use sinew_sim::mocap::FigureMotion;
@@ -95,7 +95,7 @@ impl fmt::Display for Run {
     }
 }
 
-/// What runs a program of [`sinew_firmware::parity`].
+/// What runs a program of [`sinew_parity::run`].
 #[derive(Debug, Clone)]
 pub struct Machine {
     /// What to call it.

@@ -31,8 +31,8 @@ use sinew_core::{
 };
 use sinew_firmware::app::App;
 use sinew_firmware::recommended::Recommended;
-use sinew_firmware::replay::{METHODS, Replay};
 use sinew_firmware::show::{self, Show};
+use sinew_parity::replay::{METHODS, Replay};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,

@@ -6,7 +6,7 @@
 use std::env;
 
 use rayon::prelude::*;
-use sinew_firmware::parity::{METHODS, NUMBERS};
+use sinew_parity::run::{METHODS, NUMBERS};
 use sinew_sim::figure::BODIES;
 use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
 use sinew_tests::parity::{Difference, Machine, Run};

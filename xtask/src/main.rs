@@ -6,6 +6,7 @@ mod budget;
 mod elf;
 mod features;
 mod firmware;
+mod image;
 mod parity;
 mod semver;
 mod setup;
@@ -23,9 +24,8 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
-  test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
-  firmware  Builds the boards' images, runs one in QEMU, and compares its torques with the host's. With SINEW_SHOW set,
-            that show is performed
+  test      Sets up, then runs all checks and tests
+  firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
             --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
@@ -35,6 +35,11 @@ Commands:
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
             multiply-add, formatting, allocation, recursion and indirect calls; --self-test: whether it finds them
   help      Prints this
+
+Environment:
+  SINEW_ARM   The compiler for boards: `rustup` or `debian`. Default: rustup's, if it has the target
+  SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
+  SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
 fn main() -> ExitCode {

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::arm::{DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
+use crate::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, has_target};
 use crate::parity::X86_32;
 use crate::step;
 
@@ -17,13 +17,11 @@ pub(crate) fn run() -> Result<()> {
         })?;
     }
     for target in [TARGET, SOFT_FLOAT] {
-        let arm = || Toolchain::find(target).is_some();
+        let arm = || arm::toolchain_for(target).is_ok();
         // Where rustup cannot reach its server, Debian's compiler does as well.
         need(target, arm, || (add_target(target) && arm()) || apt_install(&DEBIAN_PACKAGES))?;
     }
-    if let Some(toolchain) = Toolchain::find(TARGET) {
-        eprintln!("   boards are built with {}", toolchain.name());
-    }
+    eprintln!("   boards are built with {}", arm::toolchain()?.name());
     if let Some(target) = X86_32
         && !(has_target(target) || add_target(target))
     {

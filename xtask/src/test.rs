@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, budget, features, firmware, parity, setup, step};
+use crate::{audit, budget, features, image, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -23,11 +23,9 @@ pub(crate) fn run() -> Result<()> {
     )?;
 
     budget::run(false)?;
-    firmware::lint()?;
-    audit::lint()?;
+    image::lint()?;
     audit::self_test()?;
     audit::run()?;
-    parity::lint()?;
     let machines = parity::build()?;
     let mut tests = step::cargo();
     tests

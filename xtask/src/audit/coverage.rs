@@ -10,10 +10,10 @@ use crate::elf::{Elf, Lines};
 use crate::step;
 
 /// Where what boards may call is written, seen from the workspace.
-const SOURCES: [&str; 2] = ["core/src", "firmware/src"];
+const SOURCES: [&str; 3] = ["core/src", "firmware/src", "parity/src"];
 
 /// Where the image is written.
-const IMAGE: &str = "firmware/src/bin/audit";
+const IMAGE: &str = "audit/src/image";
 
 /// A public function: its file, seen from the workspace, and its name.
 type Public = (String, String);
@@ -25,10 +25,7 @@ pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
     for folder in SOURCES {
         for file in rust_files(&step::root().join(folder))? {
             let name = shown(&file);
-            if !name.contains("/bin/") {
-                let text = read(&file)?;
-                public.extend(functions(&text).map(|function| (name.clone(), function)));
-            }
+            public.extend(functions(&read(&file)?).map(|function| (name.clone(), function)));
         }
     }
     let mut named = String::new();

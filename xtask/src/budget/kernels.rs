@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use sinew_image::EMULATED;
 
 use super::figures::{Figures, Place};
 use super::stack::{Depth, Frames, deepest};
@@ -63,7 +64,7 @@ pub(crate) struct Kernel {
 /// Runs the image twice: with a clock that counts instructions, and with a log of them.
 pub(crate) fn measure(image: &Path) -> Result<Kernels> {
     let elf = Elf::load(image)?;
-    let counted = qemu(image, &["-icount", "shift=0"])
+    let counted = qemu(EMULATED, image, &["-icount", "shift=0"])?
         .output()
         .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
     let text = String::from_utf8_lossy(&counted.stdout);
