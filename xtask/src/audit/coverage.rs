@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::elf::{Elf, Lines};
+use crate::elf::{Elf, Lines, last_part};
 use crate::step;
 
 /// Where what boards may call is written, seen from the workspace.
@@ -49,10 +49,7 @@ fn in_image(elf: &Elf, lines: &Lines) -> BTreeSet<Public> {
         .iter()
         .flat_map(|function| &function.instructions)
         .flat_map(|instruction| lines.at(instruction.address))
-        .filter_map(|place| {
-            let function = place.function.rsplit("::").find(|part| !part.starts_with('<'))?;
-            Some((shown(Path::new(&place.file)), function.to_owned()))
-        })
+        .map(|place| (shown(Path::new(&place.file)), last_part(&place.function).to_owned()))
         .collect()
 }
 
