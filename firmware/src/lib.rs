@@ -2,8 +2,7 @@
 //! simulator uses the same code.
 //!
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
-//! - [`app`]: the control tick as the boards run it;
-//! - [`recommended`]: the setting for real rigs;
+//! - [`frames`]: where frames come from, for a [`Tracker`](sinew_core::tracker::Tracker);
 //! - [`indicator`]: the status light.
 //!
 //! # Features
@@ -16,9 +15,8 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-pub mod app;
 #[cfg(feature = "defmt")]
 mod format;
+pub mod frames;
 pub mod indicator;
-pub mod recommended;
 pub mod show;

@@ -34,7 +34,7 @@ const PARTS: [&str; 18] = [
     "audit::image::targets::differences",
     "audit::image::tick::controller",
     "audit::image::tick::controller_of_little_room",
-    "audit::image::tick::app",
+    "audit::image::tick::tracker",
     "audit::image::tick::replay",
     "audit::image::tick::parity",
     "audit::image::kernels::kinematics",
