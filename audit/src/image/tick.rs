@@ -72,7 +72,8 @@ pub(crate) fn tracker() {
     black_box((tracker.controller().tree(), frames.show(), tracker.states(), tracker.targets()));
     tracker.errors(slice_mut());
     let method = black_box(MethodName::World);
-    black_box((MethodName::from_name(black_box("world")), method.label(), method.summary()));
+    black_box((MethodName::from_name(black_box("world")), method.as_str()));
+    black_box((method.label(), method.summary()));
     black_box(indicator::breath(black_box(1)));
 }
 
