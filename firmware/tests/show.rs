@@ -3,10 +3,7 @@
 use proptest::prelude::*;
 use sinew_core::glam::Vec3;
 use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
-use sinew_core::{
-    Body, Controller, Inertia, JointKind, RotationalInertia, StateInputError, Transform, TreeError,
-    math,
-};
+use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError, write};
 use sinew_parity::replay::{METHODS, Replay, TorqueHash};
@@ -123,13 +120,12 @@ fn each_fault_has_its_error() {
 #[test]
 fn a_replay_is_the_same_every_time_and_differs_by_method() {
     let bytes = show();
-    let run = |name: &str| {
+    let run = |method| {
         let show = Show::parse(&bytes).unwrap();
-        let mut replay = Replay::<3>::new(show, name).unwrap();
+        let mut replay = Replay::<3>::new(show, method).unwrap();
         let mut hash = TorqueHash::default();
-        for tick in 0..show.frame_count() {
-            replay.observe(tick).unwrap();
-            let torques = replay.control();
+        for tick in 0..u32::try_from(show.frame_count()).unwrap() {
+            let torques = replay.step(tick).unwrap();
             assert_eq!(torques.len(), 3);
             assert!(torques.iter().all(|torque| torque.reason.is_none()));
             hash.update(torques);
@@ -159,12 +155,10 @@ fn still_show() -> Vec<u8> {
 fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
     let bytes = still_show();
     // An observer, as `recommended` has one, expects a rig that follows its torques: this one does not.
-    for method in METHODS.into_iter().filter(|method| *method != "recommended") {
+    for method in METHODS.into_iter().filter(|method| *method != MethodName::Recommended) {
         let mut replay = Replay::<3>::new(Show::parse(&bytes).unwrap(), method).unwrap();
-        replay.observe(0).unwrap();
-        let first = replay.control().to_vec();
-        replay.observe(1).unwrap();
-        assert_eq!(replay.control(), first, "{method}");
+        let first = replay.step(0).unwrap().to_vec();
+        assert_eq!(replay.step(1).unwrap(), first, "{}", method.as_str());
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) enum Toolchain {
 
 impl Toolchain {
     /// Those that may be used: both, rustup's first, or the one that [`CHOICE`] names.
-    fn allowed() -> Result<&'static [Self]> {
+    pub(crate) fn allowed() -> Result<&'static [Self]> {
         match env::var(CHOICE).as_deref() {
             Err(_) => Ok(&[Self::Rustup, Self::Debian]),
             Ok("rustup") => Ok(&[Self::Rustup]),

@@ -4,12 +4,14 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, has_target};
+use crate::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
 use crate::parity::X86_32;
 use crate::step;
 
 pub(crate) fn run() -> Result<()> {
     eprintln!("== set-up");
+    // A wrong choice of compilers ends here, before anything is installed.
+    Toolchain::allowed()?;
     for (component, tool) in [("rustfmt", "fmt"), ("clippy", "clippy")] {
         let found = || step::output(step::cargo().args([tool, "--version"])).is_some();
         need(component, found, || {
