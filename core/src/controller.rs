@@ -12,9 +12,11 @@ use crate::dynamics::{
 };
 use crate::fixed;
 use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::kinematics;
 use crate::math;
-use crate::state::{BodyState, JointState, JointStates, JointTargets};
+use crate::state::{BodyState, JointState};
 use crate::state_error::{
     self, Aim, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };

@@ -197,6 +197,17 @@ pub fn unit(q: Quat) -> Quat {
     }
 }
 
+/// How far the length of an axis or a quaternion may be from 1.
+///
+/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
+pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// Whether a quaternion is a rotation: of length 1 within [`UNIT_TOLERANCE`]. NaN and what overflows is none.
+#[inline]
+pub(crate) fn is_unit(q: Quat) -> bool {
+    (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
+}
+
 /// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.
 ///
 /// `q` and `-q` are the same rotation and give the same vector; at an angle of π exactly, where both
