@@ -132,7 +132,7 @@ mod body_set;
 mod body_weight;
 pub mod control;
 mod controller;
-mod coordinates;
+pub mod coordinates;
 pub mod dynamics;
 pub mod finite_difference;
 mod fixed;

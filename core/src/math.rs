@@ -114,6 +114,11 @@ pub fn logarithm(x: f32) -> f32 {
     libm::logf(x)
 }
 
+/// The nearest whole number, the even one of two.
+pub(crate) fn round(x: f32) -> f32 {
+    libm::rintf(x)
+}
+
 /// Length of a vector.
 ///
 /// ```

@@ -195,6 +195,11 @@ impl Wrench {
         self.moment_nm.is_finite() && self.force_n.is_finite()
     }
 
+    /// The same six numbers as a twist, for what is alike for both: components along a joint's axes.
+    pub(crate) fn as_twist(self) -> Twist {
+        Twist { angular: self.moment_nm, linear: self.force_n }
+    }
+
     /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
     pub fn power_w(self, velocity: Twist) -> f32 {
         self.moment_nm.dot(velocity.angular) + self.force_n.dot(velocity.linear)

@@ -1,4 +1,4 @@
-//! Joint coordinates, as servos and encoders give them: their state, and what is refused.
+//! Coordinates of one joint: its state from them, and back.
 
 use core::fmt;
 
@@ -38,34 +38,84 @@ impl JointKind {
         if let Some(index) = position.iter().chain(speed).position(|x| !x.is_finite()) {
             return Err(E::NonFinite { index });
         }
-        let count = E::Count { expected: self.coordinate_count(), found: position.len() };
-        let unit = |q: Quat| {
-            if math::is_unit(q) { Ok(math::unit(q)) } else { Err(E::NotUnit { squared: q.dot(q) }) }
-        };
+        for (expected, found) in
+            [(self.coordinate_count(), position.len()), (self.degrees_of_freedom(), speed.len())]
+        {
+            if found != expected {
+                return Err(E::Count { expected, found });
+            }
+        }
+        if let Some(squared) = squared_length_off_unit(position) {
+            return Err(E::NotUnit { squared });
+        }
+        let state = self.state_at(placement, position, speed);
+        if state.pose.is_finite() && state.velocity.is_finite() {
+            Ok(state)
+        } else {
+            Err(E::Overflow)
+        }
+    }
+
+    /// [`Self::state`] of coordinates that are checked; zero of those that are not there.
+    pub(super) fn state_at(
+        self,
+        placement: Transform,
+        position: &[f32],
+        speed: &[f32],
+    ) -> JointState {
+        let unit = |x, y, z, w| math::unit(Quat::from_xyzw(x, y, z, w));
         let in_joint = match (self, position) {
-            (Self::Fixed, []) => Transform::IDENTITY,
             (Self::Revolute { .. } | Self::Prismatic { .. }, &[a]) => self.at([a, 0.0]),
             (Self::Universal { .. }, &[a, b]) => self.at([a, b]),
-            (Self::Spherical, &[x, y, z, w]) => {
-                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::ZERO)
+            (Self::Spherical, &[x, y, z, w]) => Transform::new(unit(x, y, z, w), Vec3::ZERO),
+            (Self::Free, &[x, y, z, w, px, py, pz]) => {
+                Transform::new(unit(x, y, z, w), Vec3::new(px, py, pz))
             }
-            (Self::Free, &[x, y, z, w, tx, ty, tz]) => {
-                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::new(tx, ty, tz))
-            }
-            _ => return Err(count),
+            _ => Transform::IDENTITY,
         };
-        if speed.len() != self.degrees_of_freedom() {
-            return Err(E::Count { expected: self.degrees_of_freedom(), found: speed.len() });
+        let velocity = self.twist_along(in_joint.rotation, speed);
+        JointState { pose: placement * in_joint, velocity }
+    }
+
+    /// S `numbers`: the twist of speeds or accelerations along the axes, body axes.
+    pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
+        self.motion_subspace(rotation)
+            .iter()
+            .zip(numbers)
+            .fold(Twist::ZERO, |sum, (column, number)| sum + *column * *number)
+    }
+
+    /// Sᵀ `twist`: its components along the axes. The rest of `out` stays.
+    pub(super) fn components(self, rotation: Quat, twist: Twist, out: &mut [f32]) {
+        for (column, slot) in self.motion_subspace(rotation).iter().zip(out) {
+            *slot = column.angular.dot(twist.angular) + column.linear.dot(twist.linear);
         }
-        let mut velocity = Twist::ZERO;
-        for (column, speed) in self.motion_subspace(in_joint.rotation).iter().zip(speed) {
-            velocity = velocity + Twist::new(column.angular * *speed, column.linear * *speed);
+    }
+
+    /// The coordinates of the pose next to `in_joint` that the joint can take: the way back from [`Self::state`]. Angles
+    /// are in [-π, π].
+    pub(super) fn write_position(self, in_joint: &Transform, out: &mut [f32]) {
+        let Quat { x, y, z, w } = in_joint.rotation;
+        let position = in_joint.translation_m.to_array();
+        match self {
+            Self::Spherical | Self::Free => copy([x, y, z, w].into_iter().chain(position), out),
+            _ => copy(self.along(in_joint), out),
         }
-        let pose = placement * in_joint;
-        if !(pose.is_finite() && velocity.is_finite()) {
-            return Err(E::Overflow);
-        }
-        Ok(JointState { pose, velocity })
+    }
+}
+
+/// The squared length of the quaternion that a joint's coordinates begin with, if it is not a unit quaternion; those of
+/// joints without one are fewer than four.
+pub(super) fn squared_length_off_unit(position: &[f32]) -> Option<f32> {
+    let &[x, y, z, w, ..] = position else { return None };
+    let q = Quat::from_xyzw(x, y, z, w);
+    (!math::is_unit(q)).then(|| q.dot(q))
+}
+
+/// Fills a slice from its beginning.
+pub(super) fn copy(numbers: impl IntoIterator<Item = f32>, out: &mut [f32]) {
+    for (slot, number) in out.iter_mut().zip(numbers) {
+        *slot = number;
     }
 }
 
