@@ -29,11 +29,11 @@ pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
     build(show_of)?;
 
     let mut figures = Figures::default();
-    for board in BOARDS {
+    for &board in BOARDS {
         let show_bytes = fs::metadata(show_of(board))?.len();
         figures.extend(budget::size(board.name, &Image::of(board).path(), show_bytes)?);
     }
-    for board in BOARDS.into_iter().filter(|board| board.qemu_machine.is_some()) {
+    for &board in BOARDS.iter().filter(|board| board.qemu_machine.is_some()) {
         let runs = emulated(board)?;
         compare(board, &runs, &host(&show_of(board))?)?;
         // One board's are enough: the instructions are those of the processor.
@@ -102,7 +102,7 @@ fn bake() -> Result<()> {
     )?;
     let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));
     let simulator = simulator.to_str().context("the target folder's name is not UTF-8")?;
-    for board in BOARDS {
+    for &board in BOARDS {
         let show = baked(board);
         fs::create_dir_all(show.parent().context("the show has a folder")?)?;
         step::run(
@@ -119,7 +119,7 @@ fn bake() -> Result<()> {
 /// Builds all images, each with its show.
 fn build(show_of: impl Fn(Board) -> PathBuf) -> Result<()> {
     let toolchain = arm::toolchain()?.name();
-    for board in BOARDS {
+    for &board in BOARDS {
         step::run(
             &format!("build {} with {toolchain}", board.name),
             Image::of(board).cargo("build")?.env("SINEW_SHOW", show_of(board)),

@@ -64,7 +64,7 @@ pub(crate) fn lint() -> Result<()> {
         let title = format!("clippy of {}", image.name);
         step::run(&title, command.args(["--", "--deny", "warnings"]))
     };
-    for board in BOARDS {
+    for &board in BOARDS {
         let image = Image::of(board);
         let mut command = image.cargo("clippy")?;
         command.env("SINEW_SHOW", firmware::baked(board));

@@ -14,7 +14,7 @@ pub struct Board {
 }
 
 /// All boards, a line each.
-pub const BOARDS: [Board; 2] = [
+pub const BOARDS: &[Board] = &[
     Board { name: "mps2_an386", bodies: 18, show_s: 21, qemu_machine: Some("mps2-an386") },
     Board { name: "nucleo_f446re", bodies: 18, show_s: 10, qemu_machine: None },
 ];
@@ -25,7 +25,7 @@ pub const EMULATED: Board = BOARDS[0];
 impl Board {
     /// The board of that name.
     pub(crate) fn named(name: &str) -> Self {
-        let board = BOARDS.into_iter().find(|board| board.name == name);
-        board.unwrap_or_else(|| panic!("{name} is not in the list of boards, {}", file!()))
+        let board = BOARDS.iter().find(|board| board.name == name);
+        *board.unwrap_or_else(|| panic!("{name} is not in the list of boards, {}", file!()))
     }
 }
