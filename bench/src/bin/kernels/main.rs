@@ -127,9 +127,9 @@ fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
 }
 
 /// A kind of tick: what it executes, and how much stack it has taken.
-fn count_tick<const N: usize>(
+fn count_tick<const N: usize, E: Copy>(
     name: &str,
-    mut tick: impl FnMut(usize) -> Result<(), StateInputError>,
+    mut tick: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<(), &'static str> {
     let mut result = Ok(());
     let mut checked = |run| result = result.and(tick(run));
@@ -157,15 +157,9 @@ fn board_tick<const N: usize>(
     frames: &mut ShowFrames<'_, N>,
     index: usize,
     measured: &[Transform],
-) -> Result<(), StateInputError> {
+) -> Result<(), StepError> {
     let index = i32::try_from(index).unwrap_or(i32::MAX);
-    match tracker.step(frames, index, measured) {
-        Ok(torques) => {
-            black_box(torques);
-            Ok(())
-        }
-        Err(StepError::Frame(error) | StepError::Measured(error)) => Err(error),
-    }
+    tracker.step(frames, index, measured).map(|torques| _ = black_box(torques))
 }
 
 fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
@@ -425,7 +419,9 @@ fn ticks_of_core<const N: usize>(
         let first = [LAG_FRAMES, LAG_FRAMES + 1].map(frame);
         let (controller, workspace) = (controller(tree, method)?, Workspace::resolving());
         let mut rig = Rig::new(controller, workspace, first).map_err(|_| "a frame is refused")?;
-        count_tick::<N>(name, |run| core_tick(&mut rig, frame(run + LAG_FRAMES + 2), frame(run)))?;
+        count_tick::<N, _>(name, |run| {
+            core_tick(&mut rig, frame(run + LAG_FRAMES + 2), frame(run))
+        })?;
     }
     Ok(())
 }
@@ -456,7 +452,9 @@ fn ticks_of_boards<const N: usize>(
         let mut tracker = Tracker::new(tree.clone(), &settings, timing)
             .map_err(|_| "there is no such tracker")?;
         let mut performance = ShowFrames::new(show);
-        count_tick::<N>(name, |run| board_tick(&mut tracker, &mut performance, run, &frames[run]))?;
+        count_tick::<N, _>(name, |run| {
+            board_tick(&mut tracker, &mut performance, run, &frames[run])
+        })?;
     }
     Ok(())
 }
