@@ -28,7 +28,7 @@ const TYPES: &str = "type_bytes";
 const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
 
 /// The functions that whole ticks are called by: what they have on the stack is the tick's.
-const TICKS: [&str; 2] = ["core_tick", "app_tick"];
+const TICKS: [&str; 2] = ["core_tick", "board_tick"];
 
 /// The numbers of bodies that are measured.
 const SIZES: [&str; 3] = ["6", "18", "32"];
@@ -171,7 +171,7 @@ impl Kernels {
     /// That no tick was seen to take more stack than it can by the call graph.
     fn check_stacks(&self) -> Result<()> {
         for (place, painted) in self.figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
-            let tick = if place.row.starts_with("board_") { "app_tick" } else { "core_tick" };
+            let tick = if place.row.starts_with("board_") { "board_tick" } else { "core_tick" };
             let bound = self.figures.get(&Place::new(STATIC_STACK, tick, &place.column));
             ensure!(
                 bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
