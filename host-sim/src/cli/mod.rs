@@ -38,6 +38,9 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     evaluate: evaluate::Args,
+    /// Only read the command line. `cargo xtask docs` checks the commands of the documentation so.
+    #[arg(long, global = true, hide = true)]
+    parse_only: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -58,6 +61,9 @@ enum Command {
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
+    if cli.parse_only {
+        return ExitCode::SUCCESS;
+    }
     let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
