@@ -88,7 +88,9 @@ fn ends(playback: &Playback, every: usize) -> Option<(usize, usize)> {
     let firsts = best.saturating_sub(longest)..best;
     let loops = firsts.flat_map(|first| {
         let lasts = (first + shortest).max(best + 1)..(first + longest).min(playback.desired.len());
-        lasts.filter(move |last| (last - first).is_multiple_of(every)).map(move |last| (first, last))
+        lasts
+            .filter(move |last| (last - first).is_multiple_of(every))
+            .map(move |last| (first, last))
     });
     let off = |&(first, last): &(usize, usize)| {
         difference_m(&playback.desired[first], &playback.desired[last])

@@ -34,7 +34,9 @@ pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
         for (line, link, path) in outside(page) {
             // mdBook takes every link to Markdown for one to a page of its own.
             if path.extension().is_none_or(|extension| extension == "md") {
-                let what = format!("`{link}`: a page may link to pages of the book, and to files that are no Markdown");
+                let what = format!(
+                    "`{link}`: a page may link to pages of the book, and to files that are no Markdown"
+                );
                 faults.push(Fault { path: page.path.clone(), line, what });
             }
         }
@@ -65,7 +67,8 @@ pub(super) fn build(pages: &[Page]) -> Result<()> {
         for (.., path) in outside(page) {
             let copy = step::root().join(SITE).join(&path);
             fs::create_dir_all(copy.parent().unwrap_or(&copy))?;
-            fs::copy(step::root().join(&path), &copy).with_context(|| path.display().to_string())?;
+            fs::copy(step::root().join(&path), &copy)
+                .with_context(|| path.display().to_string())?;
         }
     }
     eprintln!("   {SITE}/{PAGES}/index.html");

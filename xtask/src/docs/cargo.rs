@@ -28,7 +28,8 @@ struct Target {
 impl Workspace {
     pub(super) fn read() -> Result<Self> {
         let arguments = ["metadata", "--no-deps", "--offline", "--format-version", "1"];
-        let text = step::output(step::cargo().args(arguments)).context("`cargo metadata` failed")?;
+        let text =
+            step::output(step::cargo().args(arguments)).context("`cargo metadata` failed")?;
         Ok(serde_json::from_str(&text)?)
     }
 
@@ -49,9 +50,10 @@ impl Workspace {
                     let is_it = |target: &Target| {
                         target.name == *name && target.kind.iter().any(|of| of == kind)
                     };
-                    let mut among = self.packages.iter().filter(|one| {
-                        package.is_none_or(|package| package.name == one.name)
-                    });
+                    let mut among = self
+                        .packages
+                        .iter()
+                        .filter(|one| package.is_none_or(|package| package.name == one.name));
                     if !among.any(|package| package.targets.iter().any(is_it)) {
                         return Some(format!("there is no {kind} `{name}`"));
                     }

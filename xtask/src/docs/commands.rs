@@ -15,8 +15,11 @@ const PROGRAMS: [(&str, &str); 2] = [("sinew-sim", "sinew"), ("sinew-studies", "
 
 pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     let workspace = Workspace::read()?;
-    let packages = PROGRAMS.iter().flat_map(|(package, _)| ["--package", package]);
-    step::run("the programs of the commands", step::cargo().args(["build", "--locked", "--bins"]).args(packages))?;
+    // As the tests build them: with the whole workspace's features.
+    let programs = PROGRAMS.iter().flat_map(|(_, program)| ["--bin", program]);
+    let mut build = step::cargo();
+    build.args(["build", "--locked", "--workspace"]).args(programs);
+    step::run("the programs of the commands", &mut build)?;
     let mut faults = Vec::new();
     for page in pages {
         for (line, command) in &page.commands {
@@ -71,7 +74,8 @@ fn call(words: &[String]) -> Vec<Call> {
     let dashes = rest.iter().position(|word| word == "--").unwrap_or(rest.len());
     let (options, arguments) = (&rest[..dashes], rest.get(dashes + 1..).unwrap_or_default());
     let mut calls = vec![Call::Cargo(options.to_vec())];
-    if command == "run" && !options.iter().any(|option| option == "--example" || option == "--bin") {
+    if command == "run" && !options.iter().any(|option| option == "--example" || option == "--bin")
+    {
         let package = options.iter().skip_while(|option| *option != "-p").nth(1);
         let program = of_package(package.map_or("sinew-sim", String::as_str));
         calls.extend(program.map(|(_, name)| Call::Program(name, arguments.to_vec())));
@@ -113,17 +117,29 @@ mod tests {
     #[test]
     fn our_programs_are_found_in_what_a_shell_reads() {
         let program = |name, arguments: &str| Call::Program(name, words(arguments));
-        assert_eq!(calls("sinew find a/ --like b # what it does"), [program("sinew", "find a/ --like b")]);
+        assert_eq!(
+            calls("sinew find a/ --like b # what it does"),
+            [program("sinew", "find a/ --like b")]
+        );
         assert_eq!(
             calls("SINEW_DATA=path cargo run --release -p sinew-studies -- mds --quick"),
-            [Call::Cargo(words("--release -p sinew-studies")), program("sinew-studies", "mds --quick")]
+            [
+                Call::Cargo(words("--release -p sinew-studies")),
+                program("sinew-studies", "mds --quick")
+            ]
         );
-        assert_eq!(calls("cargo run --release"), [Call::Cargo(words("--release")), program("sinew", "")]);
+        assert_eq!(
+            calls("cargo run --release"),
+            [Call::Cargo(words("--release")), program("sinew", "")]
+        );
         assert_eq!(
             calls("cargo run -p sinew-core --example six_joints"),
             [Call::Cargo(words("-p sinew-core --example six_joints"))]
         );
-        assert_eq!(calls("cargo xtask budget --accept && git diff"), [Call::Xtask(words("budget --accept"))]);
+        assert_eq!(
+            calls("cargo xtask budget --accept && git diff"),
+            [Call::Xtask(words("budget --accept"))]
+        );
         assert_eq!(calls("for clip in *.bvh; do"), []);
         assert_eq!(calls("sinew 'find"), [Call::NoCommand]);
     }

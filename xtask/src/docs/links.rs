@@ -65,10 +65,14 @@ mod tests {
     fn dead_links_are_found_and_others_are_not() {
         let page = |path: &str, text: &str| Page::new(path.into(), text);
         let pages = [
-            page("docs/a.md", "# One\n[b](../README.md#two), [c](book.toml), [d](https://e.org), [f](#one)"),
+            page(
+                "docs/a.md",
+                "# One\n[b](../README.md#two), [c](book.toml), [d](https://e.org), [f](#one)",
+            ),
             page("README.md", "# Two\n\n[gone](docs/gone.md)\n\n[heading](docs/a.md#two)"),
         ];
-        let faults: Vec<_> = check(&pages).iter().map(|fault| (fault.path.clone(), fault.line)).collect();
+        let faults: Vec<_> =
+            check(&pages).iter().map(|fault| (fault.path.clone(), fault.line)).collect();
         assert_eq!(faults, [("README.md".into(), 3), ("README.md".into(), 5)]);
     }
 }

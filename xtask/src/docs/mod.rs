@@ -43,7 +43,8 @@ fn pages() -> Result<Vec<Page>> {
 
 /// The repository's files of a pattern, new ones too.
 fn files(pattern: &str) -> Result<Vec<PathBuf>> {
-    let listed = ["ls-files", "--cached", "--others", "--exclude-standard", "--deduplicate", pattern];
+    let listed =
+        ["ls-files", "--cached", "--others", "--exclude-standard", "--deduplicate", pattern];
     let list = step::output(step::command("git").args(listed)).context("`git ls-files` failed")?;
     // A file that was moved is listed until that is committed.
     Ok(list.lines().map(PathBuf::from).filter(|path| step::root().join(path).is_file()).collect())

@@ -52,7 +52,8 @@ impl Page {
                     page.links.push((line_of(range.start), dest_url.into_string()));
                 }
                 Event::Start(Tag::CodeBlock(kind)) => {
-                    in_shell = matches!(kind, CodeBlockKind::Fenced(language) if &*language == "sh");
+                    in_shell =
+                        matches!(kind, CodeBlockKind::Fenced(language) if &*language == "sh");
                     page.mark_no_prose(line_of(range.start), line_of(range.end));
                 }
                 Event::End(TagEnd::CodeBlock) => in_shell = false,
@@ -81,7 +82,8 @@ impl Page {
             .map(|letter| if letter == ' ' { '-' } else { letter })
             .collect();
         let numbered = (1..).map(|number| format!("{name}-{number}"));
-        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !self.anchors.contains(name));
+        let free =
+            std::iter::once(name.clone()).chain(numbered).find(|name| !self.anchors.contains(name));
         self.anchors.extend(free);
     }
 
@@ -132,7 +134,8 @@ mod tests {
     #[test]
     fn code_and_tables_are_no_prose() {
         let page = page("prose\n\n```\ncode\n```\n\n| a |\n|---|\n| b |\n\nprose\n");
-        let prose: Vec<usize> = (1..).zip(&page.lines).filter(|(_, line)| line.1).map(|(at, _)| at).collect();
+        let prose: Vec<usize> =
+            (1..).zip(&page.lines).filter(|(_, line)| line.1).map(|(at, _)| at).collect();
         assert_eq!(prose, [1, 2, 6, 10, 11]);
     }
 

@@ -86,7 +86,9 @@ fn outline(length: f64, radius: f64) -> String {
     let sin = libm::sqrt(1.0 - cos * cos);
     // Both circles are touched by two straight lines.
     let (x, y) = (length + radius * cos, radius * sin);
-    format!("M{cos:.2}-{sin:.2}A1 1 0 1 0 {cos:.2} {sin:.2}L{x:.2} {y:.2}A{radius:.2} {radius:.2} 0 0 0 {x:.2}-{y:.2}Z")
+    format!(
+        "M{cos:.2}-{sin:.2}A1 1 0 1 0 {cos:.2} {sin:.2}L{x:.2} {y:.2}A{radius:.2} {radius:.2} 0 0 0 {x:.2}-{y:.2}Z"
+    )
 }
 
 #[cfg(test)]
@@ -111,7 +113,10 @@ mod tests {
 
     #[test]
     fn an_outline_goes_around_both_circles() {
-        assert_eq!(outline(5.0, 1.0), "M0.00-1.00A1 1 0 1 0 0.00 1.00L5.00 1.00A1.00 1.00 0 0 0 5.00-1.00Z");
+        assert_eq!(
+            outline(5.0, 1.0),
+            "M0.00-1.00A1 1 0 1 0 0.00 1.00L5.00 1.00A1.00 1.00 0 0 0 5.00-1.00Z"
+        );
         assert!(!outline(0.3, 0.2).contains('L'), "the smaller circle is hidden");
     }
 }
