@@ -35,11 +35,11 @@ pub(super) fn target<'a>(page: &Page, link: &'a str) -> Option<(PathBuf, Option<
 
 fn fault(page: &Page, link: &str, pages: &[Page]) -> Option<String> {
     let (path, heading) = target(page, link)?;
-    if !step::root().join(&path).exists() {
+    let linked = pages.iter().find(|page| page.path == path);
+    if linked.is_none() && !step::root().join(&path).exists() {
         return Some(format!("`{link}`: there is no {}", path.display()));
     }
     let heading = heading?;
-    let linked = pages.iter().find(|page| page.path == path);
     let is_there = linked.is_some_and(|linked| linked.anchors.contains(heading));
     (!is_there).then(|| format!("`{link}`: {} has no heading of that name", path.display()))
 }
