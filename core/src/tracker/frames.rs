@@ -1,0 +1,57 @@
+//! Where frames come from.
+
+use crate::transform::Transform;
+
+/// One frame of a performance: where the rig should be at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Frame<'a> {
+    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
+    /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
+    Poses(&'a [Transform]),
+}
+
+/// Where frames come from: a baked show, a clip, a live stream, a pose that is held.
+///
+/// A [`Tracker`](super::Tracker) asks for frames by number, one after the other, the farthest that it needs first of all;
+/// it never knows how they are stored. All frames of a source are of one kind.
+///
+/// ```
+/// use sinew_core::Transform;
+/// use sinew_core::tracker::{Frame, FrameSource};
+/// /// Holds one pose for ever.
+/// struct Hold([Transform; 1]);
+///
+/// impl FrameSource for Hold {
+///     fn frame(&mut self, _index: i32) -> Frame<'_> {
+///         Frame::Poses(&self.0)
+///     }
+/// }
+/// # assert_eq!(Hold([Transform::IDENTITY]).frame(3), Frame::Poses(&[Transform::IDENTITY]));
+/// ```
+pub trait FrameSource {
+    /// The frame of that number. Negative ones lie before the performance: see [`before_the_first`]. Beyond the end, the
+    /// last one is held.
+    fn frame(&mut self, index: i32) -> Frame<'_>;
+}
+
+impl<S: FrameSource + ?Sized> FrameSource for &mut S {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        (**self).frame(index)
+    }
+}
+
+/// A pose so many frames before the first: a performance moves on into its first frame as it does out of it, so that it
+/// begins with the velocity of its first step.
+///
+/// ```
+/// use sinew_core::{Transform, glam::Vec3, tracker::before_the_first};
+/// let [first, second] = [1.0, 3.0].map(|x| Transform::from_translation(Vec3::X * x));
+/// assert_eq!(before_the_first(&first, &second, 2).translation_m.x, -3.0);
+/// ```
+pub fn before_the_first(first: &Transform, second: &Transform, frames: u32) -> Transform {
+    // Few: as many as differences look back, and latencies are long.
+    #[expect(clippy::cast_precision_loss, reason = "a small number")]
+    let frames = frames as f32;
+    crate::trajectory::interpolate(first, second, -frames)
+}
