@@ -22,11 +22,11 @@ use crate::tree::Tree;
 )]
 pub struct BodyWeight {
     /// Weight of the squared distance of the body's origin from where it should be.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub position: f32,
     /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
     /// like being this far off, at a position weight of 1.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub rotation_m: f32,
 }
 

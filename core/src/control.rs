@@ -26,11 +26,6 @@ use crate::transform::{Twist, Wrench};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::serial::GainsFields", into = "crate::serial::GainsFields")
-)]
 pub struct Gains {
     kp: f32,
     kd: f32,
@@ -220,14 +215,6 @@ pub(crate) fn through_parent(
 /// It bounds the length of the moment and of the force vector, so that what is cut keeps its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(
-        try_from = "crate::serial::TorqueLimitFields",
-        into = "crate::serial::TorqueLimitFields"
-    )
-)]
 pub struct TorqueLimit {
     moment_nm: f32,
     force_n: f32,

@@ -12,14 +12,16 @@ use crate::dynamics::{
 };
 use crate::fixed;
 use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::kinematics;
 use crate::math;
-use crate::state::{BodyState, JointState, JointStates, JointTargets};
+use crate::state::{BodyState, JointState};
 use crate::state_error::{
     self, Aim, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };
 use crate::transform::{Twist, Wrench};
-use crate::tree::Tree;
+use crate::tree::{Body, Tree};
 
 /// A tracking controller for one rig.
 ///
@@ -376,15 +378,53 @@ impl<const N: usize> Controller<N> {
         workspace: &mut Workspace<N, R>,
         out: &mut [Wrench],
     ) {
-        let (bodies, measured) = (self.tree.bodies(), measured.as_slice());
+        let measured = measured.as_slice();
         let mut accelerations = [Twist::ZERO; N];
-        for ((body, measured), acceleration) in bodies.iter().zip(measured).zip(&mut accelerations)
+        for ((body, measured), acceleration) in
+            self.tree.bodies().iter().zip(measured).zip(&mut accelerations)
         {
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *acceleration = body.joint.bias_acceleration(in_joint, measured.velocity);
         }
+        self.limited_wrenches(measured, &accelerations, external, workspace, out);
+    }
+
+    /// The wrenches that the targets' accelerations take at the measured state, along the joints' degrees of freedom and
+    /// within their limits: a tick's without its errors. O(n).
+    pub(crate) fn feedforward_wrenches<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &JointStates<N>,
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [Wrench],
+    ) {
+        let measured = measured.as_slice();
+        let mut accelerations = [Twist::ZERO; N];
+        for ((body, (desired, measured)), (wanted, acceleration)) in self
+            .tree
+            .bodies()
+            .iter()
+            .zip(targets.states().iter().zip(measured))
+            .zip(targets.accelerations().iter().zip(&mut accelerations))
+        {
+            *acceleration = asked_acceleration(body, desired, measured, wanted, Twist::ZERO);
+        }
+        self.limited_wrenches(measured, &accelerations, external, workspace, out);
+    }
+
+    /// Inverse dynamics along the joints' degrees of freedom, within their limits.
+    fn limited_wrenches<const R: usize>(
+        &self,
+        measured: &[JointState],
+        accelerations: &[Twist],
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [Wrench],
+    ) {
+        let bodies = self.tree.bodies();
         let (gravity, scratch) = (self.gravity_m_s2, &mut workspace.scratch);
-        inverse_dynamics(bodies, measured, &accelerations, gravity, external, scratch, out);
+        inverse_dynamics(bodies, measured, accelerations, gravity, external, scratch, out);
         for (((body, measured), limit), wrench) in
             bodies.iter().zip(measured).zip(&self.limits).zip(out)
         {
@@ -437,7 +477,7 @@ impl<const N: usize> Controller<N> {
         error: impl Fn(At<'_>) -> (StateError, Quat),
     ) {
         let desired_bodies = targets.bodies();
-        for (body, (((of_tree, gains), (desired, feedforward)), (measured, out))) in self
+        for (body, (((of_tree, gains), (desired, of_targets)), (measured, out))) in self
             .tree
             .bodies()
             .iter()
@@ -468,20 +508,13 @@ impl<const N: usize> Controller<N> {
             if joint.slides() {
                 wanted.linear = math::rotate(to_body, correction.linear);
             }
-            let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
             *command = match self.law {
-                ControlLaw::ProportionalDerivative => joint.project_motion(in_joint, wanted),
+                ControlLaw::ProportionalDerivative => {
+                    let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
+                    joint.project_motion(in_joint, wanted)
+                }
                 ControlLaw::InverseDynamics => {
-                    wanted.angular += feedforward.angular;
-                    if joint.slides() {
-                        wanted.linear += through_parent(desired, measured, feedforward.linear);
-                    }
-                    let mut allowed = joint.project_motion(in_joint, wanted);
-                    if matches!(joint, JointKind::Universal { .. }) {
-                        let bias = joint.bias_acceleration(in_joint, measured.velocity);
-                        allowed = allowed + bias;
-                    }
-                    allowed
+                    asked_acceleration(of_tree, desired, measured, of_targets, wanted)
                 }
             };
         }
@@ -515,6 +548,29 @@ impl<const N: usize> Controller<N> {
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
         }
     }
+}
+
+/// The acceleration of a joint that is asked for by its target and by a correction in measured body axes, as far as it can:
+/// in measured body axes, with what its axes add by moving.
+#[inline]
+fn asked_acceleration(
+    body: &Body,
+    desired: &JointState,
+    measured: &JointState,
+    of_target: &Twist,
+    correction: Twist,
+) -> Twist {
+    let (joint, mut wanted) = (body.joint, correction);
+    wanted.angular += of_target.angular;
+    if joint.slides() {
+        wanted.linear += through_parent(desired, measured, of_target.linear);
+    }
+    let in_joint = body.rotation_in_joint(measured.pose.rotation);
+    let mut allowed = joint.project_motion(in_joint, wanted);
+    if matches!(joint, JointKind::Universal { .. }) {
+        allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
+    }
+    allowed
 }
 
 /// What the state error of one body is made of.

@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
+use crate::joint_targets::JointTargets;
 use crate::kinematics::of_parent;
 use crate::math;
-use crate::state::{BodyState, JointState, JointTargets, StateInputError, checked_poses};
-use crate::trajectory::{rate, step};
+use crate::pose_step::{rate, step};
+use crate::state::{BodyState, JointState, StateInputError, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 

@@ -25,17 +25,17 @@ use glam::Vec3;
     serde(deny_unknown_fields)
 )]
 pub struct RotationalInertia {
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xx: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xy: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xz: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub yy: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub yz: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub zz: f32,
 }
 
@@ -85,10 +85,10 @@ impl RotationalInertia {
 )]
 pub struct Inertia {
     /// Mass in kg; zero for a frame that carries nothing.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub mass_kg: f32,
     /// Centre of mass in the body frame, in metres.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub center_of_mass_m: Vec3,
     /// Rotational inertia about the centre of mass, body axes.
     pub rotational_kg_m2: RotationalInertia,

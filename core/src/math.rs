@@ -114,6 +114,11 @@ pub fn logarithm(x: f32) -> f32 {
     libm::logf(x)
 }
 
+/// The nearest whole number, the even one of two.
+pub(crate) fn round(x: f32) -> f32 {
+    libm::rintf(x)
+}
+
 /// Length of a vector.
 ///
 /// ```
@@ -195,6 +200,17 @@ pub fn unit(q: Quat) -> Quat {
     } else {
         Quat::IDENTITY
     }
+}
+
+/// How far the length of an axis or a quaternion may be from 1.
+///
+/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
+pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// Whether a quaternion is a rotation: of length 1 within [`UNIT_TOLERANCE`]. NaN and what overflows is none.
+#[inline]
+pub(crate) fn is_unit(q: Quat) -> bool {
+    (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
 }
 
 /// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.

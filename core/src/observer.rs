@@ -6,9 +6,11 @@ use core::fmt;
 use glam::{Quat, Vec3};
 
 use crate::control::Limited;
-use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::math;
-use crate::state::{JointState, JointStates, JointTargets, StateInputError};
+use crate::state::{JointState, StateInputError};
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
@@ -211,11 +213,10 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             return Err(StateInputError::NoSuchJoint);
         }
         for pose in measured {
-            let squared = pose.rotation.dot(pose.rotation);
             if !pose.is_finite() {
                 return Err(StateInputError::NonFinite);
             }
-            if (squared - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+            if !math::is_unit(pose.rotation) {
                 return Err(StateInputError::RotationNotUnit);
             }
         }
@@ -315,7 +316,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             state.pose.translation_m = measured.translation_m;
         }
         let carried =
-            body.joint.keep_on_axes(&body.placement, &before.pose, &mut state, *disturbance);
+            keep_on_axes(body.joint, &body.placement, &before.pose, &mut state, *disturbance);
         *disturbance = if carried.is_finite() { carried } else { Twist::ZERO };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
@@ -342,6 +343,33 @@ impl ObserverSettings {
         };
         if bounded.is_finite() { bounded } else { Twist::ZERO }
     }
+}
+
+/// Brings the state of a joint that has one or two axes back onto them, after a step that was right to first order:
+/// what is off them, nothing would ever correct. Returns the acceleration that goes along with its axes from the
+/// pose before the step. Of other kinds, all stays as it is.
+fn keep_on_axes(
+    joint: JointKind,
+    placement: &Transform,
+    before: &Transform,
+    state: &mut JointState,
+    acceleration: Twist,
+) -> Twist {
+    if matches!(joint, JointKind::Spherical | JointKind::Free) {
+        return acceleration;
+    }
+    let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
+    state.pose = *placement * in_joint;
+    state.velocity = joint.project_motion(in_joint.rotation, state.velocity);
+    let axes_before = joint.motion_subspace(placement.rotation.conjugate() * before.rotation);
+    let axes = joint.motion_subspace(in_joint.rotation);
+    let mut carried = Twist::ZERO;
+    for (before, now) in axes_before.iter().zip(&axes) {
+        let along =
+            before.angular.dot(acceleration.angular) + before.linear.dot(acceleration.linear);
+        carried = carried + Twist::new(now.angular * along, now.linear * along);
+    }
+    carried
 }
 
 /// A joint after one period of an acceleration in body axes: the velocity first, then the pose.

@@ -7,7 +7,7 @@ use heapless::Vec;
 
 use crate::body_set::BodySet;
 use crate::inertia::{Inertia, InertiaError};
-use crate::joint::{JointError, JointKind, UNIT_TOLERANCE};
+use crate::joint::{JointError, JointKind};
 use crate::math;
 use crate::transform::Transform;
 
@@ -121,7 +121,7 @@ impl<const N: usize> Tree<N> {
         if !body.placement.is_finite() {
             return Err(TreeError::NonFinitePlacement { body: index });
         }
-        if (rotation.dot(rotation) - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+        if !math::is_unit(rotation) {
             return Err(TreeError::RotationNotUnit { body: index });
         }
         body.inertia.validate().map_err(|error| TreeError::Inertia { body: index, error })?;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 

@@ -1,6 +1,6 @@
 //! Importance by the length of the bones that a joint moves.
 
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 

@@ -4,7 +4,7 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 

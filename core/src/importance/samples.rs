@@ -5,7 +5,7 @@ use core::num::NonZeroU16;
 use glam::Vec3;
 
 use super::cylinder::Cylinder;
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 

@@ -14,7 +14,6 @@ pub use chart::JointCoordinates;
 pub use line::LineWorkspace;
 
 use crate::fixed;
-use crate::joint::UNIT_TOLERANCE;
 use crate::kinematics::of_parent;
 use crate::math;
 use crate::transform::Transform;
@@ -141,12 +140,11 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         if poses.len() != bodies.len() {
             return Err(PoseSpaceError::Count { expected: bodies.len(), found: poses.len() });
         }
-        let bad = poses.iter().position(|pose| {
-            let squared = pose.rotation.dot(pose.rotation);
-            // Written so that NaN is bad.
-            !((squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
-                && pose.translation_m.abs().max_element() <= FARTHEST_M)
-        });
+        // Written so that NaN is not usable.
+        let usable = |pose: &Transform| {
+            math::is_unit(pose.rotation) && pose.translation_m.abs().max_element() <= FARTHEST_M
+        };
+        let bad = poses.iter().position(|pose| !usable(pose));
         if let Some(joint) = bad {
             return Err(PoseSpaceError::Pose { joint });
         }

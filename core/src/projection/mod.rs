@@ -15,7 +15,7 @@ pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
 use crate::dynamics::SpatialInertia;
 use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
 use crate::fixed;
-use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::joint::JointKind;
 use crate::math;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
@@ -159,11 +159,8 @@ impl<const N: usize> ManifoldProjection<N> {
                 return Err(ProjectionError::Count { expected: self.ranges.len(), found });
             }
         }
-        let bad = desired.iter().position(|pose| {
-            let squared = pose.rotation.dot(pose.rotation);
-            // Written so that NaN is bad.
-            !(pose.is_finite() && (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE)
-        });
+        let usable = |pose: &Transform| pose.is_finite() && math::is_unit(pose.rotation);
+        let bad = desired.iter().position(|pose| !usable(pose));
         if let Some(joint) = bad {
             return Err(ProjectionError::InvalidPose { joint });
         }

@@ -1,14 +1,17 @@
 //! The desired side: from frames to targets.
 
 use crate::forward_differences::ForwardDifferences;
+use crate::joint_targets::JointTargets;
 use crate::kinematics::of_parent;
+use crate::pose_step::rate;
 use crate::projection::{ManifoldProjection, ProjectionWorkspace};
-use crate::state::{BodyState, JointTargets, StateInputError};
-use crate::trajectory::{aligned_targets, forward_targets, live_targets, rate};
+use crate::state::{BodyState, StateInputError};
+use crate::trajectory::{aligned_targets, forward_targets, live_targets};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 use crate::{fixed, math};
 
+use super::error::InputError;
 use super::frames::{Frame, FrameSource};
 use super::names::{DesiredVelocity, Differences};
 
@@ -26,6 +29,8 @@ pub(super) struct Desired<const N: usize> {
     /// The joints' poses in the last three frames, from the slot `oldest` on.
     window: [[Transform; N]; 3],
     oldest: usize,
+    /// Whether frames are coordinates, of which nothing is remembered.
+    exact: bool,
     /// The number of the last frame that was taken; none before the first.
     newest: Option<i32>,
     targets: JointTargets<N>,
@@ -48,6 +53,7 @@ impl<const N: usize> Desired<N> {
             of_bodies: ForwardDifferences::new(),
             window: [[Transform::IDENTITY; N]; 3],
             oldest: 0,
+            exact: false,
             newest: None,
             targets: JointTargets::rest(tree),
         }
@@ -77,9 +83,14 @@ impl<const N: usize> Desired<N> {
         self.differences == Differences::Forward && self.velocity == DesiredVelocity::Bodies
     }
 
-    /// The farthest frame that the targets of a tick need.
+    /// The frame that the torques of a tick meet.
+    fn met_by(&self, index: i32) -> i32 {
+        index.saturating_add(self.latency)
+    }
+
+    /// The farthest frame that differences for it need.
     fn newest_of(&self, index: i32) -> i32 {
-        index.saturating_add(self.latency).saturating_add(self.differences.frames_ahead())
+        self.met_by(index).saturating_add(self.differences.frames_ahead())
     }
 
     /// Takes the frames that lead to those of tick `index`: after it the tick takes one, as each does that follows.
@@ -90,7 +101,11 @@ impl<const N: usize> Desired<N> {
         tree: &Tree<N>,
         frames: &mut impl FrameSource,
         index: i32,
-    ) -> Result<(), StateInputError> {
+    ) -> Result<(), InputError> {
+        self.exact = matches!(frames.frame(self.met_by(index)), Frame::Coordinates { .. });
+        if self.exact {
+            return Ok(());
+        }
         let newest = self.newest_of(index);
         self.newest = None;
         let dt_s = self.dt_s;
@@ -119,10 +134,16 @@ impl<const N: usize> Desired<N> {
         tree: &Tree<N>,
         frames: &mut impl FrameSource,
         index: i32,
-    ) -> Result<(), StateInputError> {
+    ) -> Result<(), InputError> {
+        if self.exact {
+            return self.take_exactly(tree, frames.frame(self.met_by(index)));
+        }
         let newest = self.newest_of(index);
         if self.newest.and_then(|newest| newest.checked_add(1)) != Some(newest) {
             self.begin(tree, frames, index)?;
+            if self.exact {
+                return self.take_exactly(tree, frames.frame(self.met_by(index)));
+            }
         }
         // Begins anew if the frame is refused.
         self.newest = None;
@@ -138,9 +159,16 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
+    /// The targets that a frame of coordinates tells.
+    #[inline(never)]
+    fn take_exactly(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
+        let Frame::Coordinates { q, qd, qdd } = frame else { return Err(InputError::Kind) };
+        Ok(self.targets.set_coordinates(tree, q, qd, qdd)?)
+    }
+
     /// The targets where the window's frames are differenced.
     #[inline(never)]
-    fn difference(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), StateInputError> {
+    fn difference(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         let replaced = match (self.differences, self.velocity) {
             (Differences::Forward, DesiredVelocity::Zero) => Some([Twist::ZERO; N]),
             (Differences::Forward, DesiredVelocity::Backward) => Some(self.backward(tree)?),
@@ -191,7 +219,7 @@ impl<const N: usize> Desired<N> {
     }
 
     /// Puts a frame into the window, as the rig can perform it, in the place of the oldest.
-    fn take_in(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), StateInputError> {
+    fn take_in(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         let [a, b, c] = &mut self.window;
         let (slot, next) = match self.oldest {
             0 => (a, 1),
@@ -222,9 +250,9 @@ fn in_order<T>([a, b, c]: &[T; 3], oldest: usize) -> [&T; 3] {
 fn joints_of<'f, const N: usize>(
     frame: Frame<'f>,
     tree: &Tree<N>,
-) -> Result<&'f [Transform], StateInputError> {
-    let Frame::Poses(poses) = frame;
-    poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)
+) -> Result<&'f [Transform], InputError> {
+    let Frame::Poses(poses) = frame else { return Err(InputError::Kind) };
+    Ok(poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?)
 }
 
 /// A frame as the rig can perform it: itself, or projected on the rig's own poses in `slot`.
@@ -233,7 +261,7 @@ fn performed<'f, const N: usize>(
     tree: &Tree<N>,
     frame: Frame<'f>,
     slot: &'f mut [Transform; N],
-) -> Result<&'f [Transform], StateInputError> {
+) -> Result<&'f [Transform], InputError> {
     let joints = joints_of(frame, tree)?;
     let Some((projection, workspace)) = projection else { return Ok(joints) };
     let nearest = slot.get_mut(..tree.len()).unwrap_or_default();

@@ -5,10 +5,71 @@ use core::fmt;
 use super::settings::SettingError;
 use crate::control::GainsError;
 use crate::controller::ControllerError;
+use crate::coordinates::CoordinatesError;
 use crate::importance::{ImportanceError, RestPoseError};
 use crate::observer::ObserverError;
 use crate::projection::ProjectionError;
+use crate::state::StateInputError;
 use crate::state_error::ReferencesError;
+
+/// Why a frame or a reading was refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum InputError {
+    /// A pose.
+    Pose(StateInputError),
+    /// Coordinates.
+    Coordinates(CoordinatesError),
+    /// A frame is of another kind than those that the tracker began with.
+    Kind,
+}
+
+impl From<StateInputError> for InputError {
+    fn from(error: StateInputError) -> Self {
+        Self::Pose(error)
+    }
+}
+
+impl From<CoordinatesError> for InputError {
+    fn from(error: CoordinatesError) -> Self {
+        Self::Coordinates(error)
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pose(error) => error.fmt(f),
+            Self::Coordinates(error) => error.fmt(f),
+            Self::Kind => f.write_str(
+                "it is of another kind than the frames before: poses, or coordinates; begin anew with another source",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for InputError {}
+
+/// Why a tick has no torques.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StepError {
+    /// A frame of the performance was refused.
+    Frame(InputError),
+    /// The reading was refused.
+    Measured(InputError),
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frame(error) => write!(f, "a frame of the performance: {error}"),
+            Self::Measured(error) => write!(f, "the measured joints: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for StepError {}
 
 /// Why a tracker cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq)]

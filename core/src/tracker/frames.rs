@@ -9,12 +9,50 @@ pub enum Frame<'a> {
     /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
     /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
     Poses(&'a [Transform]),
+    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. Needs neither
+    /// projection nor differences.
+    Coordinates {
+        /// Positions of the joints, nq numbers.
+        q: &'a [f32],
+        /// Speeds along the degrees of freedom, nv numbers.
+        qd: &'a [f32],
+        /// Accelerations along the degrees of freedom, nv numbers.
+        qdd: &'a [f32],
+    },
+}
+
+/// What the sensors of the joints told in a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Measured<'a> {
+    /// Poses of all joints, each in its parent's frame. Velocities are backward differences.
+    Poses(&'a [Transform]),
+    /// Coordinates and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates speeds of its own,
+    /// and takes those told only to begin with.
+    Coordinates {
+        /// Positions of the joints, nq numbers.
+        q: &'a [f32],
+        /// Speeds along the degrees of freedom, nv numbers.
+        qd: &'a [f32],
+    },
+}
+
+impl<'a> From<&'a [Transform]> for Measured<'a> {
+    fn from(poses: &'a [Transform]) -> Self {
+        Self::Poses(poses)
+    }
+}
+
+impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
+    fn from(poses: &'a [Transform; K]) -> Self {
+        Self::Poses(poses)
+    }
 }
 
 /// Where frames come from: a baked show, a clip, a live stream, a pose that is held.
 ///
-/// A [`Tracker`](super::Tracker) asks for frames by number, one after the other, the farthest that it needs first of all;
-/// it never knows how they are stored. All frames of a source are of one kind.
+/// A [`Tracker`](super::Tracker) asks for frames by number and never knows how they are stored. All frames of a source are
+/// of one kind; before a source of the other kind, [`begin`](super::Tracker::begin) anew.
 ///
 /// ```
 /// use sinew_core::Transform;

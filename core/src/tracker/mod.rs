@@ -15,13 +15,13 @@ mod frames;
 mod names;
 mod settings;
 
-use core::fmt;
-
 use crate::body_weight::BodyWeight;
 use crate::control::{Limited, TorqueLimit};
 use crate::controller::{Controller, ControllerError, Workspace};
+use crate::coordinates::{CoordinatesError, DofCommand};
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::projection::{JointRange, ProjectionError};
-use crate::state::{JointStates, JointTargets, StateInputError};
 use crate::state_error::StateError;
 use crate::supply::TorqueSupply;
 use crate::transform::{Transform, Wrench};
@@ -30,8 +30,8 @@ use crate::tree::Tree;
 use desired::Desired;
 use estimate::Estimate;
 
-pub use error::TrackerError;
-pub use frames::{Frame, FrameSource, before_the_first};
+pub use error::{InputError, StepError, TrackerError};
+pub use frames::{Frame, FrameSource, Measured, before_the_first};
 pub use names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
@@ -196,28 +196,29 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         measured: &[Transform],
     ) -> Result<(), StepError> {
         self.desired.begin(self.controller.tree(), frames, index).map_err(StepError::Frame)?;
-        self.estimate.begin(measured).map_err(StepError::Measured)
+        self.estimate.begin(measured).map_err(|error| StepError::Measured(error.into()))
     }
 
-    /// One tick: torques for frame `index`, from the joints' poses as measured now, each in its parent's frame. O(n).
+    /// One tick: torques for frame `index`, from what the joints' sensors tell now. O(n).
     ///
-    /// The torques are wrenches by joint, as [`Controller::tick`] gives them. After ticks that were left out or refused it
+    /// The torques are wrenches by joint, as [`Controller::tick`] gives them; [`Self::dof_commands`] and
+    /// [`Tree::efforts`] tell what they come to for each degree of freedom. After ticks that were left out or refused it
     /// goes on from differences over the time that has passed. From one frame to the next one frame is taken, after a jump
     /// four.
     ///
     /// # Errors
     /// [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose rotation is not
     /// unit. There are no torques then, and the servos must be held safe.
-    pub fn step(
+    pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
         index: i32,
-        measured: &[Transform],
+        measured: impl Into<Measured<'m>>,
     ) -> Result<&[Limited<Wrench>], StepError> {
         let tree = self.controller.tree();
         let of_frame = self.desired.follow(tree, frames, index);
         // The reading is kept, whatever became of the frame.
-        self.estimate.observe(tree, measured).map_err(StepError::Measured)?;
+        self.estimate.observe(tree, measured.into()).map_err(StepError::Measured)?;
         if let Err(error) = of_frame {
             self.estimate.interrupt();
             return Err(StepError::Frame(error));
@@ -233,6 +234,16 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         let torques = w.torques().get(..count).unwrap_or_default();
         self.estimate.commanded(w.commands(), torques);
         Ok(torques)
+    }
+
+    /// What each degree of freedom is asked for after a tick: target, feed-forward and feedback effort, and what limited
+    /// it. See [`Controller::dof_commands`]. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    pub fn dof_commands(&mut self, out: &mut [DofCommand]) -> Result<(), CoordinatesError> {
+        let (targets, states) = (self.desired.targets(), self.estimate.states());
+        self.controller.dof_commands(targets, states, &[], &mut self.workspace, out)
     }
 
     /// The rig's controller.
@@ -281,24 +292,3 @@ fn share<const N: usize, const R: usize>(
         supply.share(w.torques_mut().get_mut(..count).unwrap_or_default());
     }
 }
-
-/// Why a tick has no torques.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum StepError {
-    /// A frame of the performance was refused.
-    Frame(StateInputError),
-    /// The reading was refused.
-    Measured(StateInputError),
-}
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Frame(error) => write!(f, "a frame of the performance: {error}"),
-            Self::Measured(error) => write!(f, "the measured joints: {error}"),
-        }
-    }
-}
-
-impl core::error::Error for StepError {}

@@ -7,9 +7,9 @@ use crate::control::{ControlLaw, Gains};
 use crate::controller::Controller;
 use crate::dynamics::{OuterJoints, reflected_inertia};
 use crate::importance::{RestPose, descendants_length};
+use crate::joint_states::JointStates;
 use crate::observer::ObserverSettings;
 use crate::projection::{DEFAULT_SWEEPS, ManifoldProjection, ProjectionError};
-use crate::state::JointStates;
 use crate::state_error::{Aims, Compensation, Method, RateTerm, References};
 use crate::tree::Tree;
 

@@ -24,7 +24,7 @@ use crate::state::BodyState;
 )]
 pub struct Compensation {
     /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub beta: f32,
     /// The derivative of the compensating rotation.
     pub rate_term: RateTerm,

@@ -2,6 +2,7 @@
 
 use core::hint::black_box;
 
+use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
 use sinew_core::tracker::{MethodName, Settings, Timing, Tracker};
 use sinew_core::{Transform, Workspace, Wrench};
@@ -20,6 +21,9 @@ pub(crate) fn controller() {
     let (mut targets, mut workspace) = (desired(), black_box(Workspace::resolving()));
     black_box(controller.tick(&mut targets, &measured(), slice(), &mut workspace));
     controller.errors(&mut targets, &measured(), &mut workspace, slice_mut());
+    let commands = slice_mut::<DofCommand>();
+    black_box(&controller.dof_commands(&targets, &measured(), slice(), &mut workspace, commands));
+    black_box(commands.first().map(DofCommand::effort));
     if let Some(supply) = construct::supply() {
         supply.share(workspace.torques_mut());
         let mut carried = [Wrench::ZERO; N];
