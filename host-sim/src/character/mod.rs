@@ -223,7 +223,7 @@ fn shares(stored: impl IntoIterator<Item = (usize, f64)>) -> Result<Vec<(usize, 
 /// The files that [`read`] knows, for messages.
 pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";
 
-/// Reads the character in a file, whose kind its name tells, or else its content.
+/// Reads the character in a file, of the kind that its name says, or else its content.
 ///
 /// # Errors
 /// [`Error`], which names the file, and the place in it.

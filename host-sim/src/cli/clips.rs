@@ -10,11 +10,11 @@ use super::output::note;
 /// Options that name clips.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 

@@ -30,7 +30,7 @@ use output::note;
 
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///
-/// Without a subcommand it evaluates: `sinew` is `sinew evaluate`.
+/// Default subcommand: `evaluate`.
 #[derive(Debug, Parser)]
 #[command(name = "sinew", version, args_conflicts_with_subcommands = true)]
 struct Cli {

@@ -114,8 +114,8 @@ pub(crate) fn lint() -> Result<()> {
     )
 }
 
-/// Builds the image with a feature; `false` if it does not link for a panic that can be reached. Then it is there all the
-/// same, linked with a handler, so that it can be looked at.
+/// Builds the image with a feature; `false` if it does not link for a panic that can be reached. Then it is there all
+/// the same, linked with a handler, so that it can be looked at.
 fn build(feature: &str) -> Result<bool> {
     eprintln!("\n== link all that boards may call, without a panic handler");
     let output = cargo(feature)?.output()?;

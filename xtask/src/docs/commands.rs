@@ -1,4 +1,4 @@
-//! Commands in the documentation, held against the programs themselves.
+//! Commands in the documentation, compared with the programs themselves.
 
 use std::path::PathBuf;
 use std::process::Command;
