@@ -389,7 +389,7 @@ fn swept(sweep: &Sweep) -> Markup {
             @if !fronts.is_empty() {
                 p {
                     "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a cell on the \
-                     front: no other one there has less of both errors."
+                     front: no other one there has both errors smaller."
                     @if fronts.len() > FRONTS { " Of " (fronts.len()) " such tasks, the first " (FRONTS) " are shown." }
                 }
                 @for front in fronts.iter().take(FRONTS) {
