@@ -43,7 +43,7 @@ pub(super) struct Args {
     methods: Vec<MethodArg>,
 
     #[command(flatten)]
-    setup: SetupArgs,
+    pub(super) setup: SetupArgs,
 
     /// Use only the first S seconds of every clip: whole clips take long.
     #[arg(long, value_name = "S", default_value = "3", value_parser = seconds, allow_negative_numbers = true)]

@@ -49,7 +49,7 @@ pub(super) struct Args {
     seeds: u64,
 
     #[command(flatten)]
-    setup: SetupArgs,
+    pub(super) setup: SetupArgs,
 
     /// Use only the first S seconds of every clip, for a quick look.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]

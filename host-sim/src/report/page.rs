@@ -388,8 +388,8 @@ fn swept(sweep: &Sweep) -> Markup {
             @let fronts = sweep.fronts();
             @if !fronts.is_empty() {
                 p {
-                    "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a cell on the \
-                     front: no other one there has both errors smaller."
+                    "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a Pareto-optimal \
+                     cell: no other one there has both errors smaller."
                     @if fronts.len() > FRONTS { " Of " (fronts.len()) " such tasks, the first " (FRONTS) " are shown." }
                 }
                 @for front in fronts.iter().take(FRONTS) {
