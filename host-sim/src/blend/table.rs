@@ -1,4 +1,4 @@
-//! What became of a blend, as text and JSON.
+//! The result of a blend, as text and JSON.
 
 use std::fmt::Write as _;
 

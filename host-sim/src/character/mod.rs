@@ -1,7 +1,7 @@
 //! Characters: joints at rest, and the skin on them if there is one.
 //!
-//! A reader per kind of file makes a [`Character`]: metres, right-handed, y up. What no character can be is refused
-//! here, whatever file it came from; a reader says where in the file it stood.
+//! A reader per kind of file makes a [`Character`]: metres, right-handed, y up. Characters that cannot be
+//! are refused here, whatever file they came from; a reader names the place in the file.
 
 mod error;
 mod geno;

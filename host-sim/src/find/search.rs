@@ -1,4 +1,4 @@
-//! The search: all moments whose distance is least, and few that are not looked at twice.
+//! The search: the moments with the least distances, for which few of all distances are computed.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};

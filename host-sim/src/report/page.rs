@@ -430,7 +430,7 @@ fn notes(report: &Report<'_>) -> Markup {
 
 fn explanation(method: MethodName) -> &'static str {
     match method {
-        MethodName::Local => "Every body is compared with its goal as its parent sees it.",
+        MethodName::Local => "Every body is compared with its goal in its parent's frame.",
         MethodName::World => "Every body is compared with its goal in the world.",
         MethodName::Egocentric => "Every body is compared with its goal as the pelvis sees it.",
         MethodName::Accumulated => {

@@ -1,4 +1,4 @@
-//! What `sinew study classify` and `sinew study cluster` ask alike.
+//! Options that `sinew study classify` and `sinew study cluster` share.
 
 use std::num::NonZeroU16;
 
