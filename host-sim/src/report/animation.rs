@@ -42,7 +42,8 @@ pub(super) fn animation(playback: &Playback) -> Option<Markup> {
     let still = nearest(&shown, playback.best_frame());
     Some(html! {
         svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"
-            viewBox={ "0 0 " (px(STAGE_WIDTH)) " " (px(STAGE_HEIGHT)) } aria-label=(caption(playback, run)) {
+            width=(px(STAGE_WIDTH)) height=(px(STAGE_HEIGHT)) viewBox={ "0 0 " (px(STAGE_WIDTH)) " " (px(STAGE_HEIGHT)) }
+            aria-label=(caption(playback, run)) {
             style { (PreEscaped(style(seconds, shown.len()))) }
             (gradients())
             (stage(shown[0]).backdrop())
