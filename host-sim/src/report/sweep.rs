@@ -5,7 +5,6 @@ mod front;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use clap::ValueEnum as _;
 use thiserror::Error;
 
 use crate::evaluate::MethodName;

@@ -1,7 +1,5 @@
 //! What cargo knows of the workspace.
 
-use std::path::PathBuf;
-
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
 
@@ -10,7 +8,6 @@ use crate::step;
 #[derive(Deserialize)]
 pub(super) struct Workspace {
     packages: Vec<Package>,
-    pub(super) target_directory: PathBuf,
 }
 
 #[derive(Deserialize)]

@@ -1,7 +1,7 @@
 //! Commands in the documentation, compared with the programs themselves.
 
-use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Output};
+use std::{env, io};
 
 use anyhow::Result;
 
@@ -15,11 +15,11 @@ const PROGRAMS: [(&str, &str); 2] = [("sinew-sim", "sinew"), ("sinew-studies", "
 
 pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     let workspace = Workspace::read()?;
-    // As the tests build them: with the whole workspace's features.
+    // With a test beside them, the programs are built of the very crates that the tests are: nothing is built twice.
     let programs = PROGRAMS.iter().flat_map(|(_, program)| ["--bin", program]);
     let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace"]).args(programs);
-    step::run("the programs of the commands", &mut build)?;
+    build.args(["build", "--locked", "--workspace", "--test", "parity"]).args(programs);
+    step::run("build the programs of the commands", &mut build)?;
     let mut faults = Vec::new();
     for page in pages {
         for (line, command) in &page.commands {
@@ -92,9 +92,7 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
             crate::action(&words).is_none().then(|| "xtask has no such command".into())
         }
         Call::Program(name, arguments) => {
-            let program: PathBuf = workspace.target_directory.join("debug").join(name);
-            let output = Command::new(program).args(arguments).arg("--parse-only").output();
-            match output {
+            match parsed(name, arguments) {
                 Ok(output) if output.status.success() => None,
                 Ok(output) => {
                     let text = String::from_utf8_lossy(&output.stderr);
@@ -104,6 +102,12 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
             }
         }
     }
+}
+
+/// Lets a program of ours, which lies beside this one, read its arguments.
+fn parsed(name: &str, arguments: &[String]) -> io::Result<Output> {
+    let program = env::current_exe()?.with_file_name(format!("{name}{}", env::consts::EXE_SUFFIX));
+    Command::new(program).args(arguments).arg("--parse-only").output()
 }
 
 #[cfg(test)]
