@@ -91,16 +91,14 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();
             crate::action(&words).is_none().then(|| "xtask has no such command".into())
         }
-        Call::Program(name, arguments) => {
-            match parsed(name, arguments) {
-                Ok(output) if output.status.success() => None,
-                Ok(output) => {
-                    let text = String::from_utf8_lossy(&output.stderr);
-                    Some(text.lines().next().unwrap_or("refused").to_owned())
-                }
-                Err(error) => Some(format!("{name}: {error}")),
+        Call::Program(name, arguments) => match parsed(name, arguments) {
+            Ok(output) if output.status.success() => None,
+            Ok(output) => {
+                let text = String::from_utf8_lossy(&output.stderr);
+                Some(text.lines().next().unwrap_or("refused").to_owned())
             }
-        }
+            Err(error) => Some(format!("{name}: {error}")),
+        },
     }
 }
 
