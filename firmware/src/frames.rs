@@ -5,8 +5,8 @@ use sinew_core::tracker::{Frame, FrameSource, before_the_first};
 
 use crate::show::Show;
 
-/// The frames of a baked show, read from where it lies. Before its first frame it moves on as in its first step, after its
-/// last it stands.
+/// The frames of a baked show, read from where it lies. Before its first frame it moves on as in its first step,
+/// after its last it stands.
 ///
 /// ```
 /// use sinew_core::Transform;

@@ -156,8 +156,8 @@ impl<'a> Show<'a> {
         Ok(tree)
     }
 
-    /// Poses of a frame by joint, as they were baked, with the performer's offsets; the last frame for any index beyond it.
-    /// What is longer than the show has bodies is left alone.
+    /// Poses of a frame by joint, as they were baked, with the performer's offsets; the last frame for any index
+    /// beyond it. What is longer than the show has bodies is left alone.
     pub fn frame(&self, index: usize, out: &mut [Transform]) {
         let index = index.min(self.frames.saturating_sub(1));
         for (body, pose) in out.iter_mut().enumerate().take(self.bodies) {

@@ -825,8 +825,8 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     }
 }
 
-/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not look
-/// as if nothing had to move.
+/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not
+/// look as if nothing had to move.
 #[test]
 fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     let mut refused = 0;

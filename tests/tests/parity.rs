@@ -1,7 +1,8 @@
 //! The same bits on every machine: all numbers of the built-in evaluation, with each method at both sizes.
 //!
 //! The evaluation writes down what its own tracker gets and computes; its runs are made again here and on each other
-//! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other machines' programs.
+//! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other
+//! machines' programs.
 
 use std::env;
 

@@ -219,8 +219,8 @@ proptest! {
 }
 
 /// The lengths of the moments that make the weighted sum of squared losses least, by Karush, Kuhn and Tucker's
-/// conditions: some price of a N m, at which each joint sells what it would rather. In proportion to what it wants where a
-/// joint has no weight.
+/// conditions: some price of a N m, at which each joint sells what it would rather. In proportion to what it wants
+/// where a joint has no weight.
 fn optimum(wanted: &[Torque], supply_nm: f64, weight: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
     let at = |price: f64| -> Vec<f64> {
         let lengths = wanted.iter().map(|torque| moment(torque).length()).enumerate();

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, budget, features, image, parity, setup, step};
+use crate::{audit, budget, docs, features, image, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -21,6 +21,7 @@ pub(crate) fn run() -> Result<()> {
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
+    docs::run()?;
 
     budget::run(false)?;
     image::lint()?;

@@ -18,7 +18,8 @@ pub(crate) fn double() {
     black_box(black_box(1.5f64) * black_box(2.5f64));
 }
 
-/// A fused multiply-add, which no code of Rust's becomes by itself. It may use these registers: their callers keep them.
+/// A fused multiply-add, which no code of Rust's becomes by itself. It may use these registers: their callers keep
+/// them.
 #[unsafe(naked)]
 pub(crate) extern "C" fn fused() {
     core::arch::naked_asm!("vfma.f32 s0, s1, s2", "bx lr")

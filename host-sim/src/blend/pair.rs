@@ -15,8 +15,8 @@ use crate::mocap::{GaplessClip, JointSample, Skeleton};
 pub struct Pair {
     /// The first.
     pub a: GaplessClip,
-    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes through space is made
-    /// as much larger as its legs are.
+    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes
+    /// through space is made as much larger as its legs are.
     pub b: GaplessClip,
     /// The factor of that.
     pub scale: f64,

@@ -27,10 +27,11 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use output::note;
+use setup::SetupArgs;
 
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///
-/// Without a subcommand it evaluates: `sinew` is `sinew evaluate`.
+/// Default subcommand: `evaluate`.
 #[derive(Debug, Parser)]
 #[command(name = "sinew", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -38,6 +39,9 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     evaluate: evaluate::Args,
+    /// Only read the command line: so `cargo xtask docs` checks the commands of the documentation.
+    #[arg(long, global = true, hide = true)]
+    parse_only: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -55,22 +59,41 @@ enum Command {
     Blend(blend::Args),
 }
 
+impl Command {
+    fn run(&self) -> anyhow::Result<ExitCode> {
+        match self {
+            Self::Evaluate(args) => evaluate::run(args),
+            Self::Bake(args) => bake::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Sweep(args) => sweep::run(args),
+            Self::Rig(args) => rig::run(args),
+            Self::Latency(args) => latency::run(args),
+            Self::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Study(args) => study::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Verify(args) => verify::run(args).map(|()| ExitCode::SUCCESS),
+        }
+    }
+
+    /// Checks the settings that the command line does not know: keys and values of `--set`.
+    fn check(&self) -> anyhow::Result<ExitCode> {
+        let setup = match self {
+            Self::Evaluate(args) => Some(&args.setup),
+            Self::Rig(args) => Some(&args.setup),
+            Self::Latency(args) => Some(&args.setup),
+            _ => None,
+        };
+        setup.map(SetupArgs::setup).transpose()?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
-    let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Sweep(args) => sweep::run(&args),
-        Command::Rig(args) => rig::run(&args),
-        Command::Latency(args) => latency::run(&args),
-        Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Study(args) => study::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Find(args) => find::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Blend(args) => blend::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Verify(args) => verify::run(&args).map(|()| ExitCode::SUCCESS),
-    };
+    let command = cli.command.unwrap_or(Command::Evaluate(cli.evaluate));
+    let result = if cli.parse_only { command.check() } else { command.run() };
     result.unwrap_or_else(|error| {
         // The reader has gone, as in `sinew | head`: nothing is wrong.
         if error.downcast_ref::<io::Error>().is_some_and(is_broken_pipe) {

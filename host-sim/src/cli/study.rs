@@ -12,7 +12,7 @@ mod two_classes;
 
 use clap::Subcommand;
 
-/// Try again what an article claims, on other data.
+/// Repeat the experiments of articles on other data.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(subcommand)]

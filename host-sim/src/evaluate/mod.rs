@@ -133,7 +133,7 @@ pub fn steps_of_all(motions: &[FigureMotion], protocol: &Protocol) -> usize {
 }
 
 /// Tracks every clip with every method on a figure of every scale. Runs in parallel; the result does not
-/// depend on the number of threads. `progress` is told the number of steps done, now and then.
+/// depend on the number of threads. `progress` gets the number of steps done, now and then.
 ///
 /// # Errors
 /// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,

@@ -1,7 +1,8 @@
-//! The pose of the figure nearest to the clip's: what no controller has to do with, only the figure's bones.
+//! The pose of the figure nearest to the clip's. It depends on the figure's bones alone, not on a controller.
 //!
-//! Of a figure of other dimensions, either the bodies' rotations can be the clip's or their positions come nearer
-//! to it. Its pose nearest to the desired one, over the rotations `R_i` of all bodies in the world and the root's position, has the least
+//! Of a figure of other dimensions, either the bodies' rotations can be the clip's or their positions come nearer to
+//! it. Its pose nearest to the desired one, over the rotations `R_i` of all bodies in the world and the root's
+//! position, has the least
 //!
 //! `Σ |p_i - p_d,i|² + w² Σ |Log(R_i R_d,iᵀ)|²`
 //!

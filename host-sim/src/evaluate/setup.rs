@@ -202,7 +202,8 @@ fn differences(prefix: &str, table: &toml::Table, from: &toml::Table, lines: &mu
     }
 }
 
-/// A value as people write it: the core's numbers are f32, and in f64, which TOML has, they get digits that say nothing.
+/// A value as people write it: the core's numbers are f32, and in f64, which TOML has, they get digits that say
+/// nothing.
 fn short(value: &toml::Value) -> String {
     match value {
         toml::Value::Float(number) if f64::from(narrow(*number)).to_bits() == number.to_bits() => {

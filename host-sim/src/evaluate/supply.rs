@@ -12,8 +12,8 @@ use super::levers::Levers;
 use super::setup::Setup;
 use crate::figure::BODY_COUNT;
 
-/// The supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated inertias that
-/// their drives work against in the rest pose.
+/// The supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
+/// inertias that their drives work against in the rest pose.
 pub(super) fn supply(
     setup: &Setup,
     tree: &Tree<BODY_COUNT>,
@@ -26,8 +26,8 @@ pub(super) fn supply(
     })
 }
 
-/// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by the
-/// lever of that.
+/// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by
+/// the lever of that.
 fn weights(tree: &Tree<BODY_COUNT>, levers: &Levers) -> [f32; BODY_COUNT] {
     let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
     let mut weights = [1.0; BODY_COUNT];

@@ -31,7 +31,7 @@ pub struct Step<'a> {
     pub levers: &'a Levers,
     /// How many joints were not given the torque they wanted.
     pub limited: usize,
-    /// What the sensors told the controller in the tick before, and in this one.
+    /// What the sensors gave the controller in the tick before, and in this one.
     pub readings: [&'a [Transform; BODY_COUNT]; 2],
     /// What has made the torques.
     pub tracker: &'a mut FigureTracker,

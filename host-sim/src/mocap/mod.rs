@@ -1,7 +1,8 @@
 //! Motion capture: from a file, or the built-in generator, to the motion of the 18-body figure.
 //!
-//! One way only: a reader makes a [`Recording`], in the file's units, which becomes a [`Clip`]; gaps are filled, joint flips reported, the clip is low-passed and resampled;
-//! a skeleton mapping turns it into a [`FigureMotion`], which is all that the rest of the host sees.
+//! One way only: a reader makes a [`Recording`], in the file's units, which becomes a [`Clip`]; gaps are filled,
+//! joint flips reported, the clip is low-passed and resampled; a skeleton mapping turns it into a [`FigureMotion`],
+//! which is all that the rest of the host sees.
 
 pub mod asf_amc;
 pub mod builtin;

@@ -30,13 +30,13 @@ pub struct Recording {
     pub skeleton: Skeleton,
     /// `frames[f][j]`: joint `j` in frame `f`; positions in the file's unit.
     pub frames: Vec<Vec<Option<JointSample>>>,
-    /// Time between frames in seconds, if the file tells.
+    /// Time between frames in seconds, if the file says.
     pub frame_time_s: Option<f64>,
-    /// Length of the file's unit in metres, if the file tells.
+    /// Length of the file's unit in metres, if the file says.
     pub metres_per_unit: Option<f64>,
 }
 
-/// Neither the file nor its mapping tells the frame rate.
+/// Neither the file nor its mapping gives the frame rate.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the file does not tell its frame rate, and neither does mapping `{mapping}`: expected \
@@ -48,10 +48,10 @@ pub struct NoRate {
 }
 
 impl Recording {
-    /// The motion in metres. The mapping tells the unit and the rate of files that do not.
+    /// The motion in metres. The mapping gives the unit and the rate where the file does not.
     ///
     /// # Errors
-    /// [`NoRate`] if nobody tells the rate.
+    /// [`NoRate`] if nothing says the rate.
     pub fn into_clip(self, mapping: &Mapping) -> Result<Clip, NoRate> {
         let Self { name, mut skeleton, mut frames, frame_time_s, metres_per_unit } = self;
         let frame_time_assumed = frame_time_s.is_none();

@@ -18,8 +18,8 @@ const IMAGE: &str = "audit/src/image";
 /// A public function: its file, seen from the workspace, and its name.
 type Public = (String, String);
 
-/// The public functions of which the image has no instruction and which it does not name. Those that only hand out a field
-/// do not count.
+/// The public functions of which the image has no instruction and which it does not name. Those that only hand out a
+/// field do not count.
 pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
     let mut public = BTreeSet::new();
     for folder in SOURCES {

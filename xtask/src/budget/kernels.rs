@@ -37,8 +37,8 @@ const SIZES: [&str; 3] = ["6", "18", "32"];
 /// does not count.
 const CLOSURES_BYTES: u64 = 128;
 
-/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each of its
-/// readings is up to 40 off.
+/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each
+/// of its readings is up to 40 off.
 const SYSTICK_TOLERANCE: u64 = 80;
 
 /// What was measured, and what it consists of.

@@ -1,4 +1,4 @@
-//! What the core and the images take, held against the committed file.
+//! What the core and the images take, compared with the committed file.
 
 mod cycles;
 mod figures;

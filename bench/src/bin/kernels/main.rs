@@ -1,9 +1,9 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to count
-//! what they execute; prints how much stack the ticks take, and how large the types are.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to
+//! count what they execute; prints how much stack the ticks take, and how large the types are.
 //!
 //! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
-//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`], and
-//! compares.
+//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`],
+//! and compares.
 
 #![no_std]
 #![no_main]

@@ -12,7 +12,7 @@ use crate::mocap::recording;
 pub struct ClipFile {
     /// The file.
     pub path: PathBuf,
-    /// The file's stem, and as much of its folders as tells it from others of that stem.
+    /// The file's stem, and as much of its folders as distinguishes it from others of that stem.
     pub name: String,
 }
 

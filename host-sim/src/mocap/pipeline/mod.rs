@@ -57,7 +57,7 @@ const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
-    /// The mapping told the frame rate.
+    /// The mapping gave the frame rate.
     #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
     RateAssumed {
         /// The rate.
@@ -123,7 +123,7 @@ pub enum Error {
         /// The same one before.
         first: PathBuf,
     },
-    /// Nobody tells the frame rate.
+    /// Nothing says the frame rate.
     #[error("{clip}: {source}")]
     NoRate {
         /// The file.
@@ -235,7 +235,7 @@ impl Settings {
     }
 }
 
-/// Reads one clip; its mapping tells what the file does not: the unit of length, the frame rate.
+/// Reads one clip; its mapping gives what the file does not: the unit of length, the frame rate.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Mapping`] and [`Error::NoRate`].

@@ -53,8 +53,8 @@ pub fn recorded(file: &ClipFile, settings: &Settings) -> Result<(Recorded, Vec<N
     Ok((Recorded { clip, skipped, metres_per_unit, mapping: mapping.clone() }, notices))
 }
 
-/// The joint that carries the body: the root or, where that has only one child and moves in none of the clips, which are of
-/// one skeleton, that child, and so on. Some recordings have a root that stays on the floor.
+/// The joint that carries the body: the root or, where that has only one child and moves in none of the clips, which
+/// are of one skeleton, that child, and so on. Some recordings have a root that stays on the floor.
 pub fn carrier(clips: &[&GaplessClip]) -> usize {
     let mut joint = 0;
     loop {

@@ -143,7 +143,8 @@ fn a_built_in_clip_is_the_same_again() {
 
 #[test]
 fn angles_go_on_through_the_lock_and_beyond_half_a_turn() {
-    // The middle angle goes up through a quarter turn while the others stay: told another way, they would jump by half a turn.
+    // The middle angle goes up through a quarter turn while the others stay: told another way, they would jump by
+    // half a turn.
     let steps = 400;
     let at = |k: i32| f64::from(k) / f64::from(steps);
     let turns = (0..=steps).map(|k| {
