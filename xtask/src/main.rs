@@ -6,6 +6,7 @@ mod budget;
 mod elf;
 mod features;
 mod firmware;
+mod package;
 mod parity;
 mod semver;
 mod setup;
