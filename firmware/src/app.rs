@@ -138,17 +138,17 @@ impl<'a, const N: usize, const R: usize> App<'a, N, R> {
         self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
         let continues = self.recommended.is_some() && age_ticks == 1;
         match age_ticks {
-            0 => self.measured.stand(measured)?,
+            0 => self.measured.set_at_rest(measured)?,
             // The observer goes on by itself.
             1 if continues => {}
-            _ => self.measured.follow(measured, dt_s * f32::from(age_ticks))?,
+            _ => self.measured.update_poses(measured, dt_s * f32::from(age_ticks))?,
         }
         if let Some(recommended) = &mut self.recommended {
             let anew = (!continues).then_some(&self.measured);
             recommended.observe(tree, measured, anew, &mut self.targets)?;
             if continues {
                 // In case that the next poses are refused.
-                self.measured.stand(measured)?;
+                self.measured.set_at_rest(measured)?;
             }
         }
         self.age_ticks = 1;

@@ -191,7 +191,7 @@ impl<const N: usize> Recommended<N> {
 
     /// Notes what the joints were commanded.
     pub(crate) fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
-        self.observer.sent(commands, torques);
+        self.observer.record_commands(commands, torques);
     }
 }
 

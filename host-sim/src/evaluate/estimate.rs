@@ -90,7 +90,7 @@ impl Estimate {
     /// Notes what the joints were commanded.
     pub(super) fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         if let Some(observer) = &mut self.observer {
-            observer.sent(commands, torques);
+            observer.record_commands(commands, torques);
         }
     }
 }

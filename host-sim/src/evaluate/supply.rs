@@ -40,8 +40,8 @@ impl Supply {
     ) {
         if self.sharing == SharingName::Accelerations && self.supply.supply_nm().is_finite() {
             let mut carried = [Wrench::ZERO; BODY_COUNT];
-            controller.carried(states, &[], workspace, &mut carried);
-            self.supply.share_beyond(workspace.torques_mut(), &carried);
+            controller.bias_wrenches(states, &[], workspace, &mut carried);
+            self.supply.share_acceleration(workspace.torques_mut(), &carried);
         } else {
             self.supply.share(workspace.torques_mut());
         }
