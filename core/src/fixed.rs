@@ -13,3 +13,10 @@ pub(crate) fn collect<T, const N: usize>(items: impl IntoIterator<Item = T>) -> 
     }
     all
 }
+
+/// Copies as many items as both slices have.
+pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
+    for (slot, item) in to.iter_mut().zip(from) {
+        *slot = *item;
+    }
+}

@@ -168,6 +168,7 @@ mod state;
 pub mod state_error;
 pub mod supply;
 mod symmetric;
+pub mod tracker;
 pub mod trajectory;
 mod transform;
 mod tree;

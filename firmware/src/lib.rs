@@ -2,8 +2,7 @@
 //! simulator uses the same code.
 //!
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
-//! - [`app`]: the control tick as the boards run it;
-//! - [`recommended`]: the setting for real rigs;
+//! - [`frames`]: where frames come from, for a [`Tracker`](sinew_core::tracker::Tracker);
 //! - [`replay`]: a stand-in for servos, so that a board can perform a show without any;
 //! - [`parity`]: runs that boards and hosts make, to be compared bit by bit;
 //! - [`indicator`]: the status light.
@@ -19,11 +18,10 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-pub mod app;
 #[cfg(feature = "defmt")]
 mod format;
+pub mod frames;
 pub mod indicator;
 pub mod parity;
-pub mod recommended;
 pub mod replay;
 pub mod show;

@@ -1,7 +1,7 @@
 //! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
 //!
 //! A run is a show, a method, and the joints' poses as they were measured in each tick; the machine answers with what it
-//! computed on the way to its torques. A program reads one run from its standard input and writes the answer to its
+//! computed on the way to its torques. The evaluation writes down both as it goes. A program reads one run from its standard input and writes the answer to its
 //! standard output: `src/bin/parity_host.rs` on a host, `src/bin/parity.rs` on an emulated board.
 //!
 //! # Format of a run
@@ -9,25 +9,23 @@
 //!
 //! | bytes | what |
 //! | --- | --- |
-//! | u32 | method, an index of [`METHODS`] |
+//! | u32 | method, an index of [`MethodName::ALL`] |
 //! | u32 | ticks t |
 //! | u32 | length s of the show in bytes |
 //! | s | the show, see [`crate::show`] |
-//! | t x n x 28 | per tick and body its joint's measured pose: rotation xyzw, then translation in m |
+//! | n x 28 | by body its joint's pose as it was measured a tick before the first: rotation xyzw, then translation in m |
+//! | t x n x 28 | the same for each tick |
 //!
 //! The answer is per tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
+use sinew_core::tracker::{MethodName, Timing, Tracker};
 use sinew_core::{Transform, Twist, Workspace};
 
-use crate::app::App;
-use crate::replay::{self, components};
+use crate::frames::ShowFrames;
+use crate::replay::{components, settings};
 use crate::show::Show;
-
-/// The methods that are compared, by the names that all reports use.
-pub const METHODS: [&str; 6] =
-    ["local", "world", "egocentric", "linear_compensation", "resolved_acceleration", "recommended"];
 
 const POSE: [&str; 7] = [
     "rotation x",
@@ -95,32 +93,55 @@ pub fn perform<const N: usize>(
         usize::try_from(u32::from_le_bytes(bytes)).map_err(|_| "a count is too large")
     };
     let (method, ticks, length) = (count()?, count()?, count()?);
-    let name = METHODS.get(method).ok_or("there is no such method")?;
+    let method = *MethodName::ALL.get(method).ok_or("there is no such method")?;
     let show = buffer.get_mut(..length).ok_or("the show is longer than the buffer")?;
     read(show)?;
     let show = Show::parse(show).map_err(|_| "the show is not valid")?;
-    let mut app = replay::app(show, name, Workspace::<N, N>::resolving())
-        .map_err(|_| "the show's rig is not usable")?;
+    let tree = show.tree::<N>().map_err(|_| "the show's rig is not usable")?;
+    let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+    let (settings, workspace) = (settings(method), Workspace::<N, N>::resolving());
+    let mut tracker = Tracker::<N, 1, N>::with_workspace(tree, &settings, timing, workspace)
+        .map_err(|_| "there is no such tracker")?;
+    let mut frames = ShowFrames::<N>::new(show);
     let bodies = show.body_count();
-    let (mut measured, mut errors) = ([Transform::IDENTITY; N], [StateError::ZERO; N]);
-    for tick in 0..ticks {
+    let mut reading = |measured: &mut [Transform; N]| {
         for pose in measured.iter_mut().take(bodies) {
             let mut bytes = [0; 28];
             read(&mut bytes)?;
             *pose = pose_of(&bytes);
         }
+        Ok(())
+    };
+    let (mut measured, mut answer) = ([Transform::IDENTITY; N], [[0; TICK_BYTES]; N]);
+    reading(&mut measured)?;
+    let before = measured.get(..bodies).unwrap_or_default();
+    tracker.begin(&mut frames, 0, before).map_err(|_| "the beginning was refused")?;
+    for tick in 0..ticks {
+        reading(&mut measured)?;
+        let tick = i32::try_from(tick).map_err(|_| "there are too many ticks")?;
         let measured = measured.get(..bodies).unwrap_or_default();
-        app.observe(tick, measured).map_err(|_| "a measured state was refused")?;
-        app.control();
-        let mut bytes = [[0; NUMBERS * 4]; N];
-        let bytes = bytes.as_flattened_mut();
-        app.errors(&mut errors);
-        for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(&app, &errors)) {
-            slot.copy_from_slice(&number.to_le_bytes());
-        }
-        write(bytes.get(..bodies * NUMBERS * 4).unwrap_or_default())?;
+        tracker.step(&mut frames, tick, measured).map_err(|_| "a tick was refused")?;
+        write(tick_bytes(&mut tracker, &mut answer))?;
     }
     Ok(())
+}
+
+/// Bytes of one body in the answer of a tick.
+pub const TICK_BYTES: usize = NUMBERS * 4;
+
+/// The answer of a tracker's last tick.
+pub fn tick_bytes<'a, const N: usize, const D: usize, const R: usize>(
+    tracker: &mut Tracker<N, D, R>,
+    out: &'a mut [[u8; TICK_BYTES]; N],
+) -> &'a [u8] {
+    let bodies = tracker.controller().tree().len();
+    let mut errors = [StateError::ZERO; N];
+    tracker.errors(&mut errors);
+    let bytes = out.as_flattened_mut();
+    for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(tracker, &errors)) {
+        slot.copy_from_slice(&number.to_le_bytes());
+    }
+    bytes.get(..bodies * TICK_BYTES).unwrap_or_default()
 }
 
 /// A pose as a run has it.
@@ -142,11 +163,12 @@ fn pose_of(bytes: &[u8; 28]) -> Transform {
 }
 
 /// All numbers of the last tick, in the order of [`QUANTITIES`].
-fn numbers<const N: usize, const R: usize>(
-    app: &App<'_, N, R>,
+fn numbers<const N: usize, const D: usize, const R: usize>(
+    tracker: &Tracker<N, D, R>,
     errors: &[StateError],
 ) -> impl Iterator<Item = f32> {
-    let (targets, states, w) = (app.targets(), app.states().as_slice(), app.workspace());
+    let (targets, w) = (tracker.targets(), tracker.workspace());
+    let states = tracker.states().as_slice();
     let (desired, bodies) = (targets.states(), states.len());
     desired
         .iter()

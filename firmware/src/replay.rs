@@ -3,77 +3,30 @@
 //! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit
 //! by bit.
 
-use sinew_core::control::{ControlLaw, Gains, GainsError, Limited};
-use sinew_core::projection::BodyWeights;
-use sinew_core::state_error::{Aims, Compensation, Method, References};
-use sinew_core::{
-    Controller, ControllerError, StateInputError, Transform, Tree, Workspace, Wrench,
-};
+use sinew_core::control::Limited;
+use sinew_core::tracker::{MethodName, Settings, StepError, Timing, Tracker, TrackerError};
+use sinew_core::{Transform, Wrench};
 
-use crate::app::App;
-use crate::recommended::{Recommended, RecommendedError};
+use crate::frames::ShowFrames;
 use crate::show::{Show, ShowError};
 
 /// How many frames the stand-in is late: enough for errors of a few degrees.
 pub const LAG_FRAMES: usize = 3;
 
-/// How late the stand-in's torques count as, in the setting for real rigs.
-pub const DELAY_TICKS: usize = 0;
+/// The three methods of the paper, and the setting for real rigs.
+pub const METHODS: [MethodName; 4] =
+    [MethodName::Local, MethodName::World, MethodName::LinearCompensation, MethodName::Recommended];
 
-/// The paper's gain, kp in 1/s².
-pub const KP: f32 = 200.0;
-
-/// The three methods of the paper, and the setting for real rigs, by the names that all reports use.
-pub const METHODS: [&str; 4] = ["local", "world", "linear_compensation", "recommended"];
-
-/// The method of that name, for a rig: one of [`METHODS`], `egocentric` or `resolved_acceleration`.
-pub fn method<const N: usize>(name: &str, tree: &Tree<N>) -> Option<Method<N>> {
-    match name {
-        "local" => Some(Method::Local),
-        "world" | "recommended" => Some(Method::World),
-        "egocentric" => Some(Method::Accumulated(References::egocentric(tree))),
-        "linear_compensation" => Some(Method::LinearCompensation {
-            aims: Aims::heaviest_child(tree),
-            settings: Compensation::default(),
-        }),
-        "resolved_acceleration" => {
-            Some(Method::ResolvedAcceleration { weights: BodyWeights::rotations(tree) })
-        }
-        _ => None,
-    }
+/// The settings of a run with a method: the paper's gains.
+pub fn settings(method: MethodName) -> Settings {
+    Settings { method, ..Settings::default() }
 }
 
-/// An application at a show's first frame, with the named [`method`] and the paper's gains. `resolved_acceleration`
-/// needs [`Workspace::resolving`].
-///
-/// # Errors
-/// [`ReplayError`] if the show's rig is not usable or there is no such method.
-pub fn app<'a, const N: usize, const R: usize>(
-    show: Show<'a>,
-    name: &str,
-    workspace: Workspace<N, R>,
-) -> Result<App<'a, N, R>, ReplayError> {
-    let tree = show.tree::<N>().map_err(ReplayError::Show)?;
-    let method = method(name, &tree).ok_or(ReplayError::UnknownMethod)?;
-    let mut gains = Gains::critically_damped(KP).map_err(ReplayError::Gains)?;
-    if name == "recommended" {
-        gains = gains.implicit(show.dt_s()).map_err(ReplayError::Gains)?;
-    }
-    let controller = Controller::new(tree, gains, method)
-        .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
-        .map_err(ReplayError::Controller)?;
-    let app = App::with_workspace(show, controller, workspace);
-    if name == "recommended" {
-        let setting = Recommended::new(&show, app.controller().tree(), DELAY_TICKS);
-        return Ok(app.with(setting.map_err(ReplayError::Recommended)?));
-    }
-    Ok(app)
-}
-
-/// A run of one method over a show.
+/// A run of one method over a show, whose torques count as not late at all.
 ///
 /// ```
-/// use sinew_firmware::replay::{Replay, ReplayError, TorqueHash};
+/// use sinew_core::tracker::MethodName;
+/// use sinew_firmware::replay::{Replay, TorqueHash};
 /// use sinew_firmware::show::Show;
 /// # let flash = {
 /// #     use sinew_core::{Body, Inertia, JointKind, Transform};
@@ -85,51 +38,60 @@ pub fn app<'a, const N: usize, const R: usize>(
 /// #     flash
 /// # };
 /// let show = Show::parse(&flash)?;
-/// let mut run = Replay::<1>::new(show, "world")?;
+/// let mut run = Replay::<1>::new(show, MethodName::World)?;
 /// let mut hash = TorqueHash::default();
-/// for tick in 0..show.frame_count() {
-///     run.observe(tick)?;
-///     hash.update(run.control());
+/// for tick in 0..3 {
+///     hash.update(run.step(tick)?);
 /// }
 /// // Every machine must come to the same number.
 /// println!("{:016x}", hash.value());
-/// assert_eq!(Replay::<1>::new(show, "other").err(), Some(ReplayError::UnknownMethod));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Replay<'a, const N: usize> {
-    app: App<'a, N>,
+    tracker: Tracker<N>,
+    frames: ShowFrames<'a, N>,
     late: [Transform; N],
 }
 
 impl<'a, const N: usize> Replay<'a, N> {
-    /// A run from the show's first frame, see [`app`].
+    /// A run from the show's first frame, where the stand-in is at rest.
     ///
     /// # Errors
-    /// [`ReplayError`] if the show's rig is not usable or there is no such method.
-    pub fn new(show: Show<'a>, name: &str) -> Result<Self, ReplayError> {
-        Ok(Self { app: app(show, name, Workspace::new())?, late: [Transform::IDENTITY; N] })
+    /// [`ReplayError`] if the show's rig is not usable or the method does not go with it.
+    pub fn new(show: Show<'a>, method: MethodName) -> Result<Self, ReplayError> {
+        let tree = show.tree::<N>().map_err(ReplayError::Show)?;
+        let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+        let tracker =
+            Tracker::new(tree, &settings(method), timing).map_err(ReplayError::Tracker)?;
+        let frames = ShowFrames::new(show);
+        let mut run = Self { tracker, frames, late: [Transform::IDENTITY; N] };
+        run.read_sensors(0);
+        let count = run.tracker.controller().tree().len();
+        let measured = run.late.get(..count).unwrap_or_default();
+        run.tracker.begin(&mut run.frames, 0, measured).map_err(ReplayError::Begin)?;
+        Ok(run)
     }
 
-    /// Reads the sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own
-    /// link lengths.
+    /// The torques of a tick; its frame is that of the same number. After the show's end its last frame is held.
     ///
     /// # Errors
-    /// Never for a show that was parsed; [`StateInputError`] as [`App::observe`].
-    pub fn observe(&mut self, tick: usize) -> Result<(), StateInputError> {
-        self.app.show().frame(tick.saturating_sub(LAG_FRAMES), &mut self.late);
-        let bodies = self.app.controller().tree().bodies();
+    /// Never for a show that was parsed; [`StepError`] as [`Tracker::step`].
+    pub fn step(&mut self, tick: u32) -> Result<&[Limited<Wrench>], StepError> {
+        self.read_sensors(usize::try_from(tick).unwrap_or(usize::MAX));
+        let count = self.tracker.controller().tree().len();
+        let measured = self.late.get(..count).unwrap_or_default();
+        self.tracker.step(&mut self.frames, i32::try_from(tick).unwrap_or(i32::MAX), measured)
+    }
+
+    /// The sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own link lengths.
+    fn read_sensors(&mut self, tick: usize) {
+        self.frames.show().frame(tick.saturating_sub(LAG_FRAMES), &mut self.late);
+        let bodies = self.tracker.controller().tree().bodies();
         for (pose, body) in self.late.iter_mut().zip(bodies).skip(1) {
             pose.translation_m = body.placement.translation_m;
         }
-        let count = bodies.len();
-        self.app.observe(tick, self.late.get(..count).unwrap_or_default())
-    }
-
-    /// The torques for what was observed last.
-    pub fn control(&mut self) -> &[Limited<Wrench>] {
-        self.app.control()
     }
 }
 
@@ -173,29 +135,18 @@ pub fn components(wrench: &Wrench) -> [f32; 6] {
 pub enum ReplayError {
     /// The show's rig is not usable.
     Show(ShowError),
-    /// There is no method of that name, see [`METHODS`].
-    UnknownMethod,
-    /// The gains cannot be.
-    Gains(GainsError),
-    /// The controller cannot be made.
-    Controller(ControllerError),
-    /// The setting for real rigs cannot be had.
-    Recommended(RecommendedError),
+    /// There is no such tracker.
+    Tracker(TrackerError),
+    /// The show's first frames were refused.
+    Begin(StepError),
 }
 
 impl core::fmt::Display for ReplayError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Show(error) => error.fmt(f),
-            Self::UnknownMethod => {
-                write!(
-                    f,
-                    "unknown method; known are {METHODS:?}, egocentric, resolved_acceleration"
-                )
-            }
-            Self::Gains(error) => error.fmt(f),
-            Self::Controller(error) => error.fmt(f),
-            Self::Recommended(error) => error.fmt(f),
+            Self::Tracker(error) => error.fmt(f),
+            Self::Begin(error) => error.fmt(f),
         }
     }
 }

@@ -23,15 +23,15 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError, compensate,
     compensate_all,
 };
+use sinew_core::tracker::{MethodName, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
     JointKind, JointState, JointStates, JointTargets, RotationalInertia, Trajectory, Transform,
     Tree, Twist, Workspace, Wrench, math,
 };
-use sinew_firmware::app::App;
-use sinew_firmware::recommended::Recommended;
-use sinew_firmware::replay::{METHODS, Replay};
+use sinew_firmware::frames::ShowFrames;
+use sinew_firmware::replay::{METHODS, Replay, settings};
 use sinew_firmware::show::{self, Show};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
@@ -503,21 +503,23 @@ proptest! {
         for method in METHODS {
             let Ok(mut replay) = Replay::<N>::new(show, method) else { continue };
             for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
-                if replay.observe(tick).is_ok() {
-                    prop_assert!(replay.control().iter().all(sound_torque), "{method} {tick}");
+                if let Ok(torques) = replay.step(tick) {
+                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
                 }
             }
         }
-        let tree = show.tree::<N>().expect("what was a tree is one");
-        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
-        let app = App::new(show, controller.clone());
-        let setting = Recommended::new(&show, &tree, 0).ok();
-        let recommended = setting.map(|setting| App::new(show, controller).with(setting));
-        for mut app in recommended.into_iter().chain([app]) {
-            for (tick, sensed) in sensed.chunks_exact(N).enumerate() {
-                // A board holds what it had when it is told that a pose is none; here it goes on.
-                let _ = app.observe(tick, &sensed[..tree.len()]);
-                prop_assert!(app.control().iter().all(sound_torque), "tick {tick}");
+        for method in MethodName::ALL {
+            let tree = show.tree::<N>().expect("what was a tree is one");
+            let (settings, timing) = (settings(method), Timing { dt_s, latency_ticks: 1 });
+            let workspace = Workspace::<N, N>::resolving();
+            let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
+            let Ok(mut tracker) = tracker else { continue };
+            let (mut frames, bodies) = (ShowFrames::<N>::new(show), show.body_count());
+            for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
+                // A refused reading has no torques.
+                if let Ok(torques) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
+                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
+                }
             }
         }
     }

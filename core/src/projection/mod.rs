@@ -91,6 +91,19 @@ impl<const N: usize> ManifoldProjection<N> {
         })
     }
 
+    /// The same with other weights of the bodies.
+    ///
+    /// # Errors
+    /// [`ProjectionError::Weights`] as [`BodyWeights::new`].
+    pub fn with_weights(
+        self,
+        tree: &Tree<N>,
+        weights: &[BodyWeight],
+    ) -> Result<Self, ProjectionError> {
+        let weights = BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?;
+        Ok(Self { weights, ..self })
+    }
+
     /// The same, with a range for each joint: no solution is ever outside of one.
     ///
     /// # Errors

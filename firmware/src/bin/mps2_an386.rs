@@ -45,31 +45,26 @@ fn perform() -> Result<(), &'static str> {
     peripherals.SYST.enable_counter();
 
     let show = Show::parse(SHOW).map_err(|_| "the baked show is not valid")?;
-    for name in METHODS {
+    for method in METHODS {
         let mut replay =
-            Replay::<CAPACITY>::new(show, name).map_err(|_| "the show's rig is not usable")?;
+            Replay::<CAPACITY>::new(show, method).map_err(|_| "the show's rig is not usable")?;
         let mut hash = TorqueHash::default();
-        let (mut observe_counts, mut control_counts, mut most_counts) = (0u64, 0u64, 0u64);
-        for tick in 0..show.frame_count() {
+        let ticks = u32::try_from(show.frame_count()).map_err(|_| "the show is too long")?;
+        let (mut counts, mut most_counts) = (0, 0);
+        for tick in 0..ticks {
             let start = SYST::get_current();
-            replay.observe(tick).map_err(|_| "a measured state was refused")?;
-            let observed = SYST::get_current();
-            let torques = replay.control();
-            let end = SYST::get_current();
+            let torques = replay.step(tick).map_err(|_| "a tick was refused")?;
             // The counter runs down and wraps at 24 bits.
-            let between = |start: u32, end: u32| u64::from(start.wrapping_sub(end) & COUNTER_MASK);
-            observe_counts += between(start, observed);
-            control_counts += between(observed, end);
-            most_counts = most_counts.max(between(start, end));
+            let taken = u64::from(start.wrapping_sub(SYST::get_current()) & COUNTER_MASK);
+            counts += taken;
+            most_counts = most_counts.max(taken);
             hash.update(torques);
         }
-        let ticks = show.frame_count() as u64;
         hprintln!(
-            "method={} ticks={} control={} observe={} worst={} hash={:016x}",
-            name,
+            "method={} ticks={} tick={} worst={} hash={:016x}",
+            method.as_str(),
             ticks,
-            control_counts * INSTRUCTIONS_PER_COUNT / ticks,
-            observe_counts * INSTRUCTIONS_PER_COUNT / ticks,
+            counts * INSTRUCTIONS_PER_COUNT / u64::from(ticks),
             most_counts * INSTRUCTIONS_PER_COUNT,
             hash.value()
         );

@@ -2,7 +2,8 @@
 //!
 //! Two executors: the tick runs in an interrupt of high priority and pre-empts everything else, woken by the
 //! hardware timer behind `embassy-time` (TIM5); the light (LD2 on PA5, TIM2 channel 1) runs in thread mode.
-//! The independent watchdog is fed by the tick alone: if it stops, the board resets within [`WATCHDOG_US`].
+//! The independent watchdog is fed by a completed, valid tick alone: without one the board resets within
+//! [`WATCHDOG_US`].
 //!
 //! Not there yet: servos. Until a bus is driven, the measured joints are those of the stand-in
 //! ([`sinew_firmware::replay`]), and the torques go nowhere but the log.
@@ -26,6 +27,7 @@ use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Instant, Ticker};
 use panic_probe as _;
+use sinew_core::tracker::MethodName;
 use sinew_firmware::indicator;
 use sinew_firmware::replay::Replay;
 use sinew_firmware::show::Show;
@@ -56,7 +58,7 @@ async fn main(spawner: Spawner) {
     let peripherals = embassy_stm32::init(embassy_stm32::Config::default());
 
     let show = defmt::unwrap!(Show::parse(SHOW).ok(), "the baked show is not valid");
-    let replay = Replay::new(show, "linear_compensation").ok();
+    let replay = Replay::new(show, MethodName::LinearCompensation).ok();
     let replay = REPLAY.init(defmt::unwrap!(replay, "the show's rig is not usable"));
     defmt::info!("{} bodies, {} frames", show.body_count(), show.frame_count());
 
@@ -79,21 +81,22 @@ async fn run_control(
     let mut ticker = Ticker::every(Duration::from_micros(period_us));
     let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
     watchdog.unleash();
-    let mut tick = 0usize;
+    let mut tick = 0u32;
     loop {
         ticker.next().await;
         let start = Instant::now();
-        if replay.observe(tick).is_ok() {
-            let torques = replay.control().iter();
-            let limited = torques.filter(|torque| torque.reason.is_some()).count();
-            if tick.is_multiple_of(100) {
-                let took_us = start.elapsed().as_micros();
-                defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
+        match replay.step(tick) {
+            Ok(torques) => {
+                // Only a tick that has torques: whoever has none for long is reset.
+                watchdog.pet();
+                let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
+                if tick.is_multiple_of(100) {
+                    let took_us = start.elapsed().as_micros();
+                    defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
+                }
             }
-        } else {
-            defmt::error!("tick {}: a measured state was refused, no torque", tick);
+            Err(error) => defmt::error!("tick {}: no torques: {}", tick, error),
         }
-        watchdog.pet();
         // To the show's end and no further: its last frame is held. Starting over would be a jump.
         tick = tick.saturating_add(1);
     }

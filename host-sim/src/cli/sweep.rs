@@ -157,8 +157,7 @@ fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
 
 /// The task of a front, and its cells.
 fn of_front(front: &Front, own: &[Vec<String>]) -> Vec<String> {
-    let is_task =
-        |line: &&String| !line.starts_with("controller.") || line.starts_with("controller.root");
+    let is_task = |line: &&String| !line.starts_with("controller.");
     let listed = |lines: Vec<&str>| match lines.as_slice() {
         [] => "nothing else set".to_owned(),
         lines => lines.join(", "),

@@ -5,7 +5,6 @@ mod controller;
 pub mod detail;
 mod disturbance;
 mod error;
-mod estimate;
 pub mod front;
 mod levers;
 mod metrics;
@@ -24,16 +23,15 @@ use serde::Serialize;
 use crate::figure::Dimensions;
 use crate::mocap::FigureMotion;
 
-pub use controller::{
-    AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,
-    MethodName, ObserverChoice, ProjectionSettings, RateTermName, SharingName, WeightsName,
-};
+pub use sinew_core::tracker::MethodName;
+
+pub use controller::{BodyName, ControllerSettings};
 pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use levers::Levers;
 pub use metrics::{ErrorTotals, Errors, WeightedTotals};
-pub use setup::{BodySource, Setup, SetupError};
+pub use setup::{BodySource, FigureTracker, Setup, SetupError};
 pub use track::{Step, step_count, track};
 
 /// What to evaluate.

@@ -16,8 +16,6 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::supply::TorqueSupply;
 use sinew_core::{BodySet, Controller, JointState, RotationalInertia, Tree, Twist};
-use sinew_firmware::recommended::Recommended;
-use sinew_firmware::show::Show;
 
 use crate::{N, body, desired, gains, measured, slice, slice_mut, tree};
 
@@ -157,6 +155,7 @@ pub(crate) fn projections() {
     let Ok(projection) = ManifoldProjection::new(&tree, weights) else { return };
     let projection = black_box(projection).with_root_held().with_sweeps(black_box(1));
     let Ok(projection) = black_box(projection).with_ranges(&tree, slice()) else { return };
+    let Ok(projection) = black_box(projection).with_weights(&tree, slice()) else { return };
     let mut workspace = black_box(ProjectionWorkspace::new());
     black_box(&black_box(projection).project(&tree, slice(), &mut workspace, slice_mut()));
     workspace.reset();
@@ -180,7 +179,4 @@ pub(crate) fn observers() {
     observer.record_commands(slice(), slice());
     observer.restart(&state);
     black_box((observer.states(), observer.disturbances()));
-    let Ok(show) = Show::parse(slice()) else { return };
-    let Ok(setting) = Recommended::new(&black_box(show), &tree, black_box(1)) else { return };
-    black_box(&black_box(setting).with_ranges(&tree, slice()));
 }

@@ -40,7 +40,7 @@ fn main() -> ! {
         targets::differences();
         tick::controller();
         tick::controller_of_little_room();
-        tick::app();
+        tick::tracker();
         tick::replay();
         tick::parity();
         kernels::kinematics();

@@ -3,12 +3,13 @@
 use core::hint::black_box;
 
 use sinew_core::coordinates::DofCommand;
+use sinew_core::glam::Vec3;
+use sinew_core::tracker::{MethodName, Settings, Timing, Tracker};
 use sinew_core::{Transform, Workspace, Wrench};
-use sinew_firmware::app::App;
+use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::indicator;
 use sinew_firmware::parity;
-use sinew_firmware::recommended::Recommended;
-use sinew_firmware::replay::{Replay, TorqueHash, method};
+use sinew_firmware::replay::{Replay, TorqueHash};
 use sinew_firmware::show::Show;
 
 use crate::{N, construct, desired, measured, slice, slice_mut, tree};
@@ -43,28 +44,39 @@ pub(crate) fn controller_of_little_room() {
     black_box(controller.tick(&mut desired(), &measured(), slice(), &mut workspace));
 }
 
-/// The boards' tick, plain and in the setting for real rigs.
+/// The boards' tick, with any settings.
 #[inline(never)]
-pub(crate) fn app() {
-    let Some(controller) = construct::controller() else { return };
+pub(crate) fn tracker() {
     let Ok(show) = Show::parse(slice()) else { return };
-    let mut app = App::new(black_box(show), controller);
+    let timing = black_box(Timing { dt_s: 0.01, latency_ticks: 1 });
+    black_box(timing.check_recommended().is_ok());
+    let mut settings = black_box(Settings::default());
     if black_box(true) {
-        let Ok(setting) = Recommended::new(&show, &tree(), black_box(1)) else { return };
-        app = app.with(black_box(setting));
-        let weighted = Recommended::with_weights(&show, &tree(), slice(), black_box(1));
-        let Ok(setting) = weighted else { return };
-        app = app.with(black_box(setting));
+        settings = Settings::recommended();
     }
+    settings = settings.named(black_box);
+    let workspace = Workspace::resolving();
+    let Ok(tracker) = Tracker::<N, 3, N>::with_workspace(tree(), &settings, timing, workspace)
+    else {
+        return;
+    };
+    black_box(&Tracker::<N, 3>::new(tree(), &settings, timing).is_ok());
+    let Ok(tracker) = tracker.with_limits(slice()) else { return };
+    let Ok(tracker) = tracker.with_gravity(black_box(Vec3::ZERO)) else { return };
+    let Ok(tracker) = tracker.with_ranges(slice()) else { return };
+    let Ok(mut tracker) = tracker.with_weights(slice()) else { return };
     if black_box(true) {
         let Some(supply) = construct::supply() else { return };
-        app = app.with_supply(black_box(supply));
+        tracker = tracker.with_supply(supply);
     }
-    let mut app = black_box(app);
-    black_box(&app.observe(black_box(1), slice()));
-    black_box(app.control());
-    black_box((app.controller().tree(), app.show()));
-    app.errors(slice_mut());
+    let mut tracker = black_box(tracker);
+    let mut frames = black_box(ShowFrames::<N>::new(black_box(show)));
+    black_box(&tracker.begin(&mut frames, black_box(1), slice()));
+    black_box(&tracker.step(&mut frames, black_box(1), slice()));
+    black_box((tracker.controller().tree(), frames.show(), tracker.states(), tracker.targets()));
+    tracker.errors(slice_mut());
+    let method = black_box(MethodName::World);
+    black_box((MethodName::from_name(black_box("world")), method.label(), method.summary()));
     black_box(indicator::breath(black_box(1)));
 }
 
@@ -72,13 +84,14 @@ pub(crate) fn app() {
 #[inline(never)]
 pub(crate) fn replay() {
     let Ok(show) = Show::parse(slice()) else { return };
-    let name = black_box("world");
-    black_box(&method(name, &tree()));
-    let Ok(replay) = Replay::<N>::new(black_box(show), name) else { return };
+    let Ok(replay) = Replay::<N>::new(black_box(show), black_box(MethodName::World)) else {
+        return;
+    };
     let mut replay = black_box(replay);
-    black_box(&replay.observe(black_box(1)));
     let mut hash = TorqueHash::default();
-    hash.update(replay.control());
+    if let Ok(torques) = replay.step(black_box(1)) {
+        hash.update(torques);
+    }
     black_box(hash.value());
 }
 
