@@ -253,19 +253,19 @@ impl<const N: usize> Controller<N> {
         &self.limits
     }
 
-    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty without.
+    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty by default.
     pub fn inertias(&self) -> &[ReflectedInertia] {
         &self.inertias
     }
 
-    /// Torques for this instant: the wrench that joint i's drive puts on body i about its origin, in
-    /// measured body axes, along the joint's degrees of freedom, within its limit. O(n).
+    /// The torques of this instant: the wrench of joint i's drive on body i about its origin, in measured body axes,
+    /// along the joint's degrees of freedom, within its limit. As numbers by degree of freedom:
+    /// [`Tree::efforts`](crate::Tree::efforts). O(n).
     ///
-    /// Cannot fail: the inputs are finite by their types, and what would overflow all the same is returned
-    /// as zero with a reason. `external` is the wrench on each body from outside (see
-    /// [`inverse_dynamics`]); empty for none. Targets and measurements must be of this controller's tree:
-    /// joints that they do not have get no torque and are not in the result. Resolved acceleration without
-    /// [`Workspace::resolving`] asks for nothing, with [`LimitReason::NoRoom`].
+    /// It cannot fail: the inputs are finite by their types, and a torque that overflows is returned as zero with its
+    /// reason. `external` is the wrench on each body from outside (see [`inverse_dynamics`]); empty for none. Targets
+    /// and measurements must be of this controller's tree: joints that they do not have are not in the result.
+    /// Resolved acceleration without [`Workspace::resolving`] gives zero, with [`LimitReason::NoRoom`].
     pub fn tick<'w, const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -366,12 +366,14 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
-    /// The wrenches that carry the rig as it is measured, against gravity, its own motion and what is outside, and
-    /// accelerate no joint: in measured body axes, along the joints' degrees of freedom and within their limits. O(n).
+    /// The wrenches that hold every joint at constant speed in the measured state: against gravity, centrifugal and
+    /// Coriolis forces and external wrenches, with no acceleration (Featherstone's bias forces). In measured body
+    /// axes, along the joints' degrees of freedom and within their limits. O(n).
     ///
-    /// For [`TorqueSupply::share_beyond`](crate::supply::TorqueSupply::share_beyond): what a tick asks for beyond them is
-    /// what accelerates. The last tick's commands and torques in the workspace stay as they are.
-    pub fn carried<const R: usize>(
+    /// What a tick asks for beyond them accelerates the joints: see
+    /// [`TorqueSupply::share_acceleration`](crate::supply::TorqueSupply::share_acceleration). The last tick's
+    /// commands and torques in the workspace stay as they are.
+    pub fn bias_wrenches<const R: usize>(
         &self,
         measured: &JointStates<N>,
         external: &[Wrench],
@@ -389,8 +391,8 @@ impl<const N: usize> Controller<N> {
         self.limited_wrenches(measured, &accelerations, external, workspace, out);
     }
 
-    /// The wrenches that the targets' accelerations take at the measured state, along the joints' degrees of freedom and
-    /// within their limits: a tick's without its errors. O(n).
+    /// The wrenches that the targets' accelerations take at the measured state, along the joints' degrees of freedom
+    /// and within their limits: a tick's without its errors. O(n).
     pub(crate) fn feedforward_wrenches<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -436,7 +438,7 @@ impl<const N: usize> Controller<N> {
     /// State errors by body, in the axes of the method's reference frame: those that a tick with these arguments acts
     /// on. O(n).
     ///
-    /// Apart from the tick, which does not keep what only an observer of it wants to know.
+    /// Apart from the tick, which does not keep them: only reports want to know.
     pub fn errors<const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -467,8 +469,8 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Feeds every error to its own joint, as it is: eq. (11). `error` gives it in the axes of the method's reference
-    /// frame, with the rotation from those to measured body axes.
+    /// Commands of the methods that apply every error to its own joint: eq. (11). `error` gives it in the axes of the
+    /// method's reference frame, with the rotation from those to measured body axes.
     fn direct_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -511,7 +513,7 @@ impl<const N: usize> Controller<N> {
             *command = match self.law {
                 ControlLaw::ProportionalDerivative => {
                     let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
-                    joint.project_motion(in_joint, wanted)
+                    joint.project_twist(in_joint, wanted)
                 }
                 ControlLaw::InverseDynamics => {
                     asked_acceleration(of_tree, desired, measured, of_targets, wanted)
@@ -520,7 +522,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Feeds every error to its body's acceleration, and asks of the joints what that takes.
+    /// Commands of resolved acceleration: errors become accelerations of the bodies, and those the joints'.
     fn resolved_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -544,14 +546,14 @@ impl<const N: usize> Controller<N> {
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
             // Without what rounding has left across the joint's freedoms.
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
-            *command = body.joint.project_motion(in_joint, *command)
+            *command = body.joint.project_twist(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
         }
     }
 }
 
-/// The acceleration of a joint that is asked for by its target and by a correction in measured body axes, as far as it can:
-/// in measured body axes, with what its axes add by moving.
+/// The acceleration of a joint by its target and a correction, both along its axes, with the bias of moving axes. The
+/// correction and the result are in measured body axes.
 #[inline]
 fn asked_acceleration(
     body: &Body,
@@ -566,7 +568,7 @@ fn asked_acceleration(
         wanted.linear += through_parent(desired, measured, of_target.linear);
     }
     let in_joint = body.rotation_in_joint(measured.pose.rotation);
-    let mut allowed = joint.project_motion(in_joint, wanted);
+    let mut allowed = joint.project_twist(in_joint, wanted);
     if matches!(joint, JointKind::Universal { .. }) {
         allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
     }
@@ -635,12 +637,12 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         &self.aim_status
     }
 
-    /// What the last tick returned.
+    /// The torques that the last tick returned.
     pub fn torques(&self) -> &[Limited<Wrench>] {
         &self.torques
     }
 
-    /// The same, for what comes between the tick and the drives: a [`supply`](crate::supply) that they share.
+    /// The same, to be changed between the tick and the drives: by a common [`supply`](crate::supply).
     pub fn torques_mut(&mut self) -> &mut [Limited<Wrench>] {
         &mut self.torques
     }

@@ -116,11 +116,11 @@ impl JointKind {
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
     /// let knee = JointKind::Revolute { axis: Vec3::X };
     /// let wanted = Twist::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Z);
-    /// let possible = knee.project_motion(Quat::IDENTITY, wanted);
+    /// let possible = knee.project_twist(Quat::IDENTITY, wanted);
     /// assert_eq!(possible, Twist::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
     /// ```
     #[inline]
-    pub fn project_motion(self, rotation: Quat, motion: Twist) -> Twist {
+    pub fn project_twist(self, rotation: Quat, motion: Twist) -> Twist {
         match self {
             Self::Free => motion,
             Self::Spherical => Twist { linear: Vec3::ZERO, ..motion },
@@ -338,7 +338,7 @@ mod tests {
                 let along = c.angular.dot(motion.angular) + c.linear.dot(motion.linear);
                 expected = expected + Twist::new(c.angular * along, c.linear * along);
             }
-            let got = kind.project_motion(rotation, motion);
+            let got = kind.project_twist(rotation, motion);
             assert!((got.angular - expected.angular).length() < 1e-6, "{kind:?}");
             assert!((got.linear - expected.linear).length() < 1e-6, "{kind:?}");
         }

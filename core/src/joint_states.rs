@@ -62,11 +62,12 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// Takes poses as those of a rig at rest: where it stood before is not known. O(n).
+    /// Sets the poses of all joints, and their velocities to zero: for the first measurement, when nothing is known
+    /// of the one before. O(n).
     ///
     /// # Errors
     /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit.
-    pub fn stand(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
+    pub fn set_at_rest(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
         let poses = checked_poses(poses, self.states.len())?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
             *state = JointState { pose: *pose, velocity: Twist::ZERO }.with_unit_rotation();
@@ -74,9 +75,10 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// Takes newly measured poses, `elapsed_s` after those that it has: the velocities are the backward differences
-    /// (13). What [`backward_states`](crate::trajectory::backward_states) makes of two frames, without the one before
-    /// to be kept and checked again. O(n).
+    /// Sets the poses of all joints to newly measured ones, and their velocities to the backward differences (13)
+    /// from the poses so far, `elapsed_s` earlier. The same as
+    /// [`backward_states`](crate::trajectory::backward_states) of two frames, but the earlier one is not checked
+    /// again. O(n).
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, StateInputError, Transform, Tree, glam::Vec3};
@@ -88,8 +90,8 @@ impl<const N: usize> JointStates<N> {
     /// };
     /// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
     /// let mut measured = JointStates::rest(&tree);
-    /// measured.stand(&[Transform::from_translation(Vec3::X)])?;
-    /// measured.follow(&[Transform::from_translation(Vec3::X * 1.5)], 0.25)?;
+    /// measured.set_at_rest(&[Transform::from_translation(Vec3::X)])?;
+    /// measured.update_poses(&[Transform::from_translation(Vec3::X * 1.5)], 0.25)?;
     /// assert_eq!(measured.as_slice()[0].velocity.linear.x, 2.0);
     /// # Ok::<(), StateInputError>(())
     /// ```
@@ -97,7 +99,11 @@ impl<const N: usize> JointStates<N> {
     /// # Errors
     /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit, or the
     /// time is not a positive number (from 1e-9 s).
-    pub fn follow(&mut self, poses: &[Transform], elapsed_s: f32) -> Result<(), StateInputError> {
+    pub fn update_poses(
+        &mut self,
+        poses: &[Transform],
+        elapsed_s: f32,
+    ) -> Result<(), StateInputError> {
         let (poses, rate_hz) = (checked_poses(poses, self.states.len())?, rate(elapsed_s)?);
         // Where the rig was may have come by other ways, which let farther poses in.
         self.states.iter().try_for_each(|state| check_position(state.pose.translation_m))?;

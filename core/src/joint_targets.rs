@@ -30,7 +30,7 @@ use crate::tree::Tree;
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Twist, N>,
-    /// The world states of the bodies that follow from `states` in a tree of this shape, once somebody knows them.
+    /// The world states of the bodies that follow from `states`, for a tree of the shape `known_for`.
     bodies: Vec<BodyState, N>,
     known_for: Option<u32>,
 }
@@ -107,8 +107,8 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
-    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them in
-    /// a tree, which count as known from here on. Finite, and with unit rotations.
+    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
+    /// in a tree, which count as known from here on. Finite, and with unit rotations.
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,
@@ -117,7 +117,7 @@ impl<const N: usize> JointTargets<N> {
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
 
-    /// World states of the bodies of a tree, found from those of the joints if nobody has yet.
+    /// Finds the world states of the bodies of a tree from those of the joints, if they are not known yet.
     pub(crate) fn complete(&mut self, tree: &Tree<N>) {
         if self.known_for != Some(tree.shape()) {
             kinematics::body_states(tree.bodies(), &self.states, &mut self.bodies);

@@ -46,7 +46,8 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     }
 }
 
-/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are infinite.
+/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are
+/// infinite.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::atan2(0.0, 1.0), 0.0);
@@ -145,8 +146,8 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     plus_cross(v + t * q.w, a, t)
 }
 
-/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so that
-/// it is no turn at all, to the last bit, if both are the same.
+/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so
+/// that it is no turn at all, to the last bit, if both are the same.
 #[inline]
 pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);

@@ -1,5 +1,5 @@
-//! Numbers read with serde: what is not finite or not unit is refused. Types that derive `Deserialize` name these
-//! functions at their fields.
+//! Reads numbers with serde, and refuses those that are not finite or not unit. Types that derive `Deserialize` name
+//! these functions at their fields.
 
 use core::fmt;
 

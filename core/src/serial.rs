@@ -1,6 +1,7 @@
 //! Reading and writing settings and states with serde, in the form that the crate's documentation tells.
 //!
-//! Plain types derive it and read their numbers by `read`; what has rules is here, and is made by its constructor.
+//! Plain types derive it and read their numbers by `read`. Types with rules are here, and are made by their
+//! constructors.
 
 use core::fmt;
 use core::marker::PhantomData;

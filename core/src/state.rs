@@ -1,4 +1,4 @@
-//! State of one joint and of one body, and what is refused of it.
+//! State of one joint and of one body, and why one is refused.
 
 use core::fmt;
 

@@ -195,7 +195,7 @@ impl Wrench {
         self.moment_nm.is_finite() && self.force_n.is_finite()
     }
 
-    /// The same six numbers as a twist, for what is alike for both: components along a joint's axes.
+    /// The same six numbers as a twist: components along a joint's axes are found alike for both.
     pub(crate) fn as_twist(self) -> Twist {
         Twist { angular: self.moment_nm, linear: self.force_n }
     }

@@ -343,13 +343,13 @@ proptest! {
             ObserverSettings::differences(dt_s),
             ObserverSettings::extended_state(bandwidth, dt_s),
             ObserverSettings::extended_state(0.5 / dt_s, dt_s),
-            ObserverSettings::extended_state(50.0, 0.01).and_then(|s| s.with_most(most, most)),
+            ObserverSettings::extended_state(50.0, 0.01).and_then(|s| s.with_disturbance_limits(most, most)),
         ];
         for settings in settings.into_iter().flatten() {
             let mut observer = Observer::<N, 3>::new(settings, &start, delay).expect("room for it");
             let mut targets = targets.clone();
             for (tick, poses) in measured.iter().chain([&any]).enumerate() {
-                observer.sent(&commands, &[]);
+                observer.record_commands(&commands, &[]);
                 let _ = observer.observe(&tree, &poses[..tree.len()]);
                 prop_assert!(sound_states(observer.states()), "tick {tick}");
                 prop_assert!(observer.disturbances().iter().all(|d| d.is_finite()), "tick {tick}");
@@ -601,8 +601,8 @@ fn settings_take_the_numbers_that_they_should() {
             assert!(x * x > 0.0, "{x}");
         }
         let settings = ObserverSettings::differences(0.01).expect("a period");
-        assert_eq!(settings.with_most(x, 1.0).is_ok(), finite_from_zero, "{x}");
-        assert_eq!(settings.with_most(1.0, x).is_ok(), finite_from_zero, "{x}");
+        assert_eq!(settings.with_disturbance_limits(x, 1.0).is_ok(), finite_from_zero, "{x}");
+        assert_eq!(settings.with_disturbance_limits(1.0, x).is_ok(), finite_from_zero, "{x}");
         let weighed = |weight| BodyWeights::new(&tree, &[weight; 2]).is_ok();
         assert_eq!(weighed(BodyWeight::new(1.0, x)), (0.01..=100.0).contains(&x), "{x}");
         assert_eq!(weighed(BodyWeight::new(x, 1.0)), x == 0.0 || (1e-6..=1e4).contains(&x), "{x}");

@@ -8,6 +8,7 @@ mod elf;
 mod features;
 mod firmware;
 mod image;
+mod package;
 mod parity;
 mod semver;
 mod setup;

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, budget, docs, features, image, parity, setup, step};
+use crate::{audit, budget, docs, features, image, package, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -13,10 +13,11 @@ pub(crate) fn run() -> Result<()> {
         step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
     )?;
     features::run()?;
+    package::run()?;
     step::run(
         "documentation",
         step::cargo()
-            // Examples, of which there are none, let it share with clippy what is checked of the dependencies.
+            // Examples let it share with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
             .env("RUSTDOCFLAGS", "--deny warnings"),

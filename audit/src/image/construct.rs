@@ -168,13 +168,15 @@ pub(crate) fn observers() {
     let Ok(settings) = ObserverSettings::extended_state(black_box(1.0), black_box(1.0)) else {
         return;
     };
-    let Ok(settings) = settings.with_most(black_box(1.0), black_box(1.0)) else { return };
+    let Ok(settings) = settings.with_disturbance_limits(black_box(1.0), black_box(1.0)) else {
+        return;
+    };
     black_box(&ObserverSettings::differences(black_box(1.0)));
     let Ok(observer) = Observer::<N, 3>::new(settings, &state, black_box(1)) else { return };
     let mut observer = black_box(observer);
     black_box(&observer.observe(&tree, slice()));
     observer.compensate(&mut desired());
-    observer.sent(slice(), slice());
+    observer.record_commands(slice(), slice());
     observer.restart(&state);
     black_box((observer.states(), observer.disturbances()));
 }

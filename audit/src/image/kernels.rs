@@ -58,7 +58,7 @@ pub(crate) fn dynamics() {
     black_box(gains.apply(&black_box(StateError::default())));
     let (rotation, motion) = (black_box(Quat::IDENTITY), black_box(Twist::ZERO));
     let (joint, wrench) = (black_box(JointKind::Free), black_box(Wrench::ZERO));
-    black_box((joint.project_motion(rotation, motion), joint.project_wrench(rotation, wrench)));
+    black_box((joint.project_twist(rotation, motion), joint.project_wrench(rotation, wrench)));
     black_box(&joint.motion_subspace(rotation));
     black_box(joint.bias_acceleration(rotation, motion));
     let allowed: Limited<Wrench> = black_box(TorqueLimit::NONE).apply(wrench);

@@ -35,8 +35,8 @@ pub(crate) fn differences() {
     black_box(&differences.restart(&tree(), dt_s, slice()));
     black_box(&differences.advance(&tree(), slice(), &mut targets));
     black_box(&backward_states([slice(), slice()], dt_s, &mut measured()));
-    black_box(&measured().stand(slice()));
-    black_box(&measured().follow(slice(), dt_s));
+    black_box(&measured().set_at_rest(slice()));
+    black_box(&measured().update_poses(slice(), dt_s));
     let (scheme, order) = (black_box(Scheme::Central), black_box(2));
     black_box(&of_vectors(scheme, order, slice(), dt_s));
     black_box(&of_rotations(scheme, order, slice(), dt_s));

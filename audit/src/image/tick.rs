@@ -27,8 +27,8 @@ pub(crate) fn controller() {
     if let Some(supply) = construct::supply() {
         supply.share(workspace.torques_mut());
         let mut carried = [Wrench::ZERO; N];
-        controller.carried(&measured(), slice(), &mut workspace, &mut carried);
-        supply.share_beyond(workspace.torques_mut(), &carried);
+        controller.bias_wrenches(&measured(), slice(), &mut workspace, &mut carried);
+        supply.share_acceleration(workspace.torques_mut(), &carried);
         black_box(supply.supply_nm());
     }
     black_box(workspace.aim_status());

@@ -212,7 +212,7 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec
         }),
         kernel("backward_differences", move || {
             let now = of_measured.next().unwrap_or_default();
-            done(measured.follow(black_box(&performance[now]), DT_S));
+            done(measured.update_poses(black_box(&performance[now]), DT_S));
         }),
     ]
 }

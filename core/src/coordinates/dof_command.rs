@@ -28,9 +28,9 @@ use crate::tree::Body;
     serde(deny_unknown_fields)
 )]
 pub struct DofCommand {
-    /// Target position. Revolute and universal joints: angle in rad, in [-π, π] (see [`nearest_turn`]). Prismatic ones:
-    /// displacement in m. Spherical ones: a component of the rotation vector of the desired pose in the joint frame, rad. Free
-    /// ones: that, then a component of the position in the joint frame, m.
+    /// Target position. Revolute and universal joints: angle in rad, in [-π, π] (see [`nearest_turn`]). Prismatic
+    /// ones: displacement in m. Spherical ones: a component of the rotation vector of the desired pose in the joint
+    /// frame, rad. Free ones: that, then a component of the position in the joint frame, m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub position: f32,
     /// Target velocity along the joint's axis, rad/s or m/s. Of spherical and free joints a component in desired body
@@ -80,8 +80,8 @@ impl<const N: usize> Controller<N> {
     /// the method.
     ///
     /// # Errors
-    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements are of another tree, or `out` has not
-    /// one item for each degree of freedom.
+    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements are of another tree, or `out`
+    /// has not one item for each degree of freedom.
     ///
     /// ```
     /// use sinew_core::coordinates::DofCommand;

@@ -1,4 +1,4 @@
-//! What is refused of the coordinates of a tree.
+//! Why coordinates of a tree were refused, and the checks of counts and numbers.
 
 use core::fmt;
 

@@ -17,8 +17,8 @@ impl JointKind {
     /// columns of the motion subspace. `placement`: of the joint frame in the parent's frame.
     ///
     /// # Errors
-    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit, or the state is too
-    /// large for f32.
+    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit, or the state
+    /// is too large for f32.
     ///
     /// ```
     /// use sinew_core::{JointKind, Transform, glam::Vec3, math};
@@ -92,8 +92,8 @@ impl JointKind {
         }
     }
 
-    /// The coordinates of the pose next to `in_joint` that the joint can take: the way back from [`Self::state`]. Angles
-    /// are in [-π, π].
+    /// The coordinates of the pose next to `in_joint` that the joint can take: the way back from [`Self::state`].
+    /// Angles are in [-π, π].
     pub(super) fn write_position(self, in_joint: &Transform, out: &mut [f32]) {
         let Quat { x, y, z, w } = in_joint.rotation;
         let position = in_joint.translation_m.to_array();

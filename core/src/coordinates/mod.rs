@@ -1,7 +1,7 @@
 //! Joint coordinates: the numbers that servos and encoders have, for all joints of a tree.
 //!
-//! Inside, the core works with transforms ([`JointState`](crate::JointState)). A rig is driven by numbers: positions `q`,
-//! speeds `qd`, accelerations `qdd`, and efforts. Each is one slice, body after body in regular numbering.
+//! Inside, the core works with transforms ([`JointState`](crate::JointState)). A rig is driven by numbers: positions
+//! `q`, speeds `qd`, accelerations `qdd`, and efforts. Each is one slice, body after body in regular numbering.
 //!
 //! | joint | `q` | `qd`, `qdd` and efforts |
 //! | --- | --- | --- |
@@ -19,8 +19,8 @@
 //! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured),
 //!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
 //! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
-//!   [`Controller::dof_commands`](crate::Controller::dof_commands): target, feed-forward and feedback for each degree of
-//!   freedom.
+//!   [`Controller::dof_commands`](crate::Controller::dof_commands): target, feed-forward and feedback for each degree
+//!   of freedom.
 //! - **Back**: `coordinates` of states and targets, [`Tree::accelerations`](crate::Tree::accelerations) of commands,
 //!   [`Tree::wrenches`](crate::Tree::wrenches) of efforts.
 //!

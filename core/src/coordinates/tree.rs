@@ -24,20 +24,21 @@ impl<const N: usize> Tree<N> {
         degrees_of_freedom(self.bodies())
     }
 
-    /// Where the numbers of a body's joint are in `q`; an empty range at the end for what is no body. O(n): ask once.
+    /// Where the numbers of a body's joint are in `q`; an empty range at the end if there is no such body. O(n): ask
+    /// once.
     pub fn coordinates(&self, body: usize) -> Range<usize> {
         range(self.bodies(), body, JointKind::coordinate_count)
     }
 
-    /// Where the numbers of a body's joint are in `qd`, `qdd` and efforts; an empty range at the end for what is no body.
-    /// O(n): ask once.
+    /// Where the numbers of a body's joint are in `qd`, `qdd` and efforts; an empty range at the end if there is no
+    /// such body. O(n): ask once.
     pub fn freedoms(&self, body: usize) -> Range<usize> {
         range(self.bodies(), body, JointKind::degrees_of_freedom)
     }
 
     /// Accelerations along the degrees of freedom, of accelerations of joints in body axes
-    /// ([`Workspace::commands`](crate::Workspace::commands), [`forward_dynamics`](crate::dynamics::forward_dynamics)): `Sᵀ`
-    /// of each. `joints`: their states. O(n).
+    /// ([`Workspace::commands`](crate::Workspace::commands),
+    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)): `Sᵀ` of each. `joints`: their states. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -55,8 +56,8 @@ impl<const N: usize> Tree<N> {
         Ok(())
     }
 
-    /// Efforts along the degrees of freedom (N m, N), of wrenches on bodies in body axes, such as a tick's torques: `Sᵀ` of
-    /// each. `joints`: their measured states. The power is the same: `effort · qd = wrench · twist`. O(n).
+    /// Efforts along the degrees of freedom (N m, N), of wrenches on bodies in body axes, such as a tick's torques:
+    /// `Sᵀ` of each. `joints`: their measured states. The power is the same: `effort · qd = wrench · twist`. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -96,8 +97,8 @@ impl<const N: usize> Tree<N> {
     /// Wrenches on bodies, in body axes, of efforts along the degrees of freedom: `S` times each. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, or an effort is not a number from
-    /// -1e6 to 1e6.
+    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, or an effort is not a number
+    /// from -1e6 to 1e6.
     pub fn wrenches(
         &self,
         joints: &[JointState],
@@ -120,11 +121,12 @@ impl<const N: usize> Tree<N> {
 }
 
 impl<const N: usize> JointStates<N> {
-    /// Sets all joints by their positions and speeds, as encoders give them (see [`coordinates`](crate::coordinates)). O(n).
+    /// Sets all joints by their positions and speeds, as encoders give them (see
+    /// [`coordinates`](crate::coordinates)). O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, if a slice or the states do not fit the tree, a number is not one from
-    /// -1e6 to 1e6, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing is changed, if a slice or the states do not fit the tree, a number is not
+    /// one from -1e6 to 1e6, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
@@ -156,8 +158,8 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// The positions and speeds of all joints. Angles are in [-π, π]; of a pose that the joint cannot take, those of the
-    /// nearest that it can. O(n).
+    /// The positions and speeds of all joints. Angles are in [-π, π]; of a pose that the joint cannot take, those of
+    /// the nearest that it can. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice or the states do not fit the tree.
@@ -178,8 +180,8 @@ impl<const N: usize> JointTargets<N> {
     /// the axes of a universal joint add by moving is added here.
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, if a slice or the targets do not fit the tree, a number is not one from
-    /// -1e6 to 1e6, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing is changed, if a slice or the targets do not fit the tree, a number is not
+    /// one from -1e6 to 1e6, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointTargets, Transform, Tree, glam::Vec3};

@@ -26,10 +26,11 @@ use crate::tree::{Body, Tree};
 /// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
 /// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
 ///
-/// A fixed number of Gauss-Newton steps a call, twenty in a workspace's first one, stiffened where a body is
-/// pulled away and damped while a joint is pressed against its end, each solved exactly in O(n) by sweeps of the articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and
-/// rotational inertia `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose.
-/// That changes slowly in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
+/// A fixed number of Gauss-Newton steps a call, twenty in a workspace's first one, stiffened where a body is pulled
+/// away and damped while a joint is pressed against its end, each solved exactly in O(n) by sweeps of the
+/// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`), from the
+/// last call's solution: how far each joint was from its desired pose. That changes slowly in a performance, so one
+/// step is enough (see [`DEFAULT_SWEEPS`]).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};

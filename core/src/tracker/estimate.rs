@@ -43,7 +43,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
 
     /// Takes a reading as that of a rig at rest, one tick before the next.
     pub(super) fn begin(&mut self, measured: &[Transform]) -> Result<(), StateInputError> {
-        self.differenced.stand(measured)?;
+        self.differenced.set_at_rest(measured)?;
         self.age_ticks = 1;
         self.observing = false;
         Ok(())
@@ -80,13 +80,13 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
             Some(observer) if self.observing && age_ticks == 1 => {
                 observer.observe(tree, poses)?;
                 // In case that the next reading is refused.
-                self.differenced.stand(poses)?;
+                self.differenced.set_at_rest(poses)?;
             }
             // Commands in between are not known: after a gap the observer begins anew from differences.
             _ => {
                 match age_ticks {
-                    0 => self.differenced.stand(poses)?,
-                    _ => self.differenced.follow(poses, self.dt_s * f32::from(age_ticks))?,
+                    0 => self.differenced.set_at_rest(poses)?,
+                    _ => self.differenced.update_poses(poses, self.dt_s * f32::from(age_ticks))?,
                 }
                 self.restart();
             }
@@ -145,7 +145,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
     /// Notes what the joints were commanded.
     pub(super) fn commanded(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         if let Some(observer) = &mut self.observer {
-            observer.sent(commands, torques);
+            observer.record_commands(commands, torques);
         }
     }
 }

@@ -286,8 +286,8 @@ fn share<const N: usize, const R: usize>(
     let count = controller.tree().len();
     if sharing == Sharing::Accelerations && supply.supply_nm().is_finite() {
         let mut carried = [Wrench::ZERO; N];
-        controller.carried(states, &[], w, &mut carried);
-        supply.share_beyond(w.torques_mut().get_mut(..count).unwrap_or_default(), &carried);
+        controller.bias_wrenches(states, &[], w, &mut carried);
+        supply.share_acceleration(w.torques_mut().get_mut(..count).unwrap_or_default(), &carried);
     } else {
         supply.share(w.torques_mut().get_mut(..count).unwrap_or_default());
     }

@@ -334,7 +334,7 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]; FRAMES]
         black_box(aligned_targets(black_box([now, next, after]), DT_S, &mut targets).is_ok());
     });
     count::<N>("backward_differences", |run| {
-        black_box(measured.follow(black_box(&frames[run]), DT_S).is_ok());
+        black_box(measured.update_poses(black_box(&frames[run]), DT_S).is_ok());
     });
 }
 
@@ -361,7 +361,7 @@ fn others<const N: usize>(
     count::<N>("observer", |run| {
         black_box(observer.observe(tree, &frames[run]).is_ok());
         observer.compensate(&mut targets);
-        observer.sent(black_box(&commands), &torques);
+        observer.record_commands(black_box(&commands), &torques);
     });
 
     let limit = TorqueLimit::new(5.0, 10.0).map_err(|_| "no limit")?;

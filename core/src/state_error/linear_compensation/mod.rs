@@ -85,8 +85,8 @@ pub enum AimStatus {
     /// The child sits (all children sit) almost at the body's origin, the direction is noise: World Space
     /// Error.
     ZeroAim,
-    /// The goal is so far away that f32 does not have what is computed of the distance (its square; for several children
-    /// the fourth power), or no number: World Space Error.
+    /// The goal is so far away that f32 does not have what is computed of the distance (its square; for several
+    /// children the fourth power), or no number: World Space Error.
     NotFinite,
 }
 
