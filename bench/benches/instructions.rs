@@ -1,5 +1,5 @@
-//! Instructions of each kernel and tick on the host, for each number of bodies, counted by Valgrind: the same numbers on
-//! every run of the same program, whatever else the machine does.
+//! Instructions of each kernel and tick on the host, for each number of bodies, counted by Valgrind: the same numbers
+//! on every run of the same program, whatever else the machine does.
 //!
 //! Wants `valgrind` and `cargo install gungraun-runner --version 0.20.0`, the version of the library; is left out where
 //! there is none of them, and with `--quick`.

@@ -79,8 +79,8 @@ pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [T
         let velocity = Twist::new(numbers.vector(), numbers.vector());
         let pose = body.placement * turned(math::exp(numbers.vector()));
         let wanted = Twist::new(numbers.vector() * 5.0, numbers.vector() * 5.0);
-        *joint = JointState { pose, velocity: body.joint.project_motion(Quat::IDENTITY, velocity) };
-        *acceleration = body.joint.project_motion(Quat::IDENTITY, wanted);
+        *joint = JointState { pose, velocity: body.joint.project_twist(Quat::IDENTITY, velocity) };
+        *acceleration = body.joint.project_twist(Quat::IDENTITY, wanted);
     }
 }
 

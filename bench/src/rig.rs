@@ -49,7 +49,7 @@ impl<const N: usize, const R: usize> Rig<N, R> {
         measured: &[Transform],
     ) -> Result<&[Limited<Wrench>], StateInputError> {
         self.differences.advance(self.controller.tree(), desired, &mut self.targets)?;
-        self.measured.follow(measured, DT_S)?;
+        self.measured.update_poses(measured, DT_S)?;
         Ok(self.controller.tick(&mut self.targets, &self.measured, &[], &mut self.workspace))
     }
 }

@@ -1,4 +1,4 @@
-//! How much each body counts where not all can have what they want.
+//! How much each body counts, where not all can have the pose or acceleration that they should have.
 
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -22,11 +22,11 @@ use crate::tree::Tree;
 )]
 pub struct BodyWeight {
     /// Weight of the squared distance of the body's origin from where it should be.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub position: f32,
     /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
     /// like being this far off, at a position weight of 1.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub rotation_m: f32,
 }
 
@@ -40,10 +40,11 @@ impl BodyWeight {
 /// Weights of rotations that can be.
 const ROTATIONS_M: RangeInclusive<f32> = 1e-2..=1e2;
 
-/// Above so many per square metre of the rotation weight, a turn is held by less than what f32 rounds of the positions.
+/// The largest ratio of a position weight to its rotation weight, 1/m²: above, f32 rounding of the positions
+/// outweighs the rotation.
 const HEAVIEST_PER_M2: f32 = 1e4;
 
-/// Below, f32 has not the digits for what the weights are divided by.
+/// The smallest position weight above zero: below, quotients of weights have too few digits in f32.
 const LIGHTEST: f32 = 1e-6;
 
 /// One weight for each body of a tree. Validated once.
@@ -75,9 +76,9 @@ impl<const N: usize> BodyWeights<N> {
     /// Weights by body. O(n).
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if there is not a weight for each body, a rotation weight is not from 1 cm to 100 m (without
-    /// it, what is best is not unique), or a position weight is neither 0 nor from 1e-6 to 1e4 times the rotation weight's
-    /// square.
+    /// [`BodyWeightsError`] if there is not a weight for each body, a rotation weight is not from 1 cm to 100 m
+    /// (without it, what is best is not unique), or a position weight is neither 0 nor from 1e-6 to 1e4 times the
+    /// rotation weight's square.
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
         if weights.len() != tree.len() {
             let (expected, found) = (tree.len(), weights.len());

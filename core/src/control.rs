@@ -11,8 +11,8 @@ use crate::transform::{Twist, Wrench};
 
 /// Gains of a PD controller.
 ///
-/// With inverse dynamics they are a stiffness and a damping per unit of inertia, 1/s² and 1/s; without,
-/// N m/rad and N m s/rad (N/m and N s/m for what slides).
+/// With inverse dynamics they are stiffness and damping per unit of inertia: `kp` in 1/s², `kd` in 1/s. With PD alone
+/// they are N m/rad and N m s/rad (N/m and N s/m along axes that slide).
 ///
 /// ```
 /// use sinew_core::control::{Gains, GainsError};
@@ -26,11 +26,6 @@ use crate::transform::{Twist, Wrench};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::serial::GainsFields", into = "crate::serial::GainsFields")
-)]
 pub struct Gains {
     kp: f32,
     kd: f32,
@@ -48,8 +43,7 @@ impl Gains {
         Ok(Self { kp, kd, linear_kp: kp, linear_kd: kd })
     }
 
-    /// The same gains with others for the linear error: without inverse dynamics the two have different
-    /// units.
+    /// The same gains, with others for the linear error: with PD alone the two have different units.
     ///
     /// # Errors
     /// [`GainsError`] if one is not finite or negative.
@@ -73,21 +67,19 @@ impl Gains {
         Self::new(kp, 2.0 * math::sqrt(kp))
     }
 
-    /// The gains for a controller that acts once in `dt_s` seconds and holds what it asks for, if they are to be
-    /// applied to the state one period ahead, which follows from the acceleration asked for: stable PD in
-    /// implicit form, with `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` solved for a. With inverse dynamics, or where
-    /// gains are per unit of inertia.
+    /// Gains of stable PD in implicit form, for a controller that acts every `dt_s` seconds and holds its command:
+    /// they act on the state one period ahead, which depends on the commanded acceleration itself,
+    /// `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` solved for a. For inverse dynamics, or gains per unit of inertia.
     ///
-    /// A step is one of the backward Euler method. Whatever the gains and the period, the error of a joint then
-    /// decays, where that of gains as given grows from about `kd dt_s` = 2 on. In exchange, stiff gains come out softer;
-    /// those with `kd dt_s` far below 1 stay what they are.
+    /// Each step is one of the backward Euler method: the error of a joint decays for all gains and periods. With the
+    /// gains as given it grows from about `kd dt_s` = 2 on. The price: stiff gains become softer. Those with `kd
+    /// dt_s` far below 1 hardly change.
     ///
-    /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who look ahead by the present
-    /// velocity (without `dt² a`).
+    /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who predict by the present velocity
+    /// (without `dt² a`).
     ///
     /// # Errors
-    /// [`GainsError`] if the period is not finite or negative, or the gains are so large that f32 has no such
-    /// numbers.
+    /// [`GainsError`] if the period is not finite or negative, or a number on the way is too large for f32.
     ///
     /// ```
     /// use sinew_core::control::Gains;
@@ -162,7 +154,7 @@ pub enum GainsError {
     NonFinite(&'static str),
     /// The named gain is below zero: the loop would push away from the goal.
     Negative(&'static str),
-    /// The period that the gains are for is not a finite number of seconds from 0.
+    /// The period is not a finite number of seconds from 0.
     Period,
 }
 
@@ -196,14 +188,14 @@ pub enum ControlLaw {
     /// `τ = H (θ̈ + kp e + kd ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics
     /// the torque for it.
     ///
-    /// The angular feed-forward θ̈ is used as it is, component by component; the linear one is a vector of the
-    /// parent's frame and goes through it. The world error of a body is put on its own joint as a whole, not minus
-    /// the parent's: accumulation is the point of the method.
+    /// The angular feed-forward θ̈ is used component by component, as it is. The linear one is turned from desired to
+    /// measured body axes through the parent's frame. A body's world error acts on its own joint as a whole, not less
+    /// its parent's: accumulation is the point of the method.
     #[default]
     InverseDynamics,
 }
 
-/// Linear acceleration of a joint that [`JointTargets`](crate::JointTargets) has in desired body axes, in measured ones:
+/// A linear acceleration in desired body axes, as [`JointTargets`](crate::JointTargets) has it, in measured body axes:
 /// the same vector of the parent's frame.
 #[inline]
 pub(crate) fn through_parent(
@@ -215,26 +207,18 @@ pub(crate) fn through_parent(
     math::rotate(measured.pose.rotation.conjugate(), in_parent)
 }
 
-/// The most that the drive of a joint may be asked for.
+/// The largest torque and force of a joint's drive.
 ///
-/// It bounds the length of the moment and of the force vector, so that what is cut keeps its direction.
+/// It bounds the lengths of the two vectors, so that a cut one keeps its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(
-        try_from = "crate::serial::TorqueLimitFields",
-        into = "crate::serial::TorqueLimitFields"
-    )
-)]
 pub struct TorqueLimit {
     moment_nm: f32,
     force_n: f32,
 }
 
 impl TorqueLimit {
-    /// No bound (but what is not finite is still refused).
+    /// No bound (torques that are not finite are still refused).
     pub const NONE: Self = Self { moment_nm: f32::INFINITY, force_n: f32::INFINITY };
 
     /// Bounds of the moment and of the force.
@@ -250,17 +234,17 @@ impl TorqueLimit {
         }
     }
 
-    /// The most moment in N m; infinite for no bound.
+    /// The largest moment in N m; infinite for no bound.
     pub const fn moment_nm(self) -> f32 {
         self.moment_nm
     }
 
-    /// The most force in N; infinite for no bound.
+    /// The largest force in N; infinite for no bound.
     pub const fn force_n(self) -> f32 {
         self.force_n
     }
 
-    /// What may be asked for of a wanted wrench, and why it is less.
+    /// Cuts a wrench to the bounds, and says why it was cut.
     ///
     /// ```
     /// use sinew_core::{Wrench, control::{LimitReason, TorqueLimit}, glam::Vec3};
@@ -281,7 +265,7 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// What of a wrench may be asked for that is not well within the bounds.
+    /// Cuts a wrench that is not well within the bounds.
     fn cut(self, wanted: Wrench) -> Limited<Wrench> {
         if !wanted.is_finite() {
             // Before any comparison: NaN passes a clamp.
@@ -326,7 +310,7 @@ impl fmt::Display for LimitError {
 
 impl core::error::Error for LimitError {}
 
-/// A value, and why it is not the one that was wanted.
+/// A value within its limits, and what limited it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -335,7 +319,7 @@ impl core::error::Error for LimitError {}
     serde(deny_unknown_fields)
 )]
 pub struct Limited<T> {
-    /// What may be used.
+    /// The value to use.
     pub value: T,
     /// What limited it, if anything did.
     pub reason: Option<LimitReason>,
@@ -363,15 +347,15 @@ impl<T> AsMut<T> for Limited<T> {
 )]
 #[non_exhaustive]
 pub enum LimitReason {
-    /// The moment was above the joint's limit.
+    /// The moment exceeded the joint's limit.
     Torque,
-    /// The force was above the joint's limit.
+    /// The force exceeded the joint's limit.
     Force,
-    /// The wanted value was not a finite number; nothing is asked of the joint.
+    /// The wanted value was not finite; the torque is zero.
     NotFinite,
-    /// The workspace has no room for what the controller's method works on; nothing is asked of the joint.
+    /// The workspace has no room for the controller's method; the torque is zero.
     NoRoom,
-    /// All joints together wanted more than their [`supply`](crate::supply) gives.
+    /// All joints together wanted more than their [`supply`](crate::supply).
     Supply,
 }
 

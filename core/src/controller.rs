@@ -12,14 +12,16 @@ use crate::dynamics::{
 };
 use crate::fixed;
 use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::kinematics;
 use crate::math;
-use crate::state::{BodyState, JointState, JointStates, JointTargets};
+use crate::state::{BodyState, JointState};
 use crate::state_error::{
     self, Aim, AimStatus, Aims, AimsError, Method, References, ReferencesError, StateError,
 };
 use crate::transform::{Twist, Wrench};
-use crate::tree::Tree;
+use crate::tree::{Body, Tree};
 
 /// A tracking controller for one rig.
 ///
@@ -251,19 +253,19 @@ impl<const N: usize> Controller<N> {
         &self.limits
     }
 
-    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty without.
+    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty by default.
     pub fn inertias(&self) -> &[ReflectedInertia] {
         &self.inertias
     }
 
-    /// Torques for this instant: the wrench that joint i's drive puts on body i about its origin, in
-    /// measured body axes, along the joint's degrees of freedom, within its limit. O(n).
+    /// The torques of this instant: the wrench of joint i's drive on body i about its origin, in measured body axes,
+    /// along the joint's degrees of freedom, within its limit. As numbers by degree of freedom:
+    /// [`Tree::efforts`](crate::Tree::efforts). O(n).
     ///
-    /// Cannot fail: the inputs are finite by their types, and what would overflow all the same is returned
-    /// as zero with a reason. `external` is the wrench on each body from outside (see
-    /// [`inverse_dynamics`]); empty for none. Targets and measurements must be of this controller's tree:
-    /// joints that they do not have get no torque and are not in the result. Resolved acceleration without
-    /// [`Workspace::resolving`] asks for nothing, with [`LimitReason::NoRoom`].
+    /// It cannot fail: the inputs are finite by their types, and a torque that overflows is returned as zero with its
+    /// reason. `external` is the wrench on each body from outside (see [`inverse_dynamics`]); empty for none. Targets
+    /// and measurements must be of this controller's tree: joints that they do not have are not in the result.
+    /// Resolved acceleration without [`Workspace::resolving`] gives zero, with [`LimitReason::NoRoom`].
     pub fn tick<'w, const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -364,27 +366,67 @@ impl<const N: usize> Controller<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
-    /// The wrenches that carry the rig as it is measured, against gravity, its own motion and what is outside, and
-    /// accelerate no joint: in measured body axes, along the joints' degrees of freedom and within their limits. O(n).
+    /// The wrenches that hold every joint at constant speed in the measured state: against gravity, centrifugal and
+    /// Coriolis forces and external wrenches, with no acceleration (Featherstone's bias forces). In measured body
+    /// axes, along the joints' degrees of freedom and within their limits. O(n).
     ///
-    /// For [`TorqueSupply::share_beyond`](crate::supply::TorqueSupply::share_beyond): what a tick asks for beyond them is
-    /// what accelerates. The last tick's commands and torques in the workspace stay as they are.
-    pub fn carried<const R: usize>(
+    /// What a tick asks for beyond them accelerates the joints: see
+    /// [`TorqueSupply::share_acceleration`](crate::supply::TorqueSupply::share_acceleration). The last tick's
+    /// commands and torques in the workspace stay as they are.
+    pub fn bias_wrenches<const R: usize>(
         &self,
         measured: &JointStates<N>,
         external: &[Wrench],
         workspace: &mut Workspace<N, R>,
         out: &mut [Wrench],
     ) {
-        let (bodies, measured) = (self.tree.bodies(), measured.as_slice());
+        let measured = measured.as_slice();
         let mut accelerations = [Twist::ZERO; N];
-        for ((body, measured), acceleration) in bodies.iter().zip(measured).zip(&mut accelerations)
+        for ((body, measured), acceleration) in
+            self.tree.bodies().iter().zip(measured).zip(&mut accelerations)
         {
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *acceleration = body.joint.bias_acceleration(in_joint, measured.velocity);
         }
+        self.limited_wrenches(measured, &accelerations, external, workspace, out);
+    }
+
+    /// The wrenches that the targets' accelerations take at the measured state, along the joints' degrees of freedom
+    /// and within their limits: a tick's without its errors. O(n).
+    pub(crate) fn feedforward_wrenches<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &JointStates<N>,
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [Wrench],
+    ) {
+        let measured = measured.as_slice();
+        let mut accelerations = [Twist::ZERO; N];
+        for ((body, (desired, measured)), (wanted, acceleration)) in self
+            .tree
+            .bodies()
+            .iter()
+            .zip(targets.states().iter().zip(measured))
+            .zip(targets.accelerations().iter().zip(&mut accelerations))
+        {
+            *acceleration = asked_acceleration(body, desired, measured, wanted, Twist::ZERO);
+        }
+        self.limited_wrenches(measured, &accelerations, external, workspace, out);
+    }
+
+    /// Inverse dynamics along the joints' degrees of freedom, within their limits.
+    fn limited_wrenches<const R: usize>(
+        &self,
+        measured: &[JointState],
+        accelerations: &[Twist],
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [Wrench],
+    ) {
+        let bodies = self.tree.bodies();
         let (gravity, scratch) = (self.gravity_m_s2, &mut workspace.scratch);
-        inverse_dynamics(bodies, measured, &accelerations, gravity, external, scratch, out);
+        inverse_dynamics(bodies, measured, accelerations, gravity, external, scratch, out);
         for (((body, measured), limit), wrench) in
             bodies.iter().zip(measured).zip(&self.limits).zip(out)
         {
@@ -396,7 +438,7 @@ impl<const N: usize> Controller<N> {
     /// State errors by body, in the axes of the method's reference frame: those that a tick with these arguments acts
     /// on. O(n).
     ///
-    /// Apart from the tick, which does not keep what only an observer of it wants to know.
+    /// Apart from the tick, which does not keep them: only reports want to know.
     pub fn errors<const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -427,8 +469,8 @@ impl<const N: usize> Controller<N> {
         }
     }
 
-    /// Feeds every error to its own joint, as it is: eq. (11). `error` gives it in the axes of the method's reference
-    /// frame, with the rotation from those to measured body axes.
+    /// Commands of the methods that apply every error to its own joint: eq. (11). `error` gives it in the axes of the
+    /// method's reference frame, with the rotation from those to measured body axes.
     fn direct_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -437,7 +479,7 @@ impl<const N: usize> Controller<N> {
         error: impl Fn(At<'_>) -> (StateError, Quat),
     ) {
         let desired_bodies = targets.bodies();
-        for (body, (((of_tree, gains), (desired, feedforward)), (measured, out))) in self
+        for (body, (((of_tree, gains), (desired, of_targets)), (measured, out))) in self
             .tree
             .bodies()
             .iter()
@@ -468,26 +510,19 @@ impl<const N: usize> Controller<N> {
             if joint.slides() {
                 wanted.linear = math::rotate(to_body, correction.linear);
             }
-            let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
             *command = match self.law {
-                ControlLaw::ProportionalDerivative => joint.project_motion(in_joint, wanted),
+                ControlLaw::ProportionalDerivative => {
+                    let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
+                    joint.project_twist(in_joint, wanted)
+                }
                 ControlLaw::InverseDynamics => {
-                    wanted.angular += feedforward.angular;
-                    if joint.slides() {
-                        wanted.linear += through_parent(desired, measured, feedforward.linear);
-                    }
-                    let mut allowed = joint.project_motion(in_joint, wanted);
-                    if matches!(joint, JointKind::Universal { .. }) {
-                        let bias = joint.bias_acceleration(in_joint, measured.velocity);
-                        allowed = allowed + bias;
-                    }
-                    allowed
+                    asked_acceleration(of_tree, desired, measured, of_targets, wanted)
                 }
             };
         }
     }
 
-    /// Feeds every error to its body's acceleration, and asks of the joints what that takes.
+    /// Commands of resolved acceleration: errors become accelerations of the bodies, and those the joints'.
     fn resolved_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -511,10 +546,33 @@ impl<const N: usize> Controller<N> {
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
             // Without what rounding has left across the joint's freedoms.
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
-            *command = body.joint.project_motion(in_joint, *command)
+            *command = body.joint.project_twist(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
         }
     }
+}
+
+/// The acceleration of a joint by its target and a correction, both along its axes, with the bias of moving axes. The
+/// correction and the result are in measured body axes.
+#[inline]
+fn asked_acceleration(
+    body: &Body,
+    desired: &JointState,
+    measured: &JointState,
+    of_target: &Twist,
+    correction: Twist,
+) -> Twist {
+    let (joint, mut wanted) = (body.joint, correction);
+    wanted.angular += of_target.angular;
+    if joint.slides() {
+        wanted.linear += through_parent(desired, measured, of_target.linear);
+    }
+    let in_joint = body.rotation_in_joint(measured.pose.rotation);
+    let mut allowed = joint.project_twist(in_joint, wanted);
+    if matches!(joint, JointKind::Universal { .. }) {
+        allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
+    }
+    allowed
 }
 
 /// What the state error of one body is made of.
@@ -579,12 +637,12 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         &self.aim_status
     }
 
-    /// What the last tick returned.
+    /// The torques that the last tick returned.
     pub fn torques(&self) -> &[Limited<Wrench>] {
         &self.torques
     }
 
-    /// The same, for what comes between the tick and the drives: a [`supply`](crate::supply) that they share.
+    /// The same, to be changed between the tick and the drives: by a common [`supply`](crate::supply).
     pub fn torques_mut(&mut self) -> &mut [Limited<Wrench>] {
         &mut self.torques
     }

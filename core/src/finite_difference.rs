@@ -4,7 +4,6 @@ use core::fmt;
 
 use glam::{Quat, Vec3};
 
-use crate::joint::UNIT_TOLERANCE;
 use crate::math;
 
 /// Which samples a difference uses, relative to the instant it is for.
@@ -128,8 +127,8 @@ fn rotations(
     let Some(order_of_velocity) = order.checked_sub(1) else {
         return Err(DifferenceError::OrderZero);
     };
-    let unit = |q: &Quat| (q.dot(*q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE;
-    check(scheme, order, samples.len(), samples.iter().all(unit), dt_s)?;
+    let unit = samples.iter().all(|q| math::is_unit(*q));
+    check(scheme, order, samples.len(), unit, dt_s)?;
     let velocity = |k: usize| match (samples.get(k), samples.get(k.saturating_add(1))) {
         (Some(from), Some(to)) => math::log(step(*from, *to)) / dt_s,
         _ => Vec3::ZERO,

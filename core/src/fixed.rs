@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-/// What fits of the items, in their order. All do: they are one for each body of a tree of at most `N`, or for each axis of
-/// a joint. But `collect`, which would panic otherwise, cannot know that.
+/// The items that fit, in their order. All do: there is one for each body of a tree of at most `N`, or for each axis
+/// of a joint. `collect` cannot know that, and would panic otherwise.
 pub(crate) fn collect<T, const N: usize>(items: impl IntoIterator<Item = T>) -> Vec<T, N> {
     let mut all = Vec::new();
     for item in items {
@@ -12,4 +12,11 @@ pub(crate) fn collect<T, const N: usize>(items: impl IntoIterator<Item = T>) -> 
         }
     }
     all
+}
+
+/// Copies as many items as both slices have.
+pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
+    for (slot, item) in to.iter_mut().zip(from) {
+        *slot = *item;
+    }
 }

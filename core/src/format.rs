@@ -12,6 +12,7 @@ use crate::observer::Observer;
 use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
+use crate::tracker::Tracker;
 use crate::{
     BodySet, ForwardDifferences, Inertia, JointKind, JointTargets, Trajectory, Transform, Tree,
     Twist, Wrench,
@@ -230,5 +231,13 @@ impl Format for ArticulatedBody {
 impl Format for Resolved {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Resolved");
+    }
+}
+
+/// What it goes by: its settings are where it was made.
+impl<const N: usize, const D: usize, const R: usize> Format for Tracker<N, D, R> {
+    fn format(&self, f: Formatter<'_>) {
+        let (targets, states) = (self.targets(), self.states());
+        write!(f, "Tracker {{ targets: {}, states: {} }}", targets, states);
     }
 }

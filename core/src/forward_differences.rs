@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
+use crate::joint_targets::JointTargets;
 use crate::kinematics::of_parent;
 use crate::math;
-use crate::state::{BodyState, JointState, JointTargets, StateInputError, checked_poses};
-use crate::trajectory::{rate, step};
+use crate::pose_step::{rate, step};
+use crate::state::{BodyState, JointState, StateInputError, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 
@@ -76,11 +77,12 @@ impl<const N: usize> ForwardDifferences<N> {
         Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
     }
 
-    /// Begins with a frame of those that are `dt_s` seconds apart, as if the performance had stood there until now. O(n).
+    /// Begins with a frame of those that are `dt_s` seconds apart, as if the performance had stood there until now.
+    /// O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the time step is not a positive number (from 1e-9 s), or the frame
-    /// has fewer poses than the tree has joints or one that is not finite or unit.
+    /// [`StateInputError`], and nothing is changed, if the time step is not a positive number (from 1e-9 s), or the
+    /// frame has fewer poses than the tree has joints or one that is not finite or unit.
     pub fn restart(
         &mut self,
         tree: &Tree<N>,
@@ -102,8 +104,8 @@ impl<const N: usize> ForwardDifferences<N> {
     /// Takes the next frame, and gives the targets of the frame two before it. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that is
-    /// not finite or unit, if the targets are for fewer joints, or nothing has begun with [`Self::restart`].
+    /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that
+    /// is not finite or unit, if the targets are for fewer joints, or nothing has begun with [`Self::restart`].
     pub fn advance(
         &mut self,
         tree: &Tree<N>,

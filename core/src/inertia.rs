@@ -25,17 +25,17 @@ use glam::Vec3;
     serde(deny_unknown_fields)
 )]
 pub struct RotationalInertia {
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xx: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xy: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub xz: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub yy: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub yz: f32,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub zz: f32,
 }
 
@@ -85,10 +85,10 @@ impl RotationalInertia {
 )]
 pub struct Inertia {
     /// Mass in kg; zero for a frame that carries nothing.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub mass_kg: f32,
     /// Centre of mass in the body frame, in metres.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub center_of_mass_m: Vec3,
     /// Rotational inertia about the centre of mass, body axes.
     pub rotational_kg_m2: RotationalInertia,
@@ -99,6 +99,21 @@ pub struct Inertia {
 const ROUNDING: f32 = 1e-5;
 
 impl Inertia {
+    /// A solid box of this mass, its edges along the body axes: the first guess for a link of a rig.
+    ///
+    /// ```
+    /// use sinew_core::{Inertia, glam::Vec3};
+    /// let link = Inertia::of_box(1.2, Vec3::Y * 0.5, Vec3::new(0.0, 1.0, 0.1));
+    /// // About x: m (height² + depth²) / 12.
+    /// assert!((link.rotational_kg_m2.xx - 0.101).abs() < 1e-6);
+    /// assert!(link.validate().is_ok());
+    /// ```
+    pub fn of_box(mass_kg: f32, center_m: Vec3, size_m: Vec3) -> Self {
+        let Vec3 { x, y, z } = size_m * size_m * (mass_kg / 12.0);
+        let rotational_kg_m2 = RotationalInertia::diagonal(y + z, z + x, x + y);
+        Self { mass_kg, center_of_mass_m: center_m, rotational_kg_m2 }
+    }
+
     /// Refuses what no body can have.
     ///
     /// The second moments of mass `Σ = tr(I)/2 - I` of any real body are positive semidefinite; that one
@@ -135,8 +150,8 @@ impl Inertia {
                 Err(InertiaError::TriangleInequality)
             };
         }
-        // In units of the trace, so that the rounding is relative; and of the largest moment before, so that neither the
-        // trace of a huge body overflows nor that of a tiny one has too few digits.
+        // In units of the trace, so that the rounding is relative; and of the largest moment before, so that neither
+        // the trace of a huge body overflows nor that of a tiny one has too few digits.
         let [xx, xy, xz, yy, yz, zz] = i.elements().map(|element| element / largest);
         let trace = xx + yy + zz;
         let (xx, yy, zz) = (0.5 - xx / trace, 0.5 - yy / trace, 0.5 - zz / trace);

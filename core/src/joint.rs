@@ -5,14 +5,8 @@ use core::fmt;
 use glam::{Quat, Vec3};
 use heapless::Vec;
 
-use crate::math;
-use crate::state::JointState;
+use crate::math::{self, UNIT_TOLERANCE};
 use crate::transform::{Transform, Twist, Wrench};
-
-/// How far the length of an axis or a quaternion may be from 1.
-///
-/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
-pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
 
 /// What a joint leaves free. Axes are unit vectors; those of the joint frame are the parent's after the
 /// placement of the joint (see [`Body`](crate::Body)).
@@ -40,22 +34,22 @@ pub enum JointKind {
     /// 1: turns about an axis, the same in the joint and the body frame.
     Revolute {
         /// Unit axis.
-        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },
     /// 1: slides along an axis, the same in the joint and the body frame.
     Prismatic {
         /// Unit axis.
-        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },
     /// 2: turns about `first`, fixed in the joint frame, then about `second`, fixed in the body.
     Universal {
         /// Unit axis in the joint frame.
-        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         first: Vec3,
         /// Unit axis in the body frame, perpendicular to `first`.
-        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_axis"))]
+        #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         second: Vec3,
     },
     /// 3: any rotation.
@@ -122,11 +116,11 @@ impl JointKind {
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
     /// let knee = JointKind::Revolute { axis: Vec3::X };
     /// let wanted = Twist::new(Vec3::new(3.0, 4.0, 0.0), Vec3::Z);
-    /// let possible = knee.project_motion(Quat::IDENTITY, wanted);
+    /// let possible = knee.project_twist(Quat::IDENTITY, wanted);
     /// assert_eq!(possible, Twist::new(Vec3::new(3.0, 0.0, 0.0), Vec3::ZERO));
     /// ```
     #[inline]
-    pub fn project_motion(self, rotation: Quat, motion: Twist) -> Twist {
+    pub fn project_twist(self, rotation: Quat, motion: Twist) -> Twist {
         match self {
             Self::Free => motion,
             Self::Spherical => Twist { linear: Vec3::ZERO, ..motion },
@@ -219,33 +213,6 @@ impl JointKind {
         }
     }
 
-    /// Brings the state of a joint that has one or two axes back onto them, after a step that was right to first order:
-    /// what is off them, nothing would ever correct. Returns the acceleration that goes along with its axes from the
-    /// pose before the step. Of other kinds, all stays as it is.
-    pub(crate) fn keep_on_axes(
-        self,
-        placement: &Transform,
-        before: &Transform,
-        state: &mut JointState,
-        acceleration: Twist,
-    ) -> Twist {
-        if matches!(self, Self::Spherical | Self::Free) {
-            return acceleration;
-        }
-        let in_joint = self.at(self.along(&(placement.inverse() * state.pose)));
-        state.pose = *placement * in_joint;
-        state.velocity = self.project_motion(in_joint.rotation, state.velocity);
-        let axes_before = self.motion_subspace(placement.rotation.conjugate() * before.rotation);
-        let axes = self.motion_subspace(in_joint.rotation);
-        let mut carried = Twist::ZERO;
-        for (before, now) in axes_before.iter().zip(&axes) {
-            let along =
-                before.angular.dot(acceleration.angular) + before.linear.dot(acceleration.linear);
-            carried = carried + Twist::new(now.angular * along, now.linear * along);
-        }
-        carried
-    }
-
     /// Pose in the joint frame of a joint that has one or two axes; the identity for the other kinds.
     pub(crate) fn at(self, along: [f32; 2]) -> Transform {
         let [a, b] = along;
@@ -258,69 +225,6 @@ impl JointKind {
             }
             Self::Fixed | Self::Spherical | Self::Free => Transform::IDENTITY,
         }
-    }
-
-    /// State of a joint from its coordinates, as servos and encoders give them.
-    ///
-    /// `position`: nothing (fixed), angle in rad (revolute), m (prismatic), two angles (universal), a unit
-    /// quaternion xyzw (spherical), a quaternion then x y z in m (free). `speed`: rad/s or m/s along the
-    /// columns of the motion subspace. `placement`: of the joint frame in the parent's frame.
-    ///
-    /// # Errors
-    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit, or the state is too
-    /// large for f32.
-    ///
-    /// ```
-    /// use sinew_core::{JointKind, Transform, glam::Vec3, math};
-    /// let elbow = JointKind::Revolute { axis: Vec3::X };
-    /// let state = elbow.state(Transform::IDENTITY, &[0.5], &[2.0])?;
-    /// assert_eq!(state.pose.rotation, math::exp(Vec3::X * 0.5));
-    /// assert_eq!(state.velocity.angular, Vec3::X * 2.0);
-    /// # Ok::<(), sinew_core::JointCoordinatesError>(())
-    /// ```
-    pub fn state(
-        self,
-        placement: Transform,
-        position: &[f32],
-        speed: &[f32],
-    ) -> Result<JointState, JointCoordinatesError> {
-        use JointCoordinatesError as E;
-        if let Some(index) = position.iter().chain(speed).position(|x| !x.is_finite()) {
-            return Err(E::NonFinite { index });
-        }
-        let count = E::Count { expected: self.coordinate_count(), found: position.len() };
-        let unit = |q: Quat| {
-            let squared = q.dot(q);
-            if (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE {
-                Ok(math::unit(q))
-            } else {
-                Err(E::NotUnit { squared })
-            }
-        };
-        let in_joint = match (self, position) {
-            (Self::Fixed, []) => Transform::IDENTITY,
-            (Self::Revolute { .. } | Self::Prismatic { .. }, &[a]) => self.at([a, 0.0]),
-            (Self::Universal { .. }, &[a, b]) => self.at([a, b]),
-            (Self::Spherical, &[x, y, z, w]) => {
-                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::ZERO)
-            }
-            (Self::Free, &[x, y, z, w, tx, ty, tz]) => {
-                Transform::new(unit(Quat::from_xyzw(x, y, z, w))?, Vec3::new(tx, ty, tz))
-            }
-            _ => return Err(count),
-        };
-        if speed.len() != self.degrees_of_freedom() {
-            return Err(E::Count { expected: self.degrees_of_freedom(), found: speed.len() });
-        }
-        let mut velocity = Twist::ZERO;
-        for (column, speed) in self.motion_subspace(in_joint.rotation).iter().zip(speed) {
-            velocity = velocity + Twist::new(column.angular * *speed, column.linear * *speed);
-        }
-        let pose = placement * in_joint;
-        if !(pose.is_finite() && velocity.is_finite()) {
-            return Err(E::Overflow);
-        }
-        Ok(JointState { pose, velocity })
     }
 
     /// Refuses axes that are not finite, not unit, or (universal) not perpendicular.
@@ -406,54 +310,6 @@ impl fmt::Display for JointError {
 
 impl core::error::Error for JointError {}
 
-/// Why joint coordinates were refused.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum JointCoordinatesError {
-    /// Too few or too many numbers for this kind of joint.
-    Count {
-        /// How many this kind takes.
-        expected: usize,
-        /// How many came.
-        found: usize,
-    },
-    /// A position (or, counted on after them, a speed) is NaN or infinite.
-    NonFinite {
-        /// Which one.
-        index: usize,
-    },
-    /// The quaternion is not of length 1.
-    NotUnit {
-        /// Its squared length.
-        squared: f32,
-    },
-    /// The state that the coordinates make is too large for f32.
-    Overflow,
-}
-
-impl fmt::Display for JointCoordinatesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count { expected, found } => {
-                write!(f, "this kind of joint takes {expected} coordinates, {found} were given")
-            }
-            Self::NonFinite { index } => write!(f, "joint coordinate {index} is not finite"),
-            Self::NotUnit { squared } => {
-                write!(
-                    f,
-                    "the quaternion has squared length {squared}; it must be a unit quaternion"
-                )
-            }
-            Self::Overflow => f.write_str(
-                "the joint's state is too large for f32; give angles, lengths and speeds of a machine",
-            ),
-        }
-    }
-}
-
-impl core::error::Error for JointCoordinatesError {}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -482,29 +338,10 @@ mod tests {
                 let along = c.angular.dot(motion.angular) + c.linear.dot(motion.linear);
                 expected = expected + Twist::new(c.angular * along, c.linear * along);
             }
-            let got = kind.project_motion(rotation, motion);
+            let got = kind.project_twist(rotation, motion);
             assert!((got.angular - expected.angular).length() < 1e-6, "{kind:?}");
             assert!((got.linear - expected.linear).length() < 1e-6, "{kind:?}");
         }
-    }
-
-    #[test]
-    fn a_universal_joint_has_the_velocity_and_bias_of_its_rotation() {
-        // Central differences of the rotation in f64-free arithmetic: step chosen for f32, 1e-2 s.
-        let kind = kinds()[3];
-        let h = 1e-2;
-        let (q, qd) = ([0.3f32, -0.8], [1.1f32, -0.7]);
-        let at = |t: f32| {
-            let q = [q[0] + qd[0] * t, q[1] + qd[1] * t];
-            kind.state(Transform::IDENTITY, &q, &qd).unwrap()
-        };
-        let (before, now, after) = (at(-h), at(0.0), at(h));
-        let turned = math::log(before.pose.rotation.conjugate() * after.pose.rotation) / (2.0 * h);
-        // The chord over two steps differs from the tangent by terms of order h².
-        assert!((turned - now.velocity.angular).length() < 1e-3, "{turned}");
-        let rate = (after.velocity.angular - before.velocity.angular) / (2.0 * h);
-        let bias = kind.bias_acceleration(now.pose.rotation, now.velocity).angular;
-        assert!((rate - bias).length() < 1e-3, "{rate} {bias}");
     }
 
     #[test]
@@ -515,19 +352,5 @@ mod tests {
         assert_eq!(long.validate(), Err(JointError::AxisNotUnit { length: 2.0 }));
         let skew = JointKind::Universal { first: Vec3::X, second: Vec3::X };
         assert_eq!(skew.validate(), Err(JointError::AxesNotPerpendicular { cosine: 1.0 }));
-    }
-
-    #[test]
-    fn bad_coordinates_are_refused() {
-        use JointCoordinatesError as E;
-        let state = |kind: JointKind, q: &[f32], qd: &[f32]| {
-            kind.state(Transform::IDENTITY, q, qd).unwrap_err()
-        };
-        let elbow = JointKind::Revolute { axis: Vec3::X };
-        assert_eq!(state(elbow, &[], &[]), E::Count { expected: 1, found: 0 });
-        assert_eq!(state(elbow, &[0.0], &[]), E::Count { expected: 1, found: 0 });
-        assert_eq!(state(elbow, &[0.0], &[f32::INFINITY]), E::NonFinite { index: 1 });
-        let zero = [0.0; 4];
-        assert_eq!(state(JointKind::Spherical, &zero, &[0.0; 3]), E::NotUnit { squared: 0.0 });
     }
 }

@@ -1,34 +1,42 @@
-//! Twist core for animatronic servo rigs: makes a figure of many joints follow a performance with
-//! natural, low-gain motion.
+//! The motion core for animatronic servo rigs: it makes a tree of joints follow a performance with natural, low-gain
+//! motion.
 //!
-//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic: what is flashed on the controller is
-//! what the host simulates, bit for bit.
+//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. The same code runs in the controller and in the
+//! simulator, and gives the same bits in both.
+//!
+//! # Six joints
+//! An arm of six revolute joints: build the tree, track a target, get six torques.
+//! ```
+#![doc = include_str!("../examples/six_joints.rs")]
+//! ```
+//! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its
+//! rate, and inverse dynamics turns that into the torque. So `kp` is a stiffness per unit of inertia, in 1/s²: the
+//! same value suits a finger and a shoulder. 200 is firm, 20 is soft. `kd`, in 1/s, is damping;
+//! [`Gains::critically_damped`](control::Gains::critically_damped) chooses `kd = 2 √kp`.
+//!
+//! Gravity is a vector in the axes of the base, whose frame is the world's: a rig on a tilted base tilts the vector.
 //!
 //! # From a performance to torques
-//! 1. [`Tree`]: the rig, validated once.
-//! 2. [`Trajectory`], [`finite_difference`]: where the rig should be, and how fast.
+//! 1. [`Tree`]: the rig, checked once.
+//! 2. [`Trajectory`], [`finite_difference`]: where the rig should be, and how fast. [`coordinates`]: the same from
+//!    and to the numbers of servos and encoders.
 //! 3. [`kinematics`]: world states of all bodies.
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`Controller::tick`] does steps 3 to 5 in one call. Where not all joints can have what they want, [`importance`] says how
-//! much each matters.
+//! [`Controller::tick`] does steps 3 to 5 in one call. [`importance`] tells how much each joint matters, for where
+//! not all can have what they want.
 //!
 //! ```
 //! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
-//! use sinew_core::{RotationalInertia, Transform, Workspace, control::Gains, glam::Vec3, math};
-//! use sinew_core::state_error::Method;
+//! use sinew_core::{Transform, Workspace, control::Gains, glam::Vec3, math, state_error::Method};
 //!
 //! // 1. An arm of two links of 0.3 m and 0.5 kg, on ball joints.
 //! let link = |parent, x| Body {
 //!     parent,
 //!     joint: JointKind::Spherical,
 //!     placement: Transform::from_translation(Vec3::X * x),
-//!     inertia: Inertia {
-//!         mass_kg: 0.5,
-//!         center_of_mass_m: Vec3::X * 0.15,
-//!         rotational_kg_m2: RotationalInertia::diagonal(1e-4, 4e-3, 4e-3),
-//!     },
+//!     inertia: Inertia::of_box(0.5, Vec3::X * 0.15, Vec3::new(0.3, 0.05, 0.05)),
 //! };
 //! let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.3)])?;
 //!
@@ -47,7 +55,7 @@
 //! let mut workspace = Workspace::new();
 //! for frame in 0..performance.len() {
 //!     performance.targets(frame, &mut targets)?;
-//!     // A rig tells here how its joints stand; this one is where it should be.
+//!     // A rig sets here what its sensors measured. This one is where it should be.
 //!     for (joint, state) in targets.states().iter().enumerate() {
 //!         measured.set(joint, *state)?;
 //!     }
@@ -57,7 +65,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Conventions, once
+//! # Conventions
 //! - SI units (m, kg, s, N, N m) and radians; right-handed frames; quaternions `[x, y, z, w]`, unit.
 //! - Rotations are active: `v_parent = R v_child`. A rotation vector is axis times angle.
 //! - **Regular numbering**: body 0 is the root, a parent's index is smaller than its children's. Body
@@ -65,29 +73,30 @@
 //! - The pose of joint `i` is the pose of body `i` in its parent's frame; velocities and accelerations
 //!   of a joint are those of body `i` relative to its parent, in **body axes**.
 //! - World velocities are those of the frame's origin, in **world axes**.
-//! - **Numbers**: what has a constructor or a setter holds finite numbers. Functions of plain slices and vectors
-//!   (kinematics, state errors, dynamics) take any: what is not finite, or too large for f32, comes out as not finite,
-//!   and never as a panic. [`Controller::tick`] makes nothing of that but a torque of zero with its reason.
+//! - **Numbers**: types with a constructor or a setter hold finite numbers. Functions of plain slices and vectors
+//!   (kinematics, state errors, dynamics) take any numbers. If one is not finite, or too large for f32, so is the
+//!   result; there is no panic. [`Controller::tick`] then gives a torque of zero and the reason.
 //! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
 //!   machines compute the same bits.
 //!
 //! # Features
-//! Both are off unless asked for, and need neither `std` nor an allocator.
+//! Both are off by default. Neither needs `std` or an allocator.
 //! - `defmt`: `defmt::Format` for all public types, for the log of a board.
-//! - `serde`: `Serialize` and `Deserialize` for settings and states. To read is an entrance like any other: rules
-//!   are checked, and NaN and infinities refused, with errors that say what and where.
+//! - `serde`: `Serialize` and `Deserialize` for settings and states. Reading checks the same rules as the constructors
+//!   and refuses NaN and infinity; its errors say what is wrong and where.
 //!
-//! What `serde` writes: vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and what
-//! goes by body or joint as a list, a torque limit's bound as a number or none (`null`). To read makes rotations and
-//! axes unit, so their last bits may change. What belongs to a tree but comes without one, as
-//! [`Aims`](state_error::Aims), must fit *some* tree; [`Controller::new`] checks whether it fits its own. Left out are
-//! - scratch, and what is learnt from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
-//! - what only its constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains must go together,
-//!   and [`ManifoldProjection`](projection::ManifoldProjection), made of weights and ranges, which are written, and
-//!   [`TorqueSupply`](supply::TorqueSupply), of a number and weights;
+//! `serde` writes vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and values by
+//! body or joint as lists, and a torque limit's bound as a number or `null` (no bound). Reading normalises rotations
+//! and axes, so their last bits may change. A value that belongs to a tree but is read without one, such as
+//! [`Aims`](state_error::Aims), must fit *some* tree; [`Controller::new`] checks whether it fits its own. Not covered
+//! are
+//! - scratch, and estimates that are carried from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
+//! - types that only a constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains depend on
+//!   each other; [`ManifoldProjection`](projection::ManifoldProjection) (write its weights and ranges instead);
+//!   [`TorqueSupply`](supply::TorqueSupply) (write its number and weights);
 //! - [`RestPose`](importance::RestPose) and what is measured on it, which follow from a rig or a character;
 //! - [`Trajectory`], which borrows its frames;
-//! - errors, which are for people: they have `Display`.
+//! - errors: they have `Display`, for people.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -132,6 +141,7 @@ mod body_set;
 mod body_weight;
 pub mod control;
 mod controller;
+pub mod coordinates;
 pub mod dynamics;
 pub mod finite_difference;
 mod fixed;
@@ -141,31 +151,40 @@ mod forward_differences;
 pub mod importance;
 mod inertia;
 mod joint;
+mod joint_states;
+mod joint_targets;
 pub mod kinematics;
 pub mod math;
 mod matrix;
 pub mod observer;
 pub mod pose_space;
+mod pose_step;
 pub mod projection;
 #[cfg(feature = "serde")]
+mod read;
+#[cfg(feature = "serde")]
 mod serial;
-pub mod state;
+mod state;
 pub mod state_error;
 pub mod supply;
 mod symmetric;
+pub mod tracker;
 pub mod trajectory;
 mod transform;
 mod tree;
 
 pub use body_set::BodySet;
 pub use controller::{Controller, ControllerError, Workspace};
+pub use coordinates::JointCoordinatesError;
 pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};
-pub use joint::{JointCoordinatesError, JointError, JointKind};
-pub use state::{BodyState, JointState, JointStates, JointTargets, StateInputError};
+pub use joint::{JointError, JointKind};
+pub use joint_states::JointStates;
+pub use joint_targets::JointTargets;
+pub use state::{BodyState, JointState, StateInputError};
 pub use trajectory::{Trajectory, TrajectoryError};
 pub use transform::{Transform, Twist, Wrench};
 pub use tree::{Body, Tree, TreeError};
 
-/// The vector algebra that the public types are made of, so that users need not match its version.
+/// The vector algebra of the public types, so that users need not match its version.
 pub use glam;

@@ -46,7 +46,8 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     }
 }
 
-/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are infinite.
+/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are
+/// infinite.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::atan2(0.0, 1.0), 0.0);
@@ -114,6 +115,11 @@ pub fn logarithm(x: f32) -> f32 {
     libm::logf(x)
 }
 
+/// The nearest whole number, the even one of two.
+pub(crate) fn round(x: f32) -> f32 {
+    libm::rintf(x)
+}
+
 /// Length of a vector.
 ///
 /// ```
@@ -140,8 +146,8 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     plus_cross(v + t * q.w, a, t)
 }
 
-/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so that
-/// it is no turn at all, to the last bit, if both are the same.
+/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so
+/// that it is no turn at all, to the last bit, if both are the same.
 #[inline]
 pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
@@ -195,6 +201,17 @@ pub fn unit(q: Quat) -> Quat {
     } else {
         Quat::IDENTITY
     }
+}
+
+/// How far the length of an axis or a quaternion may be from 1.
+///
+/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
+pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// Whether a quaternion is a rotation: of length 1 within [`UNIT_TOLERANCE`]. NaN and what overflows is none.
+#[inline]
+pub(crate) fn is_unit(q: Quat) -> bool {
+    (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
 }
 
 /// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.

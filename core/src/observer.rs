@@ -1,23 +1,24 @@
-//! From joint sensors to the state that a command will meet: filtered, ahead of a known delay, and with what
-//! the model has wrong.
+//! A state observer: filters joint sensors, learns disturbances, and looks ahead over a known delay.
 
 use core::fmt;
 
 use glam::{Quat, Vec3};
 
 use crate::control::Limited;
-use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::math;
-use crate::state::{JointState, JointStates, JointTargets, StateInputError};
+use crate::state::{JointState, StateInputError};
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// How an observer weighs what it expects against what it is told.
+/// How much an observer trusts its prediction against the measurement.
 ///
 /// ```
 /// use sinew_core::observer::{ObserverError, ObserverSettings};
 /// // At 100 ticks a second; at most 50 rad/s² are put down to a wrong model.
-/// let settings = ObserverSettings::extended_state(40.0, 0.01)?.with_most(50.0, 5.0)?;
+/// let settings = ObserverSettings::extended_state(40.0, 0.01)?.with_disturbance_limits(50.0, 5.0)?;
 /// // No filter follows faster than once in a tick.
 /// let too_fast = ObserverSettings::extended_state(200.0, 0.01);
 /// assert_eq!(too_fast, Err(ObserverError::Bandwidth { rad_s: 200.0 }));
@@ -35,11 +36,11 @@ pub struct ObserverSettings {
 }
 
 impl ObserverSettings {
-    /// No filter: poses as measured, velocities their backward differences, and no disturbance. What is left is
-    /// the look ahead over a delay.
+    /// No filter and no disturbance: poses as measured, velocities as their backward differences. Only the look ahead
+    /// over a delay is used.
     ///
     /// # Errors
-    /// [`ObserverError`] if the time step is not a positive number, or so short that f32 has not its reciprocal.
+    /// [`ObserverError`] if the time step is not a positive number, or its reciprocal is too large for f32.
     pub fn differences(dt_s: f32) -> Result<Self, ObserverError> {
         let velocity_gain_per_s = 1.0 / dt_s;
         if !(dt_s.is_finite() && dt_s > 0.0 && velocity_gain_per_s.is_finite()) {
@@ -55,18 +56,18 @@ impl ObserverSettings {
         })
     }
 
-    /// An extended state observer of this bandwidth: the acceleration that the commands do not explain is a
-    /// disturbance, taken as constant but for what is learnt of it (Han, "From PID to Active Disturbance
-    /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Wrong masses, friction and loads are
-    /// learnt within some `3 / bandwidth`; noise above the bandwidth is filtered out.
+    /// An extended state observer of this bandwidth (Han, "From PID to Active Disturbance Rejection Control", 2009; one
+    /// bandwidth for all poles, Gao 2003). Acceleration that the commands do not explain is estimated as a disturbance.
+    /// The effect of wrong masses, friction and loads is learnt in about `3 / bandwidth`; noise above the bandwidth is
+    /// filtered out.
     ///
     /// All three poles of the estimate's error are at `β = exp(-bandwidth dt)`. For the step
     /// `v += dt (a + d), x += dt v` that takes gains of `1 - β³`, `(1 - β)² (1 + 2β) / dt` and
     /// `(1 - β)³ / dt²`.
     ///
     /// # Errors
-    /// [`ObserverError`] if the time step is not a positive number, or f32 has not the reciprocal of its square, or the
-    /// bandwidth is not above 0 and at most 1 / `dt_s`.
+    /// [`ObserverError`] if the time step is not a positive number, the reciprocal of its square is too large for
+    /// f32, or the bandwidth is not above 0 and at most 1 / `dt_s`.
     pub fn extended_state(bandwidth_rad_s: f32, dt_s: f32) -> Result<Self, ObserverError> {
         let differences = Self::differences(dt_s)?;
         let x = bandwidth_rad_s * dt_s;
@@ -86,30 +87,33 @@ impl ObserverSettings {
         })
     }
 
-    /// The same with other bounds on what is taken for a disturbance: also the most that a blocked joint is
-    /// pushed with beyond what the gains ask for. Without, 200 rad/s² and 20 m/s².
+    /// The same with other limits of the disturbance. They also limit how hard a blocked joint is pushed beyond what
+    /// the gains ask for. Default: 200 rad/s² and 20 m/s².
     ///
     /// # Errors
     /// [`ObserverError`] if a bound is not a finite number from 0.
-    pub fn with_most(self, most_rad_s2: f32, most_m_s2: f32) -> Result<Self, ObserverError> {
+    pub fn with_disturbance_limits(
+        self,
+        most_rad_s2: f32,
+        most_m_s2: f32,
+    ) -> Result<Self, ObserverError> {
         for value in [most_rad_s2, most_m_s2] {
             if !(0.0..=f32::MAX).contains(&value) {
-                return Err(ObserverError::Most { value });
+                return Err(ObserverError::DisturbanceLimit { value });
             }
         }
         Ok(Self { most_rad_s2, most_m_s2, ..self })
     }
 }
 
-/// Estimates the state of a rig from its joints' poses and the accelerations it was commanded, for up to `D`
-/// commands on their way (`D` at least 1: without delay, the last one is).
+/// Estimates the state of a rig from the poses of its joints and the accelerations that it was commanded. Up to `D`
+/// commands may be on their way (at least 1: the last one, without a delay).
 ///
-/// With inverse dynamics every joint is a body on its own, `q̈ = command + disturbance`, whatever its
-/// inertia. So the estimate costs a few operations a joint, and the state that a late command will meet is
-/// found by making the commands on their way. O(n D).
+/// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. So the estimate costs a
+/// few operations a joint, and the look ahead applies the commands that are on their way. O(n D).
 ///
 /// A tick goes: [`Self::observe`], [`Self::compensate`], [`Controller::tick`](crate::Controller::tick) with
-/// [`Self::states`] and the law of inverse dynamics, [`Self::sent`].
+/// [`Self::states`] and the law of inverse dynamics, [`Self::record_commands`].
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Twist, Transform, Tree};
@@ -129,7 +133,7 @@ impl ObserverSettings {
 /// for _ in 0..60 {
 ///     v += 0.02;
 ///     x += 0.01 * v;
-///     observer.sent(&[Twist::ZERO], &[]);
+///     observer.record_commands(&[Twist::ZERO], &[]);
 ///     observer.observe(&tree, &[Transform::from_translation(Vec3::X * x)])?;
 /// }
 /// assert!((observer.disturbances()[0].linear.x - 2.0).abs() < 1e-3);
@@ -142,7 +146,7 @@ pub struct Observer<const N: usize, const D: usize> {
     delay: usize,
     estimates: JointStates<N>,
     disturbances: [Twist; N],
-    /// The oldest first: those of `delay + 1` ticks, the oldest of which has led to the present.
+    /// The oldest first: those of `delay + 1` ticks. The oldest acted in the period before the present measurement.
     sent: [[Command; N]; D],
     any_sent: bool,
     ahead: JointStates<N>,
@@ -152,13 +156,12 @@ pub struct Observer<const N: usize, const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Command {
     acceleration: Twist,
-    /// The drive could not do it: what is missing is not the world's doing.
+    /// The drive was limited: the missing acceleration is no disturbance.
     limited: bool,
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
-    /// An observer of a rig in this state, whose commands act `delay` ticks after the measurement that they
-    /// were made from, and not before.
+    /// An observer of a rig in this state, whose commands act `delay` ticks after the measurement that they answer.
     ///
     /// # Errors
     /// [`ObserverError::Delay`] if that is more than `D` - 1.
@@ -182,8 +185,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         })
     }
 
-    /// Begins anew from a state, after ticks whose measurements or commands were lost. What was learnt of
-    /// disturbances is kept: without it the torques would jump.
+    /// Restarts from a state, after ticks whose measurements or commands were lost. The disturbances are kept: without
+    /// them the torques would jump.
     // Not within its caller, whose frame would hold the copies of all joints as long as it runs.
     #[inline(never)]
     pub fn restart(&mut self, state: &JointStates<N>) {
@@ -196,7 +199,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Takes in the joints' poses of a tick, each in its parent's frame.
+    /// Updates the estimate with the measured poses of the joints, each in its parent's frame. O(n D).
     ///
     /// # Errors
     /// [`StateInputError`], and nothing is changed, if there are not as many as joints, or a pose is not
@@ -211,11 +214,10 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             return Err(StateInputError::NoSuchJoint);
         }
         for pose in measured {
-            let squared = pose.rotation.dot(pose.rotation);
             if !pose.is_finite() {
                 return Err(StateInputError::NonFinite);
             }
-            if (squared - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+            if !math::is_unit(pose.rotation) {
                 return Err(StateInputError::RotationNotUnit);
             }
         }
@@ -225,17 +227,17 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// The state that a command made now will meet: that of now, without a delay.
+    /// The state at the time when a command made now will act; without a delay, the present state.
     pub fn states(&self) -> &JointStates<N> {
         &self.ahead
     }
 
-    /// The accelerations of the joints that nothing commanded, in body axes.
+    /// The estimated disturbances: accelerations of the joints that were not commanded, in body axes.
     pub fn disturbances(&self) -> &[Twist] {
         self.disturbances.get(..self.estimates.as_slice().len()).unwrap_or_default()
     }
 
-    /// Takes the disturbances off the accelerations that are asked of the joints, so that they cancel.
+    /// Subtracts the disturbances from the targets' accelerations, so that they cancel. O(n).
     pub fn compensate(&self, targets: &mut JointTargets<N>) {
         for (joint, (state, disturbance)) in
             self.ahead.as_slice().iter().zip(&self.disturbances).enumerate()
@@ -253,9 +255,9 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Notes the accelerations that the joints were commanded ([`Workspace::commands`](crate::Workspace::commands)),
-    /// and which of their torques were limited: those joints learn no disturbance from what follows.
-    pub fn sent(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
+    /// Records the accelerations that the joints were commanded ([`Workspace::commands`](crate::Workspace::commands)),
+    /// and which of their torques were limited: those joints learn no disturbance from the next measurement.
+    pub fn record_commands(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         let first = !self.any_sent;
         self.any_sent = true;
         let in_flight = self.sent.get_mut(..=self.delay).unwrap_or_default();
@@ -276,7 +278,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// One joint's estimate, one tick on, corrected by its measurement, and ahead of the delay.
+    /// Predicts one joint over a tick, corrects it by its measurement, and looks ahead over the delay.
     fn correct(&mut self, joint: usize, body: &Body, measured: &Transform) {
         let ObserverSettings { dt_s, pose_gain, velocity_gain_per_s, .. } = self.settings;
         let (Some(before), Some(disturbance)) =
@@ -303,7 +305,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             linear: to_body * (measured.translation_m - before.pose.translation_m),
         };
         let in_joint = body.placement.rotation.conjugate() * before.pose.rotation;
-        let off = body.joint.project_motion(in_joint, came + scaled(expected, -1.0));
+        let off = body.joint.project_twist(in_joint, came + scaled(expected, -1.0));
         if !made.limited {
             let learnt = scaled(off, self.settings.disturbance_gain_per_s2);
             *disturbance = self.settings.bounded(*disturbance + learnt);
@@ -315,7 +317,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             state.pose.translation_m = measured.translation_m;
         }
         let carried =
-            body.joint.keep_on_axes(&body.placement, &before.pose, &mut state, *disturbance);
+            keep_on_axes(body.joint, &body.placement, &before.pose, &mut state, *disturbance);
         *disturbance = if carried.is_finite() { carried } else { Twist::ZERO };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
@@ -344,13 +346,40 @@ impl ObserverSettings {
     }
 }
 
+/// Projects the state of a joint with one or two axes back onto them, after a step that was right to first order: no
+/// measurement would ever correct an error across the axes. Returns the acceleration with the same components along
+/// the axes after the step. Other kinds stay as they are.
+fn keep_on_axes(
+    joint: JointKind,
+    placement: &Transform,
+    before: &Transform,
+    state: &mut JointState,
+    acceleration: Twist,
+) -> Twist {
+    if matches!(joint, JointKind::Spherical | JointKind::Free) {
+        return acceleration;
+    }
+    let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
+    state.pose = *placement * in_joint;
+    state.velocity = joint.project_twist(in_joint.rotation, state.velocity);
+    let axes_before = joint.motion_subspace(placement.rotation.conjugate() * before.rotation);
+    let axes = joint.motion_subspace(in_joint.rotation);
+    let mut carried = Twist::ZERO;
+    for (before, now) in axes_before.iter().zip(&axes) {
+        let along =
+            before.angular.dot(acceleration.angular) + before.linear.dot(acceleration.linear);
+        carried = carried + Twist::new(now.angular * along, now.linear * along);
+    }
+    carried
+}
+
 /// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
 fn moved(joint: &JointState, acceleration: Twist, dt_s: f32, slides: bool) -> JointState {
     let velocity = joint.velocity + scaled(acceleration, dt_s);
     on(joint, scaled(velocity, dt_s), velocity, slides)
 }
 
-/// A joint that has gone a way, and has a velocity, both given in the axes of the body before.
+/// A joint after a displacement, with its new velocity, both given in the axes of the body before.
 fn on(joint: &JointState, way: Twist, velocity: Twist, slides: bool) -> JointState {
     let turn = math::exp(way.angular);
     let mut pose = Transform { rotation: joint.pose.rotation * turn, ..joint.pose };
@@ -369,7 +398,7 @@ fn scaled(motion: Twist, factor: f32) -> Twist {
     Twist { angular: motion.angular * factor, linear: motion.linear * factor }
 }
 
-/// Why there is no observer.
+/// Why an observer was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -382,7 +411,7 @@ pub enum ObserverError {
         rad_s: f32,
     },
     /// A bound on disturbances is not a finite number from 0.
-    Most {
+    DisturbanceLimit {
         /// The bound.
         value: f32,
     },
@@ -403,7 +432,7 @@ impl fmt::Display for ObserverError {
                 f,
                 "the bandwidth is {rad_s} rad/s; it must be above 0 and at most one over the time step"
             ),
-            Self::Most { value } => {
+            Self::DisturbanceLimit { value } => {
                 write!(f, "the bound on disturbances is {value}; it must be a finite number from 0")
             }
             Self::Delay { ticks, most } => {

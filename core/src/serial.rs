@@ -1,98 +1,26 @@
 //! Reading and writing settings and states with serde, in the form that the crate's documentation tells.
 //!
-//! Plain types derive it and read their numbers by [`finite`] and its like; what has rules is here, and is made by its
-//! constructor.
+//! Plain types derive it and read their numbers by `read`. Types with rules are here, and are made by their
+//! constructors.
 
 use core::fmt;
 use core::marker::PhantomData;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use heapless::Vec;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 use crate::body_weight::{BodyWeight, BodyWeights};
-use crate::control::{ControlLaw, Gains, GainsError, LimitError, TorqueLimit};
+use crate::control::{ControlLaw, Gains, TorqueLimit};
 use crate::controller::{Controller, ControllerError};
 use crate::dynamics::ReflectedInertia;
 use crate::importance::Importance;
-use crate::joint::UNIT_TOLERANCE;
-use crate::math;
 use crate::state_error::{Aim, Aims, Method, References};
 use crate::{
     Body, BodySet, Inertia, JointKind, JointState, JointStates, JointTargets, Transform, Tree,
     TreeError, Twist,
 };
-
-/// One number or several.
-pub(crate) trait Numbers: fmt::Debug {
-    fn are_finite(&self) -> bool;
-}
-
-impl Numbers for f32 {
-    fn are_finite(&self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl Numbers for Vec3 {
-    fn are_finite(&self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl Numbers for Quat {
-    fn are_finite(&self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl<T: Numbers, const K: usize> Numbers for [T; K] {
-    fn are_finite(&self) -> bool {
-        self.iter().all(Numbers::are_finite)
-    }
-}
-
-/// Reads what must be finite.
-pub(crate) fn finite<'de, T, D>(from: D) -> Result<T, D::Error>
-where
-    T: Numbers + Deserialize<'de>,
-    D: Deserializer<'de>,
-{
-    let value = T::deserialize(from)?;
-    if value.are_finite() {
-        Ok(value)
-    } else {
-        Err(D::Error::custom(format_args!("{value:?} is not finite; only finite numbers will do")))
-    }
-}
-
-/// Reads a unit quaternion.
-pub(crate) fn unit_rotation<'de, D: Deserializer<'de>>(from: D) -> Result<Quat, D::Error> {
-    let rotation: Quat = finite(from)?;
-    let squared = rotation.dot(rotation);
-    // Written so that NaN, of numbers whose squares overflow, is refused.
-    if (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE {
-        Ok(rotation)
-    } else {
-        Err(D::Error::custom(format_args!(
-            "{rotation:?} has squared length {squared}; a rotation must be a unit quaternion [x, y, z, w]"
-        )))
-    }
-}
-
-/// Reads a unit vector.
-pub(crate) fn unit_axis<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
-    let axis: Vec3 = finite(from)?;
-    let length = math::length(axis);
-    if (length - 1.0).abs() <= UNIT_TOLERANCE {
-        Ok(axis)
-    } else {
-        Err(D::Error::custom(format_args!(
-            "{axis:?} has length {length}; an axis must be a unit vector"
-        )))
-    }
-}
 
 /// At most `N` items.
 struct List<T, const N: usize>(Vec<T, N>);
@@ -302,36 +230,38 @@ impl<'de, const N: usize> Deserialize<'de> for Importance<N> {
 /// [`Gains`] as they are written.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "Gains", deny_unknown_fields)]
-pub(crate) struct GainsFields {
+struct GainsFields {
     kp: f32,
     kd: f32,
     linear_kp: f32,
     linear_kd: f32,
 }
 
-impl From<Gains> for GainsFields {
-    fn from(gains: Gains) -> Self {
-        Self {
-            kp: gains.kp(),
-            kd: gains.kd(),
-            linear_kp: gains.linear_kp(),
-            linear_kd: gains.linear_kd(),
+impl Serialize for Gains {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        GainsFields {
+            kp: self.kp(),
+            kd: self.kd(),
+            linear_kp: self.linear_kp(),
+            linear_kd: self.linear_kd(),
         }
+        .serialize(to)
     }
 }
 
-impl TryFrom<GainsFields> for Gains {
-    type Error = GainsError;
-
-    fn try_from(fields: GainsFields) -> Result<Self, GainsError> {
-        Self::new(fields.kp, fields.kd)?.with_linear(fields.linear_kp, fields.linear_kd)
+impl<'de> Deserialize<'de> for Gains {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let fields = GainsFields::deserialize(from)?;
+        Self::new(fields.kp, fields.kd)
+            .and_then(|gains| gains.with_linear(fields.linear_kp, fields.linear_kd))
+            .map_err(D::Error::custom)
     }
 }
 
 /// A [`TorqueLimit`] as it is written: JSON and its like have no infinity.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "TorqueLimit", deny_unknown_fields)]
-pub(crate) struct TorqueLimitFields {
+struct TorqueLimitFields {
     // Not left out by mistake: no bound must be asked for.
     #[serde(deserialize_with = "Option::deserialize")]
     moment_nm: Option<f32>,
@@ -339,19 +269,19 @@ pub(crate) struct TorqueLimitFields {
     force_n: Option<f32>,
 }
 
-impl From<TorqueLimit> for TorqueLimitFields {
-    fn from(limit: TorqueLimit) -> Self {
+impl Serialize for TorqueLimit {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let bound = |bound: f32| bound.is_finite().then_some(bound);
-        Self { moment_nm: bound(limit.moment_nm()), force_n: bound(limit.force_n()) }
+        TorqueLimitFields { moment_nm: bound(self.moment_nm()), force_n: bound(self.force_n()) }
+            .serialize(to)
     }
 }
 
-impl TryFrom<TorqueLimitFields> for TorqueLimit {
-    type Error = LimitError;
-
-    fn try_from(fields: TorqueLimitFields) -> Result<Self, LimitError> {
+impl<'de> Deserialize<'de> for TorqueLimit {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let fields = TorqueLimitFields::deserialize(from)?;
         let bound = |bound: Option<f32>| bound.unwrap_or(f32::INFINITY);
-        Self::new(bound(fields.moment_nm), bound(fields.force_n))
+        Self::new(bound(fields.moment_nm), bound(fields.force_n)).map_err(D::Error::custom)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a rig's drives may draw together: one supply feeds all of them.
+//! A limit of the sum of all torques: one supply feeds all drives.
 
 use core::fmt;
 
@@ -12,11 +12,11 @@ use crate::math;
 use crate::transform::Wrench;
 use crate::tree::Tree;
 
-/// A bound of the sum of all joints' torques, and the rule by which they share what there is.
+/// A bound of the sum of all joints' torques, and the rule by which they share it.
 ///
-/// A step after the tick, and no part of it. Counted is the length of each joint's moment: a servo's current goes
-/// with its torque, and its supply has the sum of all currents to give. Forces of prismatic joints are in other
-/// units; they are neither counted nor cut, and no more is what holds a free joint, which no servo drives.
+/// It is applied after the tick, by who has such a supply. The sum is of the lengths of the joints' moments: a
+/// servo's current is proportional to its torque, and the supply delivers the sum of the currents. Forces of
+/// prismatic joints have other units, and no servo drives a free joint: both are neither counted nor cut.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Wrench, glam::Vec3};
@@ -48,8 +48,7 @@ use crate::tree::Tree;
 pub struct TorqueSupply<const N: usize> {
     supply_nm: f32,
     rule: Rule,
-    /// By joint, what it gives up for each unit of what others do: one over its weight, zero if it takes nothing from
-    /// the supply.
+    /// By joint, its part of what all give up: one over its weight, zero if it draws nothing from the supply.
     yields: Vec<f32, N>,
 }
 
@@ -62,11 +61,11 @@ enum Rule {
     LeastSquares,
 }
 
-/// The range of weights: with any in it, no quotient of them and of what is shared leaves f32.
+/// The range of weights: quotients of any two, and of torques and weights, stay within f32.
 const WEIGHTS: core::ops::RangeInclusive<f32> = 1e-12..=1e12;
 
 impl<const N: usize> TorqueSupply<N> {
-    /// A supply of so many N m, infinite for no bound; all joints are cut by the same factor.
+    /// A supply of `supply_nm`, infinite for no bound. All joints are cut by the same factor.
     ///
     /// # Errors
     /// [`SupplyError::Supply`] if the supply is NaN or negative.
@@ -79,8 +78,8 @@ impl<const N: usize> TorqueSupply<N> {
         Ok(Self { supply_nm, rule: Rule::Alike, yields })
     }
 
-    /// The same supply, shared so that `Σ aᵢ |τᵢ - τ_wanted,i|²` is least: every joint gives up the same share of
-    /// `1 / aᵢ`, and no more than it wanted. O(n) to O(n²), as joints run out of torque.
+    /// The same supply, shared so that `Σ aᵢ |τᵢ - τ_wanted,i|²` is least for the weights `aᵢ`: joint i gives up
+    /// torque in proportion to `1 / aᵢ`, until none is left. O(n), up to O(n²) if joints run out of torque.
     ///
     /// # Errors
     /// [`SupplyError`] if there is not a weight for each joint, or one is not from 1e-12 to 1e12 (also of a joint that
@@ -105,11 +104,11 @@ impl<const N: usize> TorqueSupply<N> {
         self.supply_nm
     }
 
-    /// Cuts what a tick asked of the joints to what the supply has. Moments keep their directions, and everything its
-    /// bits if there is enough; cut ones have [`LimitReason::Supply`]. The sum is within the supply but for a few roundings.
+    /// Cuts the torques of a tick to the supply. Moments keep their directions; those that are cut get
+    /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The sum is within the supply up to rounding.
     ///
-    /// What is not finite becomes zero, with [`LimitReason::NotFinite`]; what is beyond the tree's joints too, with
-    /// [`LimitReason::NoRoom`].
+    /// A torque that is not finite becomes zero, with [`LimitReason::NotFinite`]. So do torques beyond the tree's
+    /// joints, with [`LimitReason::NoRoom`].
     pub fn share(&self, torques: &mut [Limited<Wrench>]) {
         let (torques, beyond) = torques.split_at_mut(torques.len().min(self.yields.len()));
         beyond.fill(Limited { value: Wrench::ZERO, reason: Some(LimitReason::NoRoom) });
@@ -144,38 +143,38 @@ impl<const N: usize> TorqueSupply<N> {
 }
 
 impl<const N: usize> TorqueSupply<N> {
-    /// Cuts as [`Self::share`] does, but leaves what carries the rig in its pose and at its velocities
-    /// ([`Controller::carried`](crate::Controller::carried)) and cuts what accelerates it, of all joints by the same factor
-    /// whatever the weights: `τ = τ_c + s (τ_wanted - τ_c)`.
+    /// Cuts as [`Self::share`] does, but only what accelerates the rig: the part of each torque beyond its bias wrench
+    /// ([`Controller::bias_wrenches`](crate::Controller::bias_wrenches)), of all joints by the same factor whatever the
+    /// weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
-    /// Of what does not take from the supply, a free root's wrench and forces, the same share is left: so all joints get the
-    /// same share of the accelerations that they were commanded, and none throws another about. The sum is convex in s, so the
-    /// `s` at which a line from one end to the other meets the supply is within it: no search, and a little is left. If what
-    /// carries alone takes as much as there is, all is cut as [`Self::share`] does.
+    /// Wrenches that do not draw from the supply (of a free root, and forces) are scaled alike, so every joint gets
+    /// the same share of its commanded acceleration. The sum of torques is convex in s: where the straight line
+    /// between its ends meets the supply, the sum does not exceed it. So there is no search, and a little of the
+    /// supply is left. If the bias wrenches alone take the whole supply, all is cut as [`Self::share`] does.
     ///
-    /// What is not finite of `carried`, and what it has too few of, counts as zero.
-    pub fn share_beyond(&self, torques: &mut [Limited<Wrench>], carried: &[Wrench]) {
+    /// Bias wrenches that are not finite, or missing, count as zero.
+    pub fn share_acceleration(&self, torques: &mut [Limited<Wrench>], bias: &[Wrench]) {
         let mut largest = 0.0_f32;
-        for (wanted_nm, carried_nm) in self.counted(torques, carried) {
-            largest = largest.max(carried_nm.abs().max(wanted_nm.abs()).max_element());
+        for (wanted_nm, bias_nm) in self.counted(torques, bias) {
+            largest = largest.max(bias_nm.abs().max(wanted_nm.abs()).max_element());
         }
-        let (mut sum, mut sum_carried) = (0.0, 0.0);
-        for (wanted_nm, carried_nm) in self.counted(torques, carried) {
+        let (mut sum, mut sum_bias) = (0.0, 0.0);
+        for (wanted_nm, bias_nm) in self.counted(torques, bias) {
             sum += math::length(wanted_nm / largest);
-            sum_carried += math::length(carried_nm / largest);
+            sum_bias += math::length(bias_nm / largest);
         }
         let supply = self.supply_nm / largest;
         // Written so that NaN, of torques that are all zero, is enough.
-        if sum > supply && sum_carried < supply {
-            let s = (supply - sum_carried) / (sum - sum_carried);
+        if sum > supply && sum_bias < supply {
+            let s = (supply - sum_bias) / (sum - sum_bias);
             for (joint, torque) in torques.iter_mut().enumerate() {
-                let value = mixed(finite_or_zero(carried.get(joint)), torque.value, s);
+                let value = mixed(finite_or_zero(bias.get(joint)), torque.value, s);
                 if torque.value.is_finite() && value != torque.value {
                     *torque = Limited { value, reason: Some(LimitReason::Supply) };
                 }
             }
         }
-        // What is not finite, what carries more than there is, and what rounding has left above the supply.
+        // What is not finite, a bias that is more than the supply, and what rounding has left above the supply.
         self.share(torques);
     }
 
@@ -183,17 +182,17 @@ impl<const N: usize> TorqueSupply<N> {
         self.yields.get(joint).is_some_and(|yields| *yields > 0.0)
     }
 
-    /// Moments that count: what is wanted, and what carries.
+    /// Moments that count: the wanted one and its bias.
     fn counted<'a>(
         &'a self,
         torques: &'a [Limited<Wrench>],
-        carried: &'a [Wrench],
+        bias: &'a [Wrench],
     ) -> impl Iterator<Item = (Vec3, Vec3)> + 'a {
         let counts = |(joint, torque): &(usize, &Limited<Wrench>)| {
             self.draws(*joint) && torque.value.is_finite()
         };
         torques.iter().enumerate().filter(counts).map(|(joint, torque)| {
-            (torque.value.moment_nm, finite_or_zero(carried.get(joint)).moment_nm)
+            (torque.value.moment_nm, finite_or_zero(bias.get(joint)).moment_nm)
         })
     }
 }
@@ -208,7 +207,7 @@ fn mixed(a: Wrench, b: Wrench, t: f32) -> Wrench {
     Wrench { moment_nm: mixed(a.moment_nm, b.moment_nm), force_n: mixed(a.force_n, b.force_n) }
 }
 
-/// Takes the same share of what each joint yields off what it wants, so that the sum is the supply's.
+/// Subtracts from each torque the same multiple of what its joint yields, so that the sum is the supply's.
 fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: f32) {
     let joints = || wanted.iter().zip(yields);
     let mut share = 0.0;

@@ -4,11 +4,11 @@ use core::fmt;
 
 use glam::Vec3;
 
-use crate::joint::UNIT_TOLERANCE;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
 use crate::math;
-use crate::state::{
-    JointState, JointStates, JointTargets, SHORTEST_STEP_S, StateInputError, check_pose,
-};
+use crate::pose_step::{in_axes_of, rate, step};
+use crate::state::{JointState, StateInputError, check_pose};
 use crate::transform::{Transform, Twist};
 
 /// Evenly spaced frames of the poses of all joints, each in its parent's frame.
@@ -50,11 +50,8 @@ impl<'a> Trajectory<'a> {
         if poses.is_empty() || remainder != Some(0) {
             return Err(TrajectoryError::Count { joints: joint_count, poses: poses.len() });
         }
-        let bad = poses.iter().position(|pose| {
-            let squared = pose.rotation.dot(pose.rotation);
-            // Written so that NaN is bad.
-            !(pose.is_finite() && (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE)
-        });
+        let usable = |pose: &Transform| pose.is_finite() && math::is_unit(pose.rotation);
+        let bad = poses.iter().position(|pose| !usable(pose));
         if let Some(index) = bad {
             return Err(TrajectoryError::InvalidPose {
                 frame: index.checked_div(joint_count).unwrap_or_default(),
@@ -351,16 +348,6 @@ pub fn backward_states<const N: usize>(
     Ok(())
 }
 
-/// The steps in a second.
-pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
-    // Written so that NaN fails.
-    if dt_s >= SHORTEST_STEP_S && dt_s.is_finite() {
-        Ok(1.0 / dt_s)
-    } else {
-        Err(StateInputError::TimeStep)
-    }
-}
-
 /// The two steps between three poses that are checked.
 #[inline]
 fn steps(
@@ -371,22 +358,6 @@ fn steps(
     check_pose(second)?;
     check_pose(third)?;
     Ok([step(first, second, rate_hz), step(second, third, rate_hz)])
-}
-
-/// The mean velocity on the way from one pose to the other: the angular part in body axes (the turn's own axis is
-/// the same in both), the linear part in the parent's.
-#[inline]
-pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
-    Twist {
-        angular: math::log(math::turn_in_body(from.rotation, to.rotation)) * rate_hz,
-        linear: (to.translation_m - from.translation_m) * rate_hz,
-    }
-}
-
-/// A motion whose linear part is in the parent's axes, all in those of the body.
-#[inline]
-pub(crate) fn in_axes_of(pose: &Transform, motion: Twist) -> Twist {
-    Twist { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
 }
 
 #[inline]

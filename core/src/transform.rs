@@ -23,10 +23,10 @@ use crate::math;
 )]
 pub struct Transform {
     /// Unit rotation from the inner to the outer frame.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::unit_rotation"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_rotation"))]
     pub rotation: Quat,
     /// Origin of the inner frame in the outer one, in metres.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub translation_m: Vec3,
 }
 
@@ -100,10 +100,10 @@ impl Mul for Transform {
 )]
 pub struct Twist {
     /// Angular part.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub angular: Vec3,
     /// Linear part, of the frame's origin.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear: Vec3,
 }
 
@@ -174,10 +174,10 @@ impl Sub for Twist {
 )]
 pub struct Wrench {
     /// Moment about the frame's origin, in N m.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub moment_nm: Vec3,
     /// Force, in N.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub force_n: Vec3,
 }
 
@@ -193,6 +193,11 @@ impl Wrench {
     /// Whether every component is a number.
     pub fn is_finite(self) -> bool {
         self.moment_nm.is_finite() && self.force_n.is_finite()
+    }
+
+    /// The same six numbers as a twist: components along a joint's axes are found alike for both.
+    pub(crate) fn as_twist(self) -> Twist {
+        Twist { angular: self.moment_nm, linear: self.force_n }
     }
 
     /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).

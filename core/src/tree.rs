@@ -7,7 +7,7 @@ use heapless::Vec;
 
 use crate::body_set::BodySet;
 use crate::inertia::{Inertia, InertiaError};
-use crate::joint::{JointError, JointKind, UNIT_TOLERANCE};
+use crate::joint::{JointError, JointKind};
 use crate::math;
 use crate::transform::Transform;
 
@@ -32,8 +32,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// Rotation of the body in the joint frame, as far as the motion subspace depends on it: of no kind of joint but the
-    /// universal one. `rotation`: of the body in its parent's frame.
+    /// Rotation of the body in the joint frame, as far as the motion subspace depends on it: of no kind of joint but
+    /// the universal one. `rotation`: of the body in its parent's frame.
     #[inline]
     pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
         if matches!(self.joint, JointKind::Universal { .. }) {
@@ -121,7 +121,7 @@ impl<const N: usize> Tree<N> {
         if !body.placement.is_finite() {
             return Err(TreeError::NonFinitePlacement { body: index });
         }
-        if (rotation.dot(rotation) - 1.0).abs() > 2.0 * UNIT_TOLERANCE {
+        if !math::is_unit(rotation) {
             return Err(TreeError::RotationNotUnit { body: index });
         }
         body.inertia.validate().map_err(|error| TreeError::Inertia { body: index, error })?;
@@ -171,7 +171,7 @@ impl<const N: usize> Tree<N> {
         self.bodies.is_empty()
     }
 
-    /// λ: the parent of a body; `None` for the root and for what is no body.
+    /// λ: the parent of a body; `None` for the root, and if there is no such body.
     pub fn parent(&self, body: usize) -> Option<usize> {
         self.bodies.get(body).and_then(|body| body.parent)
     }

@@ -1,4 +1,4 @@
-//! What defmt logs of shows: apart from them, since the build script reads shows too, and has no defmt.
+//! What defmt logs of shows.
 
 use defmt::{Format, Formatter, write};
 

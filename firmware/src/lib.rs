@@ -2,15 +2,11 @@
 //! simulator uses the same code.
 //!
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
-//! - [`app`]: the control tick as the boards run it;
-//! - [`recommended`]: the setting for real rigs;
-//! - [`replay`]: a stand-in for servos, so that a board can perform a show without any;
-//! - [`parity`]: runs that boards and hosts make, to be compared bit by bit;
+//! - [`frames`]: where frames come from, for a [`Tracker`](sinew_core::tracker::Tracker);
 //! - [`indicator`]: the status light.
 //!
 //! # Features
 //! - `defmt`: `defmt::Format` for all public types, here and in the core.
-//! - The boards' names are for their images, and no part of the library.
 //!
 //! There is no `serde` here: what is stored is a [`show`], which has its own format, and all else is running state
 //! or an error. Settings are the core's, which has that feature.
@@ -19,11 +15,8 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-pub mod app;
 #[cfg(feature = "defmt")]
 mod format;
+pub mod frames;
 pub mod indicator;
-pub mod parity;
-pub mod recommended;
-pub mod replay;
 pub mod show;

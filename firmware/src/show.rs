@@ -21,7 +21,7 @@ use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use sinew_core::glam::{Quat, Vec3};
-use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError, math};
+use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError};
 
 const MAGIC: [u8; 4] = *b"SNWS";
 const VERSION: u16 = 1;
@@ -156,13 +156,12 @@ impl<'a> Show<'a> {
         Ok(tree)
     }
 
-    /// Poses of a frame by joint, with the performer's offsets; the last frame for any index beyond it.
-    /// What is longer than the show has bodies is left alone.
+    /// Poses of a frame by joint, as they were baked, with the performer's offsets; the last frame for any index
+    /// beyond it. What is longer than the show has bodies is left alone.
     pub fn frame(&self, index: usize, out: &mut [Transform]) {
         let index = index.min(self.frames.saturating_sub(1));
         for (body, pose) in out.iter_mut().enumerate().take(self.bodies) {
             *pose = self.pose(index, body);
-            pose.rotation = math::unit(pose.rotation);
         }
     }
 

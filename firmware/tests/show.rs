@@ -1,17 +1,12 @@
 //! Shows: what is written is read back, and nothing that is not a show is performed.
 
 use proptest::prelude::*;
-use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
-use sinew_core::state_error::Method;
-use sinew_core::{
-    Body, Controller, Inertia, JointKind, RotationalInertia, StateInputError, Transform, TreeError,
-    math,
-};
-use sinew_firmware::app::App;
-use sinew_firmware::recommended::{Recommended, RecommendedError};
-use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
+use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
+use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
+use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError, write};
+use sinew_parity::replay::{METHODS, Replay, TorqueHash};
 
 const BODIES: usize = 3;
 
@@ -125,13 +120,12 @@ fn each_fault_has_its_error() {
 #[test]
 fn a_replay_is_the_same_every_time_and_differs_by_method() {
     let bytes = show();
-    let run = |name: &str| {
+    let run = |method| {
         let show = Show::parse(&bytes).unwrap();
-        let mut replay = Replay::<3>::new(show, name).unwrap();
+        let mut replay = Replay::<3>::new(show, method).unwrap();
         let mut hash = TorqueHash::default();
-        for tick in 0..show.frame_count() {
-            replay.observe(tick).unwrap();
-            let torques = replay.control();
+        for tick in 0..u32::try_from(show.frame_count()).unwrap() {
+            let torques = replay.step(tick).unwrap();
             assert_eq!(torques.len(), 3);
             assert!(torques.iter().all(|torque| torque.reason.is_none()));
             hash.update(torques);
@@ -161,12 +155,10 @@ fn still_show() -> Vec<u8> {
 fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
     let bytes = still_show();
     // An observer, as `recommended` has one, expects a rig that follows its torques: this one does not.
-    for method in METHODS.into_iter().filter(|method| *method != "recommended") {
+    for method in METHODS.into_iter().filter(|method| *method != MethodName::Recommended) {
         let mut replay = Replay::<3>::new(Show::parse(&bytes).unwrap(), method).unwrap();
-        replay.observe(0).unwrap();
-        let first = replay.control().to_vec();
-        replay.observe(1).unwrap();
-        assert_eq!(replay.control(), first, "{method}");
+        let first = replay.step(0).unwrap().to_vec();
+        assert_eq!(replay.step(1).unwrap(), first, "{}", method.as_str());
     }
 }
 
@@ -184,20 +176,19 @@ fn velocities_span_the_ticks_whose_state_was_refused() {
     };
     let run = |lost: Option<u8>| {
         let tree = show.tree::<BODIES>().unwrap();
-        let gains = Gains::critically_damped(200.0).unwrap();
-        let controller = Controller::new(tree, gains, Method::Local).unwrap();
-        let mut app = App::new(show, controller);
+        let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+        let mut tracker = Tracker::<BODIES>::new(tree, &Settings::default(), timing).unwrap();
+        let mut frames = ShowFrames::<BODIES>::new(show);
         for tick in 0..6u8 {
             let mut poses = turned(tick);
             if lost == Some(tick) {
                 poses[2].translation_m.x = f32::NAN;
             }
-            let too_few = app.observe(usize::from(tick), &poses[..2]);
-            assert_eq!(too_few, Err(StateInputError::NoSuchJoint));
-            let observed = app.observe(usize::from(tick), &poses);
-            assert_eq!(observed.is_err(), lost == Some(tick));
+            let torques = tracker.step(&mut frames, i32::from(tick), &poses);
+            assert_eq!(torques.is_err(), lost == Some(tick));
         }
-        app.control().iter().map(|torque| torque.value.moment_nm).collect::<Vec<_>>()
+        let torques = tracker.workspace().torques().iter().take(BODIES);
+        torques.map(|torque| torque.value.moment_nm).collect::<Vec<_>>()
     };
     // The last state is differenced from the one before the lost one: rounding apart, the same velocity.
     for (with, without) in run(Some(4)).iter().zip(run(None)) {
@@ -210,10 +201,10 @@ fn velocities_span_the_ticks_whose_state_was_refused() {
 /// Whatever the bytes are: an error, or a show that can be performed to its end.
 fn perform(bytes: &[u8]) {
     let Ok(show) = Show::parse(bytes) else { return };
-    let Ok(mut replay) = Replay::<3>::new(show, "linear_compensation") else { return };
-    for tick in 0..show.frame_count() {
-        if replay.observe(tick).is_ok() {
-            assert!(replay.control().iter().all(|torque| torque.value.is_finite()));
+    let Ok(mut replay) = Replay::<3>::new(show, MethodName::LinearCompensation) else { return };
+    for tick in 0..u32::try_from(show.frame_count()).unwrap() {
+        if let Ok(torques) = replay.step(tick) {
+            assert!(torques.iter().all(|torque| torque.value.is_finite()));
         }
     }
 }
@@ -252,15 +243,14 @@ proptest! {
 fn the_recommended_setting_survives_lost_ticks_and_jumps_and_refuses_what_is_too_late() {
     let bytes = show();
     let show = Show::parse(&bytes).unwrap();
-    let mut replay = Replay::<3>::new(show, "recommended").unwrap();
+    let mut replay = Replay::<3>::new(show, MethodName::Recommended).unwrap();
     for tick in [0, 1, 2, 5, 6, 0, 1, 1_000_000, 1_000_001] {
-        replay.observe(tick).unwrap();
-        let torques = replay.control();
+        let torques = replay.step(tick).unwrap();
         assert!(torques.iter().all(|torque| torque.value.is_finite()), "{tick}");
     }
-    let tree = show.tree::<3>().unwrap();
-    let late = Recommended::new(&show, &tree, 1).unwrap_err();
     // The show has 100 frames a second: a tick more is 20 ms.
-    assert_eq!(late, RecommendedError::TooLate);
+    let timing = Timing { dt_s: show.dt_s(), latency_ticks: 1 };
+    let late = timing.check_recommended().unwrap_err();
+    assert_eq!(late, TrackerError::TooLate);
     assert!(late.to_string().contains("10 ms"));
 }

@@ -1,8 +1,8 @@
-//! The square root, by the instruction that the target has for it.
+//! The square root of an `f32` in one instruction where the target has one, with the same bits everywhere.
 //!
-//! `f32::sqrt` is not in `core`, and `libm` computes it in integers on Arm, in some 50 instructions where the
-//! Cortex-M4F has one. Both round correctly, as IEEE 754 asks of a square root, so the bits are the same. A crate of
-//! its own, so that the motion core can forbid `unsafe`.
+//! `f32::sqrt` is not in `core`. `libm` computes it in integers: some 50 instructions on Arm, where the Cortex-M4F has
+//! one. Both round correctly, as IEEE 754 asks of a square root, so the bits are the same. It is a crate of its own, so
+//! that the motion core can forbid `unsafe`.
 
 #![no_std]
 
@@ -14,12 +14,12 @@
 /// ```
 #[inline]
 pub fn sqrt(x: f32) -> f32 {
-    // The target's name tells of the FPU, which stable Rust does not; nor does it know the FPU's registers by class
-    // there, so the number goes through one of the core's.
+    // The hard-float ABI implies an FPU. Stable Rust cannot name the FPU's registers as operands on these targets, so
+    // the number passes through a core register.
     #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
     {
         let mut bits = x.to_bits();
-        #[expect(unsafe_code, reason = "no safe word for the instruction on stable Rust")]
+        #[expect(unsafe_code, reason = "stable Rust has no safe function for the instruction")]
         // SAFETY: changes one register of the core, the named one of the FPU, which targets of the hard-float ABI
         // have, and flags of FPSCR, which are not said to be preserved.
         unsafe {

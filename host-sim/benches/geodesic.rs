@@ -1,10 +1,10 @@
 //! What a geodesic costs, against an optimiser that knows nothing of it: `cargo bench -p sinew-sim --bench geodesic`.
 //!
-//! Pairs of poses of the built-in clips, far apart in time and in different clips, curves of ten steps. All start from
-//! the same straight line, and all take turns on each pair, so that what slows the machine down slows all. Ours are in their own
-//! coordinates and end by their own gradient; `argmin`'s L-BFGS works on rotation vectors, with cost and gradient written here
-//! in the plainest way that is O(n), and no code in common with ours. So what all are judged by is the energy: how far it is above
-//! the least that any found for the pair.
+//! Pairs of poses of the built-in clips, far apart in time and in different clips, curves of ten steps. All start
+//! from the same straight line, and all take turns on each pair, so that what slows the machine down slows all. Ours
+//! are in their own coordinates and end by their own gradient; `argmin`'s L-BFGS works on rotation vectors, with cost
+//! and gradient written here in the plainest way that is O(n), and no code in common with ours. So what all are
+//! judged by is the energy: how far it is above the least that any found for the pair.
 
 use std::error::Error;
 use std::time::Instant;

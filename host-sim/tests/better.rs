@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use sinew_core::tracker::Differences;
 use sinew_sim::evaluate::robustness::{as_built, median, trial};
-use sinew_sim::evaluate::{DifferencesName, Errors, MethodName, Protocol, Setup, evaluate};
+use sinew_sim::evaluate::{Errors, MethodName, Protocol, Setup, evaluate};
 use sinew_sim::figure::{Dimensions, FigureMotion};
 use sinew_sim::pipeline::{self, Settings, prepare};
 use sinew_sim::plant::PlantKind;
@@ -69,7 +70,7 @@ fn aligned_differences_leave_local_a_twentieth_of_its_error() {
     let motions = fight(&Settings::default());
     let forward = of(exact(), &motions, &[MethodName::Local]);
     let mut setup = exact();
-    setup.controller.differences = DifferencesName::Aligned;
+    setup.controller.differences = Differences::Aligned;
     let aligned = of(setup, &motions, &[MethodName::Local]);
     for (forward, aligned) in forward[0][0].iter().zip(aligned[0][0]) {
         assert!(aligned <= 0.05 * forward, "{forward} {aligned}");

@@ -52,6 +52,11 @@ fn the_same_command_writes_the_same_bytes_on_any_number_of_threads() {
             assert!(names.contains(&name.as_str()), "{name} is not among {names:?}");
         }
     }
+
+    // The picture that moves is small enough for a README.
+    let moving = str::from_utf8(&once["playback.svg"]).unwrap();
+    assert!(moving.len() < 500_000, "{} bytes", moving.len());
+    assert!(moving.contains("@keyframes") && moving.matches("moment still").count() == 1);
 }
 
 #[test]

@@ -213,7 +213,7 @@ fn the_front_is_told_of_the_whole_sweep_and_of_no_shard() {
     let folder = folder.path();
     let told = succeed(folder, "out", &[]);
     let (_, fronts) = told.split_once("front of mean linear over mean angular error").unwrap();
-    // Rows are held against those of the same scale and the same limits alone: three tasks of three methods.
+    // Rows are compared with those of the same scale and the same limits alone: three tasks of three methods.
     assert_eq!(fronts.matches(" of 3 cells; dimensions.scale = ").count(), 2, "{told}");
     assert_eq!(fronts.matches(" of 3 cells; nothing else set").count(), 1, "{told}");
     assert!(succeed(folder, "shard", &["--shard", "1/2"]).find("front").is_none());

@@ -41,7 +41,7 @@ pub enum Error {
 pub struct ClipFile {
     /// The file.
     pub path: PathBuf,
-    /// The file's stem, and as much of its folders as tells it from others of that stem.
+    /// The file's stem, and as much of its folders as distinguishes it from others of that stem.
     pub name: String,
 }
 

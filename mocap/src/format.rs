@@ -62,7 +62,7 @@ pub enum Error {
         /// The file.
         file: PathBuf,
     },
-    /// Neither name nor content tells.
+    /// Neither name nor content says.
     #[error("{}: expected a motion in {NAMES}, found another kind of file", file.display())]
     Unknown {
         /// The file.
@@ -71,7 +71,7 @@ pub enum Error {
 }
 
 impl Format {
-    /// The format that the file's name tells; `None` if only its content can.
+    /// The format that the file's name says; `None` if only its content can say it.
     pub fn of_name(file: &Path) -> Option<Self> {
         let extension = file.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -103,7 +103,7 @@ impl Format {
     }
 }
 
-/// Reads the motion in `file`, whose format its name tells, or else its content.
+/// Reads the motion in `file`, in the format that its name says, or else its content.
 ///
 /// # Errors
 /// That of the format's reader; [`Error::Unknown`] or the one that says what to give instead.
@@ -115,7 +115,7 @@ pub fn read(file: &Path) -> Result<Recording, Error> {
     })
 }
 
-/// The format of a file whose name tells none.
+/// The format of a file whose name says none.
 fn of_other(file: &Path) -> Result<Format, Error> {
     let path = || file.to_path_buf();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();

@@ -29,9 +29,9 @@ pub struct Recording {
     pub skeleton: Skeleton,
     /// `frames[f][j]`: joint `j` in frame `f`; positions in the file's unit.
     pub frames: Vec<Vec<Option<JointSample>>>,
-    /// Time between frames in seconds, if the file tells.
+    /// Time between frames in seconds, if the file says.
     pub frame_time_s: Option<f64>,
-    /// Length of the file's unit in metres, if the file tells.
+    /// Length of the file's unit in metres, if the file says.
     pub metres_per_unit: Option<f64>,
 }
 

@@ -1,6 +1,6 @@
-//! Surface integrals of cylinders in f64, another way than the core's: the integral along the axis is closed, and what is
-//! left, around it, is done by the double exponential rule (Takahasi and Mori 1974), which bears what a point on the surface
-//! does to it.
+//! Surface integrals of cylinders in f64, another way than the core's: the integral along the axis is closed, and
+//! what is left, around it, is done by the double exponential rule (Takahasi and Mori 1974), which bears what a point
+//! on the surface does to it.
 
 use glam::DVec3;
 

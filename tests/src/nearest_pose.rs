@@ -123,8 +123,8 @@ impl Problem {
         self.residuals(solution).norm_squared()
     }
 
-    /// One step from a solution whose bodies are turned as they should be, no range in its way: Gauss-Newton's, with the
-    /// curvature of arms that are pulled outwards, as rows of turns that should be none; by QR.
+    /// One step from a solution whose bodies are turned as they should be, no range in its way: Gauss-Newton's, with
+    /// the curvature of arms that are pulled outwards, as rows of turns that should be none; by QR.
     ///
     /// The largest of its components, rad or m, comes with it.
     pub fn step(&self, solution: &Solution) -> (Solution, f64) {

@@ -1,4 +1,4 @@
-//! Runs of the built-in evaluation as [`sinew_firmware::parity`] makes them on any machine, and where two answers differ.
+//! Runs of the built-in evaluation as [`sinew_parity::run`] makes them on any machine, and where two answers differ.
 
 use std::fmt;
 use std::fs::File;
@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
-use sinew_firmware::parity::{METHODS, NUMBERS, QUANTITIES, perform, pose_bytes};
+use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, perform, pose_bytes, tick_bytes};
 use sinew_sim::evaluate::{MethodName, Protocol, track};
 use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
@@ -18,38 +18,46 @@ pub struct Run {
     pub clip: String,
     /// Factor on the figure's dimensions.
     pub scale: f64,
-    /// One of [`METHODS`].
-    pub method: &'static str,
+    /// The method.
+    pub method: MethodName,
     /// As a machine reads it.
     bytes: Vec<u8>,
+    /// What the evaluation's own tracker computed, as a machine answers.
+    evaluation: Vec<u8>,
     ticks: usize,
 }
 
 impl Run {
-    /// Records the evaluation's run: the clip as a show, and the joints' poses as the plant had them in each tick.
-    pub fn record(motion: &FigureMotion, scale: f64, method: &'static str) -> Self {
-        let index = METHODS.iter().position(|name| *name == method).expect("a method to compare");
-        let name = MethodName::ALL.into_iter().find(|name| name.as_str() == method);
-        let setup = Protocol::default().setup_of(scale, name.expect("a method of the evaluation"));
+    /// Makes the evaluation's run and records it: the clip as a show, the joints' poses as the tracker got them, and
+    /// every number that it computed in each tick.
+    pub fn record(motion: &FigureMotion, scale: f64, method: MethodName) -> Self {
+        let index = MethodName::ALL.iter().position(|one| *one == method);
+        let setup = Protocol::default().setup_of(scale, method);
         let model = setup.model(motion).unwrap();
-        let mut first = motion.joint_poses(0);
-        for (pose, offset_m) in first.iter_mut().zip(model.offset_m).skip(1) {
-            pose.translation_m = offset_m.as_vec3();
-        }
-        let mut measured = vec![first];
-        let ticks =
-            track(motion, &setup, None, 0, |step| measured.push(step.joint_poses())).unwrap();
-        // What the last tick led to has no tick of its own.
-        measured.truncate(ticks);
+        let (mut measured, mut evaluation) = (Vec::new(), Vec::new());
+        let ticks = track(motion, &setup, None, 0, |step| {
+            if measured.is_empty() {
+                measured.push(*step.readings[0]);
+            }
+            measured.push(*step.readings[1]);
+            let mut answer = [[0; TICK_BYTES]; BODY_COUNT];
+            evaluation.extend_from_slice(tick_bytes(step.tracker, &mut answer));
+        })
+        .unwrap();
 
         let show = show::bake(motion, &model, usize::MAX).unwrap();
         let mut bytes = Vec::new();
-        for count in [index, ticks, show.len()] {
+        for count in [index.expect("a method to compare"), ticks, show.len()] {
             bytes.extend(u32::try_from(count).unwrap().to_le_bytes());
         }
         bytes.extend(show);
         bytes.extend(measured.iter().flatten().flat_map(pose_bytes));
-        Self { clip: motion.name.clone(), scale, method, bytes, ticks }
+        Self { clip: motion.name.clone(), scale, method, bytes, evaluation, ticks }
+    }
+
+    /// What the evaluation itself computed, as a machine answers.
+    pub fn evaluation(&self) -> &[u8] {
+        &self.evaluation
     }
 
     /// Number of ticks.
@@ -57,7 +65,7 @@ impl Run {
         self.ticks
     }
 
-    /// What this very program computes: the bytes of its answer.
+    /// What this very program computes of the recorded run: the bytes of its answer.
     pub fn here(&self) -> Vec<u8> {
         let (mut run, mut answer) = (self.bytes.as_slice(), Vec::new());
         let read = |bytes: &mut [u8]| {
@@ -94,7 +102,7 @@ impl fmt::Display for Run {
     }
 }
 
-/// What runs a program of [`sinew_firmware::parity`].
+/// What runs a program of [`sinew_parity::run`].
 #[derive(Debug, Clone)]
 pub struct Machine {
     /// What to call it.

@@ -181,16 +181,22 @@ impl Numbers<'_> {
 }
 
 impl Coordinates {
+    /// The numbers that say where the joint of a body is.
+    fn position(&self, joint: JointKind) -> Vec<f32> {
+        let numbers = match joint {
+            JointKind::Spherical | JointKind::Free => {
+                [&self.rotation.to_array()[..], &self.position_m.to_array()].concat()
+            }
+            _ => self.along.to_vec(),
+        };
+        numbers[..joint.coordinate_count()].to_vec()
+    }
+
     /// State of a joint with these coordinates.
     pub fn state(&self, body: &Body) -> JointState {
-        let (q, p) = (self.rotation.to_array(), self.position_m.to_array());
-        let full = [q[0], q[1], q[2], q[3], p[0], p[1], p[2]];
-        let position = match body.joint {
-            JointKind::Spherical | JointKind::Free => &full[..body.joint.coordinate_count()],
-            joint => &self.along[..joint.coordinate_count()],
-        };
+        let position = self.position(body.joint);
         let speed = &self.speed[..body.joint.degrees_of_freedom()];
-        body.joint.state(body.placement, position, speed).expect("coordinates are valid")
+        body.joint.state(body.placement, &position, speed).expect("coordinates are valid")
     }
 
     /// Acceleration of the joint, as inverse dynamics takes it.
@@ -208,6 +214,18 @@ impl Coordinates {
 }
 
 impl Rig {
+    /// Positions, speeds and accelerations of all joints, one after the other: `q`, `qd` and `qdd`.
+    pub fn coordinates(&self) -> [Vec<f32>; 3] {
+        let mut all = [vec![], vec![], vec![]];
+        for (body, motion) in self.tree.bodies().iter().zip(&self.motions) {
+            let count = body.joint.degrees_of_freedom();
+            all[0].extend(motion.position(body.joint));
+            all[1].extend(&motion.speed[..count]);
+            all[2].extend(&motion.acceleration[..count]);
+        }
+        all
+    }
+
     /// States of the joints.
     pub fn states(&self) -> JointStates<CAPACITY> {
         let mut states = JointStates::rest(&self.tree);

@@ -23,16 +23,16 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError, compensate,
     compensate_all,
 };
+use sinew_core::tracker::{MethodName, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
     JointKind, JointState, JointStates, JointTargets, RotationalInertia, Trajectory, Transform,
     Tree, Twist, Workspace, Wrench, math,
 };
-use sinew_firmware::app::App;
-use sinew_firmware::recommended::Recommended;
-use sinew_firmware::replay::{METHODS, Replay};
+use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
+use sinew_parity::replay::{METHODS, Replay, settings};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,
@@ -343,13 +343,13 @@ proptest! {
             ObserverSettings::differences(dt_s),
             ObserverSettings::extended_state(bandwidth, dt_s),
             ObserverSettings::extended_state(0.5 / dt_s, dt_s),
-            ObserverSettings::extended_state(50.0, 0.01).and_then(|s| s.with_most(most, most)),
+            ObserverSettings::extended_state(50.0, 0.01).and_then(|s| s.with_disturbance_limits(most, most)),
         ];
         for settings in settings.into_iter().flatten() {
             let mut observer = Observer::<N, 3>::new(settings, &start, delay).expect("room for it");
             let mut targets = targets.clone();
             for (tick, poses) in measured.iter().chain([&any]).enumerate() {
-                observer.sent(&commands, &[]);
+                observer.record_commands(&commands, &[]);
                 let _ = observer.observe(&tree, &poses[..tree.len()]);
                 prop_assert!(sound_states(observer.states()), "tick {tick}");
                 prop_assert!(observer.disturbances().iter().all(|d| d.is_finite()), "tick {tick}");
@@ -503,21 +503,23 @@ proptest! {
         for method in METHODS {
             let Ok(mut replay) = Replay::<N>::new(show, method) else { continue };
             for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
-                if replay.observe(tick).is_ok() {
-                    prop_assert!(replay.control().iter().all(sound_torque), "{method} {tick}");
+                if let Ok(torques) = replay.step(tick) {
+                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
                 }
             }
         }
-        let tree = show.tree::<N>().expect("what was a tree is one");
-        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
-        let app = App::new(show, controller.clone());
-        let setting = Recommended::new(&show, &tree, 0).ok();
-        let recommended = setting.map(|setting| App::new(show, controller).with(setting));
-        for mut app in recommended.into_iter().chain([app]) {
-            for (tick, sensed) in sensed.chunks_exact(N).enumerate() {
-                // A board holds what it had when it is told that a pose is none; here it goes on.
-                let _ = app.observe(tick, &sensed[..tree.len()]);
-                prop_assert!(app.control().iter().all(sound_torque), "tick {tick}");
+        for method in MethodName::ALL {
+            let tree = show.tree::<N>().expect("what was a tree is one");
+            let (settings, timing) = (settings(method), Timing { dt_s, latency_ticks: 1 });
+            let workspace = Workspace::<N, N>::resolving();
+            let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
+            let Ok(mut tracker) = tracker else { continue };
+            let (mut frames, bodies) = (ShowFrames::<N>::new(show), show.body_count());
+            for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
+                // A refused reading has no torques.
+                if let Ok(torques) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
+                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
+                }
             }
         }
     }
@@ -599,8 +601,8 @@ fn settings_take_the_numbers_that_they_should() {
             assert!(x * x > 0.0, "{x}");
         }
         let settings = ObserverSettings::differences(0.01).expect("a period");
-        assert_eq!(settings.with_most(x, 1.0).is_ok(), finite_from_zero, "{x}");
-        assert_eq!(settings.with_most(1.0, x).is_ok(), finite_from_zero, "{x}");
+        assert_eq!(settings.with_disturbance_limits(x, 1.0).is_ok(), finite_from_zero, "{x}");
+        assert_eq!(settings.with_disturbance_limits(1.0, x).is_ok(), finite_from_zero, "{x}");
         let weighed = |weight| BodyWeights::new(&tree, &[weight; 2]).is_ok();
         assert_eq!(weighed(BodyWeight::new(1.0, x)), (0.01..=100.0).contains(&x), "{x}");
         assert_eq!(weighed(BodyWeight::new(x, 1.0)), x == 0.0 || (1e-6..=1e4).contains(&x), "{x}");
@@ -823,8 +825,8 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     }
 }
 
-/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not look
-/// as if nothing had to move.
+/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not
+/// look as if nothing had to move.
 #[test]
 fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     let mut refused = 0;

@@ -15,9 +15,9 @@ use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// What f32 may be off by, in wrenches, relative to the largest of the rig or of what its accelerations cost:
-/// that of inverse dynamics (see `dynamics.rs`). Forward dynamics takes no more: its factors are those of a rig whose inertia is off by a
-/// few roundings. The accelerations themselves may be off by that times the condition of the mass matrix,
+/// What f32 may be off by, in wrenches, relative to the largest of the rig or of what its accelerations cost: that of
+/// inverse dynamics (see `dynamics.rs`). Forward dynamics takes no more: its factors are those of a rig whose inertia
+/// is off by a few roundings. The accelerations themselves may be off by that times the condition of the mass matrix,
 /// which has no bound: 1e8 in chains of 128 bodies.
 const RELATIVE: f32 = 5e-6;
 

@@ -1,5 +1,5 @@
-//! Importance of joints: against surface integrals in f64, its own estimate from points and finer and finer meshes; and how it
-//! changes with the skeleton.
+//! Importance of joints: against surface integrals in f64, its own estimate from points and finer and finer meshes;
+//! and how it changes with the skeleton.
 
 use std::num::NonZeroU16;
 
@@ -62,7 +62,8 @@ impl Skeleton {
     }
 }
 
-/// Skeletons of 1 to `most` joints, parents first: chains, stars and anything between; some bones without length or thickness.
+/// Skeletons of 1 to `most` joints, parents first: chains, stars and anything between; some bones without length or
+/// thickness.
 fn skeletons(most: usize) -> impl Strategy<Value = Skeleton> {
     let joint = (
         any::<prop::sample::Index>(),
@@ -261,7 +262,8 @@ fn of_one(point_m: Vec3, start_m: Vec3, end_m: Vec3, radius_m: f32) -> [f32; 2] 
 
 #[test]
 fn one_cylinder_is_as_exact_as_said_from_everywhere() {
-    // All in lengths of the cylinder: where the foot is, how thick it is, how far beside it or over its surface the point.
+    // All in lengths of the cylinder: where the foot is, how thick it is, how far beside it or over its surface the
+    // point.
     let feet =
         [-100.0, -10.0, -1.0, -0.1, -0.01, -1e-4, 0.0, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.9, 1.0, 7.0];
     let radii = [1e-5, 1e-4, 1e-3, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0, 1000.0];
@@ -311,8 +313,8 @@ fn points_on_a_grid_come_to_the_cylinders() {
     }
 }
 
-/// The corners of a tube of `sides` times `rings` rectangles, and the area that each stands for if every rectangle is two
-/// triangles and a corner has a third of those around it.
+/// The corners of a tube of `sides` times `rings` rectangles, and the area that each stands for if every rectangle is
+/// two triangles and a corner has a third of those around it.
 fn tube(sides: u16, rings: u16, radius_m: f32, length_m: f32) -> Vec<(Vec3, f32)> {
     let chord_m = 2.0 * radius_m * (math::PI / f32::from(sides)).sin();
     let rectangle_m2 = chord_m * length_m / f32::from(rings);

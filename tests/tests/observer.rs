@@ -53,7 +53,7 @@ impl Plant {
     fn step(&mut self, tree: &Tree<3>, accelerations: &[Twist]) {
         for ((state, body), a) in self.states.iter_mut().zip(tree.bodies()).zip(accelerations) {
             let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
-            let a = body.joint.project_motion(in_joint, *a);
+            let a = body.joint.project_twist(in_joint, *a);
             state.velocity.angular += a.angular * DT_S;
             let linear = state.velocity.linear + a.linear * DT_S;
             state.pose.translation_m += state.pose.rotation * linear * DT_S;
@@ -116,7 +116,7 @@ fn the_state_that_a_late_command_meets_is_foreseen() {
                 assert!(pose < 2e-6, "delay {delay}, tick {tick}: {pose} rad or m");
                 assert!(velocity < 2e-4, "delay {delay}, tick {tick}: {velocity} rad/s or m/s");
             }
-            observer.sent(&wave(tick), &[]);
+            observer.record_commands(&wave(tick), &[]);
             plant.step(&tree, &acting(tick));
         }
     }
@@ -136,7 +136,7 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
     let none = [Twist::ZERO; 3];
     for _ in 0..150 {
         let acting: Vec<Twist> = disturbance.to_vec();
-        observer.sent(&none, &[]);
+        observer.record_commands(&none, &[]);
         plant.step(&tree, &acting);
         observer.observe(&tree, &plant.poses()).unwrap();
     }
@@ -182,7 +182,7 @@ fn a_universal_joint_under_load_is_followed() {
         let second = kind.motion_subspace(in_joint)[1].angular;
         let bias = kind.bias_acceleration(in_joint, state.velocity);
         let command = Twist::new(second * (-9.0 * s) + bias.angular, Vec3::ZERO);
-        observer.sent(&[command], &[]);
+        observer.record_commands(&[command], &[]);
         if tick > 500 {
             let seen = observer.states().as_slice()[0];
             let turn = seen.pose.rotation.conjugate() * state.pose.rotation;
@@ -209,7 +209,7 @@ fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {
     let mut plant = Plant { states: state.as_slice().to_vec() };
     let in_world = Vec3::new(1.0, -2.0, 0.5);
     for _ in 0..200 {
-        observer.sent(&[Twist::ZERO], &[]);
+        observer.record_commands(&[Twist::ZERO], &[]);
         plant.step(&tree, &[Twist::new(Vec3::ZERO, turned.conjugate() * in_world)]);
         observer.observe(&tree, &plant.poses()).unwrap();
     }
@@ -229,7 +229,7 @@ fn all_poles_are_at_the_bandwidth() {
         let beta = f64::from(-bandwidth * DT_S).exp();
         // So far off that the bound on disturbances would count.
         let settings = ObserverSettings::extended_state(bandwidth, DT_S).unwrap();
-        let settings = settings.with_most(1e6, 1e6).unwrap();
+        let settings = settings.with_disturbance_limits(1e6, 1e6).unwrap();
         let rest = JointStates::rest(&tree);
         let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
         // The true slide stands 0.1 m off from where the observer begins.
@@ -240,7 +240,7 @@ fn all_poles_are_at_the_bandwidth() {
         };
         let errors: Vec<f64> = (0..40)
             .map(|_| {
-                observer.sent(&[Twist::ZERO], &[]);
+                observer.record_commands(&[Twist::ZERO], &[]);
                 observer.observe(&tree, &[there]).unwrap();
                 let way = there.translation_m - observer.states().as_slice()[0].pose.translation_m;
                 f64::from(way.dot(off)) / 0.01
@@ -258,20 +258,22 @@ fn all_poles_are_at_the_bandwidth() {
 #[test]
 fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
     let tree = slide();
-    let settings =
-        ObserverSettings::extended_state(100.0, DT_S).unwrap().with_most(50.0, 4.0).unwrap();
+    let settings = ObserverSettings::extended_state(100.0, DT_S)
+        .unwrap()
+        .with_disturbance_limits(50.0, 4.0)
+        .unwrap();
     let rest = JointStates::rest(&tree);
     let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
     let stuck = [rest.as_slice()[0].pose];
     let push = Twist::new(Vec3::ZERO, Vec3::X * 30.0);
     for _ in 0..5000 {
-        observer.sent(&[push], &[]);
+        observer.record_commands(&[push], &[]);
         observer.observe(&tree, &stuck).unwrap();
         assert!(math::length(observer.disturbances()[0].linear) <= 4.0 * (1.0 + 1e-6));
     }
     // Freed and at rest, it forgets.
     for _ in 0..500 {
-        observer.sent(&[Twist::ZERO], &[]);
+        observer.record_commands(&[Twist::ZERO], &[]);
         observer.observe(&tree, &stuck).unwrap();
     }
     assert!(math::length(observer.disturbances()[0].linear) < 1e-3);
@@ -285,7 +287,7 @@ fn a_drive_at_its_limit_teaches_no_disturbance() {
     let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
     let limited = Limited { value: Wrench::ZERO, reason: Some(LimitReason::Torque) };
     for _ in 0..200 {
-        observer.sent(&[Twist::new(Vec3::ZERO, Vec3::X * 30.0)], &[limited]);
+        observer.record_commands(&[Twist::new(Vec3::ZERO, Vec3::X * 30.0)], &[limited]);
         observer.observe(&tree, &[rest.as_slice()[0].pose]).unwrap();
     }
     assert_eq!(observer.disturbances()[0], Twist::ZERO);
@@ -306,7 +308,10 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     }
     let settings = ObserverSettings::extended_state(100.0, DT_S).unwrap();
     for most in [-1.0, f32::NAN, f32::INFINITY] {
-        assert!(matches!(settings.with_most(1.0, most), Err(ObserverError::Most { .. })));
+        assert!(matches!(
+            settings.with_disturbance_limits(1.0, most),
+            Err(ObserverError::DisturbanceLimit { .. })
+        ));
     }
     let error = Observer::<3, 2>::new(settings, &good, 2).unwrap_err();
     assert_eq!(error, ObserverError::Delay { ticks: 2, most: 1 });
@@ -350,7 +355,7 @@ proptest! {
             poses[0].translation_m += way;
             poses[1].rotation = math::unit(poses[1].rotation * math::exp(ball));
             poses[2].rotation = math::unit(poses[2].rotation * math::exp(Vec3::Z * ball.x));
-            observer.sent(&wave(tick), &[]);
+            observer.record_commands(&wave(tick), &[]);
             observer.observe(&tree, &poses).unwrap();
             backward_states([&before, &poses], DT_S, &mut expected).unwrap();
             let (pose, velocity) = farthest(observer.states().as_slice(), expected.as_slice());
@@ -372,7 +377,7 @@ proptest! {
         far[0].translation_m = Vec3::splat(wild);
         let commands = [Twist::new(Vec3::splat(wild), Vec3::splat(wild)); 3];
         for _ in 0..5 {
-            observer.sent(&commands, &[]);
+            observer.record_commands(&commands, &[]);
             observer.observe(&tree, &far).unwrap();
             let finite = |state: &JointState| state.pose.is_finite() && state.velocity.is_finite();
             prop_assert!(observer.states().as_slice().iter().all(finite));

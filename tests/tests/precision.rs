@@ -18,8 +18,9 @@ const STATES: usize = 10_000;
 /// The most that a torque may be off by, of the largest of its state.
 const MOST: f64 = 1e-5;
 
-/// The same at the speeds of no machine: 64 joints that all turn one way at 20 rad/s, or slide on each other at 20 m/s, so
-/// that the outer ones go at 1000 rad/s and more. What is off by a rounding at the root then has a lever of all of them.
+/// The same at the speeds of no machine: 64 joints that all turn one way at 20 rad/s, or slide on each other at 20
+/// m/s, so that the outer ones go at 1000 rad/s and more. What is off by a rounding at the root then has a lever of
+/// all of them.
 const MOST_OF_NO_MACHINE: f64 = 2e-5;
 
 /// Numbers from -1 to 1, the same on every run (Steele, Lea & Flood's `SplitMix64`, 2014).

@@ -219,8 +219,8 @@ proptest! {
     fn with_ranges_far_off_it_settles_next_to_an_optimum(
         case in cases(MOST, Joints::Mixed, Unlike { stretch: 0.1, twist: 0.1 }, Ranged::Near(0.8)),
     ) {
-        // Joints change between the ends of their ranges for ever: undamped sweeps were at up to four times the least cost.
-        // The largest that damping left in 1200 cases was 19 % above it.
+        // Joints change between the ends of their ranges for ever: undamped sweeps were at up to four times the least
+        // cost. The largest that damping left in 1200 cases was 19 % above it.
         let problem = case.problem();
         let got = problem.nearest(&case.settled());
         let (cost, least) = (problem.cost(&got), problem.cost(&problem.solve(&got)));
@@ -334,8 +334,8 @@ fn the_longest_chains_reach_the_dense_optimum() {
     };
     let ball = |index: usize| if index == 0 { JointKind::Free } else { JointKind::Spherical };
     for case in [Box::new(longest_chain(hinges)), Box::new(longest_chain(ball))] {
-        // A turn far in moves all of the seven metres farther out, which f32 knows to a few micrometres: the pose is only
-        // good to half a milliradian, and the cost to the square of that.
+        // A turn far in moves all of the seven metres farther out, which f32 knows to a few micrometres: the pose is
+        // only good to half a milliradian, and the cost to the square of that.
         let problem = case.problem();
         let got = problem.nearest(&case.settled());
         let (cost, least) = (problem.cost(&got), problem.cost(&problem.solve(&got)));

@@ -108,7 +108,7 @@ proptest! {
         let supply_nm = share_nm(sum_nm(&wanted), share);
         let tree = star(moments.len(), JointKind::Spherical);
         let mut given = wanted.clone();
-        TorqueSupply::new(&tree, supply_nm).unwrap().share_beyond(&mut given, &carried);
+        TorqueSupply::new(&tree, supply_nm).unwrap().share_acceleration(&mut given, &carried);
         let rounding = 128.0 * f64::from(f32::EPSILON);
         prop_assert!(sum_nm(&given) <= f64::from(supply_nm) * (1.0 + rounding));
         if share > 1.001 {
@@ -159,7 +159,7 @@ proptest! {
         prop_assume!(sum_wanted > sum_carried * 1.1 + 1e-3);
         let supply_nm = share_nm(sum_carried, 1.0) + share_nm(sum_wanted - sum_carried, share);
         let mut given = wanted.clone();
-        TorqueSupply::new(&rig.tree, supply_nm).unwrap().share_beyond(&mut given, &carried);
+        TorqueSupply::new(&rig.tree, supply_nm).unwrap().share_acceleration(&mut given, &carried);
         // What the same share of all accelerations needs, the root's among them: torques are linear in them.
         for ((given, wanted), carried) in given.iter().zip(&commanded).zip(&carried) {
             let way = *wanted - *carried;
@@ -212,15 +212,15 @@ proptest! {
         prop_assert!(sum_nm(&given) <= within);
         let carried: Vec<_> = moments.iter().rev().map(|m| Wrench::new(*m, Vec3::ZERO)).collect();
         let mut given = torques(&moments);
-        supply.share_beyond(&mut given, &carried);
+        supply.share_acceleration(&mut given, &carried);
         prop_assert!(given.iter().all(|given| given.value.is_finite()));
         prop_assert!(sum_nm(&given) <= within);
     }
 }
 
 /// The lengths of the moments that make the weighted sum of squared losses least, by Karush, Kuhn and Tucker's
-/// conditions: some price of a N m, at which each joint sells what it would rather. In proportion to what it wants where a
-/// joint has no weight.
+/// conditions: some price of a N m, at which each joint sells what it would rather. In proportion to what it wants
+/// where a joint has no weight.
 fn optimum(wanted: &[Torque], supply_nm: f64, weight: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
     let at = |price: f64| -> Vec<f64> {
         let lengths = wanted.iter().map(|torque| moment(torque).length()).enumerate();
@@ -274,7 +274,7 @@ fn accelerations_are_cut_alike() {
             controller.tick(&mut targets, &measured, &[], &mut workspace);
             let before = workspace.clone();
             let mut carried = [Wrench::ZERO; CAPACITY];
-            controller.carried(&measured, &[], &mut workspace, &mut carried);
+            controller.bias_wrenches(&measured, &[], &mut workspace, &mut carried);
             prop_assert_eq!(workspace.torques(), before.torques());
             prop_assert_eq!(workspace.commands(), before.commands());
             // The torques of the same commands by a share, and of none, are on one line: dynamics is affine.

@@ -1,9 +1,10 @@
 //! The compiler for the boards: rustup's, or Debian's where rustup cannot bring the target.
 
+use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::step;
 
@@ -15,6 +16,9 @@ pub(crate) const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 /// Debian's packages that build for Arm: a compiler that needs no bootstrap, the library's source, a linker.
 pub(crate) const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "rust-web-src", "cargo-web", "lld"];
 
+/// The environment variable that chooses who builds for the boards: `rustup` or `debian`.
+pub(crate) const CHOICE: &str = "SINEW_ARM";
+
 /// Who builds for the boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Toolchain {
@@ -25,17 +29,30 @@ pub(crate) enum Toolchain {
 }
 
 impl Toolchain {
-    /// What is on this machine already that builds for a target.
-    pub(crate) fn find(target: &str) -> Option<Self> {
-        if has_target(target) {
-            return Some(Self::Rustup);
+    /// Those that may be used: both, rustup's first, or the one that [`CHOICE`] names.
+    pub(crate) fn allowed() -> Result<&'static [Self]> {
+        match env::var(CHOICE).as_deref() {
+            Err(_) => Ok(&[Self::Rustup, Self::Debian]),
+            Ok("rustup") => Ok(&[Self::Rustup]),
+            Ok("debian") => Ok(&[Self::Debian]),
+            Ok(other) => bail!("{CHOICE}={other}: it must be `rustup` or `debian`"),
         }
-        let source = step::output(Command::new("/usr/bin/rustc").args(["--print", "sysroot"]))
-            .map(|sysroot| Path::new(sysroot.trim()).join("lib/rustlib/src/rust/library"))?;
-        let has_parts = source.is_dir()
-            && step::output(Command::new("/usr/bin/cargo").arg("--version")).is_some()
-            && step::output(Command::new("ld.lld").arg("--version")).is_some();
-        has_parts.then_some(Self::Debian)
+    }
+
+    /// Whether it is on this machine and builds for a target.
+    fn builds_for(self, target: &str) -> bool {
+        match self {
+            Self::Rustup => has_target(target),
+            Self::Debian => {
+                let sysroot =
+                    step::output(Command::new("/usr/bin/rustc").args(["--print", "sysroot"]));
+                let has = |program| step::output(Command::new(program).arg("--version")).is_some();
+                sysroot.is_some_and(|sysroot| {
+                    Path::new(sysroot.trim()).join("lib/rustlib/src/rust/library").is_dir()
+                }) && has("/usr/bin/cargo")
+                    && has("ld.lld")
+            }
+        }
     }
 
     /// What to call it.
@@ -46,12 +63,7 @@ impl Toolchain {
         }
     }
 
-    /// A cargo command for an image or a check: `cargo VERB --target .. ARGUMENTS`.
-    pub(crate) fn cargo(self, verb: &str) -> Command {
-        self.cargo_for(TARGET, verb)
-    }
-
-    /// The same for another Arm target.
+    /// A cargo command for an Arm target: `cargo VERB --target ..`.
     pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Command {
         let mut command = match self {
             Self::Rustup => {
@@ -89,23 +101,15 @@ pub(crate) fn target_dir() -> PathBuf {
     step::root().join("target/arm")
 }
 
-/// Where an image comes to lie.
-pub(crate) fn image(board: &str) -> PathBuf {
-    image_for(TARGET, board)
-}
-
-/// The same of another Arm target.
-pub(crate) fn image_for(target: &str, board: &str) -> PathBuf {
-    target_dir().join(target).join("firmware").join(board)
-}
-
-/// The toolchain, or what to do.
+/// The toolchain for boards, or what to do.
 pub(crate) fn toolchain() -> Result<Toolchain> {
     toolchain_for(TARGET)
 }
 
-/// The same for another Arm target.
+/// The same for an Arm target.
 pub(crate) fn toolchain_for(target: &str) -> Result<Toolchain> {
-    Toolchain::find(target)
+    let found = Toolchain::allowed()?.iter().find(|toolchain| toolchain.builds_for(target));
+    found
+        .copied()
         .with_context(|| format!("there is no compiler for {target} yet: run `cargo xtask setup`"))
 }

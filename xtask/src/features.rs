@@ -14,6 +14,7 @@ pub(crate) fn run() -> Result<()> {
         clippy(&format!("clippy of the core with {features}"), "sinew-core", features)?;
     }
     clippy("clippy of the firmware's library with defmt", "sinew-firmware", "defmt")?;
+    clippy("clippy of the servos' stand-in with defmt", "sinew-parity", "defmt")?;
     step::run(
         "tests of the core with serde",
         step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
@@ -27,6 +28,10 @@ pub(crate) fn run() -> Result<()> {
     // What needs `std` does not build for a board.
     step::run(
         "the core with all features, for Arm",
-        arm::toolchain()?.cargo("check").args(["--package", "sinew-core", "--all-features"]),
+        arm::toolchain()?.cargo_for(arm::TARGET, "check").args([
+            "--package",
+            "sinew-core",
+            "--all-features",
+        ]),
     )
 }

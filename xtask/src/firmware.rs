@@ -5,20 +5,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use sinew_firmware::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
+use sinew_image::{BOARDS, Board, EMULATED};
+use sinew_parity::replay::{METHODS, Replay, TorqueHash};
 
 use crate::budget::{self, Figures, Place, field, number};
+use crate::image::Image;
 use crate::{arm, step};
 
-/// Bodies of the figure, as the images have it.
-const CAPACITY: usize = 18;
-
-/// The image that QEMU runs.
-const QEMU_BOARD: &str = "mps2_an386";
-
-/// An image and how long a show fits its flash.
-const IMAGES: [(&str, &str); 2] = [(QEMU_BOARD, "21"), ("nucleo_f446re", "10")];
+/// Bodies that this program holds: as many as any board. The bits do not depend on it.
+const CAPACITY: usize = 64;
 
 /// Instructions of ticks over the whole show of the image for QEMU.
 const SECTION: &str = "show_instructions";
@@ -26,37 +22,44 @@ const SECTION: &str = "show_instructions";
 /// Builds the images, with a show of the caller's in place of ours, and says what they take.
 pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
     let given = given.map(checked).transpose()?;
-    let show_of = |board: &str| given.clone().unwrap_or_else(|| baked(board));
+    let show_of = |board: Board| given.clone().unwrap_or_else(|| baked(board));
     if given.is_none() {
         bake()?;
     }
     build(show_of)?;
 
     let mut figures = Figures::default();
-    for (board, _) in IMAGES {
+    for &board in BOARDS {
         let show_bytes = fs::metadata(show_of(board))?.len();
-        figures.extend(budget::size(board, &arm::image(board), show_bytes)?);
+        figures.extend(budget::size(board.name, &Image::of(board).path(), show_bytes)?);
     }
-    let board = qemu()?;
-    for run in &board {
-        for (column, instructions) in &run.instructions {
-            figures.add(Place::new(SECTION, &run.method, column), *instructions);
+    for &board in BOARDS.iter().filter(|board| board.qemu_machine.is_some()) {
+        let runs = emulated(board)?;
+        compare(board, &runs, &host(&show_of(board))?)?;
+        // One board's are enough: the instructions are those of the processor.
+        for run in runs.iter().filter(|_| board == EMULATED) {
+            for (column, instructions) in &run.instructions {
+                figures.add(Place::new(SECTION, &run.method, column), *instructions);
+            }
         }
     }
+    Ok(figures)
+}
 
-    let host = host(&show_of(QEMU_BOARD))?;
+/// Prints the hashes of a board's runs beside the host's, and fails if they differ.
+fn compare(board: Board, runs: &[Run], host: &[u64]) -> Result<()> {
+    let name = board.name;
     let mut rows =
         vec![["method", "ticks", "hash, QEMU", "hash, host"].map(str::to_owned).to_vec()];
-    for (on_board, on_host) in board.iter().zip(&host) {
-        let Run { method, ticks, hash, .. } = on_board;
+    for (Run { method, ticks, hash, .. }, on_host) in runs.iter().zip(host) {
         rows.push(vec![method.clone(), ticks.clone(), hash.clone(), format!("{on_host:016x}")]);
     }
     println!("\n{}", budget::aligned(&rows));
-    let equal = board.len() == host.len()
-        && board.iter().zip(&host).all(|(board, host)| board.hash == format!("{host:016x}"));
-    ensure!(equal, "the board and the host compute different torques");
-    println!("QEMU and the host give the same bits.\n");
-    Ok(figures)
+    let equal = runs.len() == host.len()
+        && runs.iter().zip(host).all(|(run, host)| run.hash == format!("{host:016x}"));
+    ensure!(equal, "{name} and the host compute different torques");
+    println!("{name} in QEMU and the host give the same bits.\n");
+    Ok(())
 }
 
 /// The same, and prints what the images take.
@@ -99,74 +102,51 @@ fn bake() -> Result<()> {
     )?;
     let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));
     let simulator = simulator.to_str().context("the target folder's name is not UTF-8")?;
-    for (board, seconds) in IMAGES {
+    for &board in BOARDS {
         let show = baked(board);
         fs::create_dir_all(show.parent().context("the show has a folder")?)?;
         step::run(
-            &format!("bake the show of {board}"),
+            &format!("bake the show of {}", board.name),
             step::command(simulator)
                 .args(["bake", "--clip", "kicks_01", "--scale", "1.1"])
-                .args(["--seconds", seconds, "--out"])
+                .args(["--seconds", &board.show_s.to_string(), "--out"])
                 .arg(&show),
         )?;
     }
     Ok(())
 }
 
-/// Builds both images, each with its show.
-fn build(show_of: impl Fn(&str) -> PathBuf) -> Result<()> {
-    let toolchain = arm::toolchain()?;
-    for (board, _) in IMAGES {
+/// Builds all images, each with its show.
+fn build(show_of: impl Fn(Board) -> PathBuf) -> Result<()> {
+    let toolchain = arm::toolchain()?.name();
+    for &board in BOARDS {
         step::run(
-            &format!("build {board} with {}", toolchain.name()),
-            toolchain
-                .cargo("build")
-                .args(["--package", "sinew-firmware", "--profile", "firmware"])
-                .args(["--features", board, "--bin", board])
-                .env("SINEW_SHOW", show_of(board)),
+            &format!("build {} with {toolchain}", board.name),
+            Image::of(board).cargo("build")?.env("SINEW_SHOW", show_of(board)),
         )?;
     }
     Ok(())
 }
 
-/// Lints the images as the host's crates are.
-pub(crate) fn lint() -> Result<()> {
-    let toolchain = arm::toolchain()?;
-    if toolchain == arm::Toolchain::Debian {
-        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
-        return Ok(());
-    }
-    for (board, _) in IMAGES {
-        step::run(
-            &format!("clippy of {board}"),
-            toolchain
-                .cargo("clippy")
-                .args(["--package", "sinew-firmware", "--profile", "firmware"])
-                .args(["--features", board, "--bin", board, "--", "--deny", "warnings"])
-                .env("SINEW_SHOW", baked(board)),
-        )?;
-    }
-    budget::lint()
-}
-
 /// Where the show that is baked for a board lies.
-fn baked(board: &str) -> PathBuf {
-    step::root().join("target/shows").join(board).with_extension("snws")
+pub(crate) fn baked(board: Board) -> PathBuf {
+    step::root().join("target/shows").join(board.name).with_extension("snws")
 }
 
 /// What the board said of one method.
 struct Run {
     method: String,
     ticks: String,
-    /// By part of the tick.
+    /// On average, and the most of a tick.
     instructions: Vec<(&'static str, u64)>,
     hash: String,
 }
 
-fn qemu() -> Result<Vec<Run>> {
+/// Runs a board's image in QEMU.
+fn emulated(board: Board) -> Result<Vec<Run>> {
     let folder = step::root().join("target/qemu");
     fs::create_dir_all(&folder)?;
-    let output = budget::qemu(&arm::image(QEMU_BOARD), &["-icount", "shift=0"])
+    let output = budget::qemu(board, &Image::of(board).path(), &["-icount", "shift=0"])?
         .current_dir(&folder)
         .output()
         .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
@@ -176,17 +156,11 @@ fn qemu() -> Result<Vec<Run>> {
     }
     text.lines()
         .map(|line| {
-            let (observe, control) = (number(line, "observe")?, number(line, "control")?);
-            let worst = number(line, "worst")?;
+            let (tick, worst) = (number(line, "tick")?, number(line, "worst")?);
             Ok(Run {
                 method: field(line, "method")?.to_owned(),
                 ticks: field(line, "ticks")?.to_owned(),
-                instructions: vec![
-                    ("observe", observe),
-                    ("control", control),
-                    ("tick", observe + control),
-                    ("worst_tick", worst),
-                ],
+                instructions: vec![("tick", tick), ("worst_tick", worst)],
                 hash: field(line, "hash")?.to_owned(),
             })
         })
@@ -199,12 +173,11 @@ fn host(show: &Path) -> Result<Vec<u64>> {
     let show = Show::parse(&bytes)?;
     METHODS
         .into_iter()
-        .map(|name| {
-            let mut replay = Replay::<CAPACITY>::new(show, name)?;
+        .map(|method| {
+            let mut replay = Replay::<CAPACITY>::new(show, method)?;
             let mut hash = TorqueHash::default();
-            for tick in 0..show.frame_count() {
-                replay.observe(tick)?;
-                hash.update(replay.control());
+            for tick in 0..u32::try_from(show.frame_count())? {
+                hash.update(replay.step(tick)?);
             }
             Ok(hash.value())
         })

@@ -3,9 +3,12 @@
 mod arm;
 mod audit;
 mod budget;
+mod docs;
 mod elf;
 mod features;
 mod firmware;
+mod image;
+mod package;
 mod parity;
 mod semver;
 mod setup;
@@ -16,6 +19,8 @@ use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 
+use anyhow::Result;
+
 const HELP: &str = "\
 Developer commands of Sinew
 
@@ -23,9 +28,8 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
-  test      Sets up, then runs all checks and tests; with SINEW_DATA set, those on real mocap too
-  firmware  Builds the boards' images, runs one in QEMU, and compares its torques with the host's. With SINEW_SHOW set,
-            that show is performed
+  test      Sets up, then runs all checks and tests
+  firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
             --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
@@ -34,36 +38,53 @@ Commands:
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
             multiply-add, formatting, allocation, recursion and indirect calls; --self-test: whether it finds them
+  docs      Checks links and commands of the documentation, and builds the book from docs/
   help      Prints this
+
+Environment:
+  SINEW_ARM   The compiler for boards: `rustup` or `debian`. Default: rustup's, if it has the target
+  SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
+  SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let command: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let result = match command.as_slice() {
-        [] | ["help" | "--help" | "-h"] => {
-            print!("{HELP}");
-            Ok(())
-        }
-        ["setup"] => setup::run(),
-        ["budget"] => budget::run(false),
-        ["budget", "--accept"] => budget::run(true),
-        ["test"] => test::run(),
-        ["parity"] => parity::run(),
-        ["semver", revision] => semver::run(revision),
-        ["audit"] => audit::run(),
-        ["audit", "--self-test"] => audit::self_test(),
-        ["firmware"] => firmware::show(env::var_os("SINEW_SHOW").as_deref().map(Path::new)),
-        other => {
-            eprint!("error: unknown command `{}`\n\n{HELP}", other.join(" "));
-            return ExitCode::from(2);
-        }
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let Some(action) = action(&words) else {
+        eprint!("error: unknown command `{}`\n\n{HELP}", words.join(" "));
+        return ExitCode::from(2);
     };
-    match result {
+    match action() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// What a command line asks for, if it is one.
+fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
+    Some(match words {
+        [] | ["help" | "--help" | "-h"] => Box::new(|| {
+            print!("{HELP}");
+            Ok(())
+        }),
+        ["setup"] => Box::new(setup::run),
+        ["budget"] => Box::new(|| budget::run(false)),
+        ["budget", "--accept"] => Box::new(|| budget::run(true)),
+        ["test"] => Box::new(test::run),
+        ["parity"] => Box::new(parity::run),
+        ["semver", revision] => {
+            let revision = (*revision).to_owned();
+            Box::new(move || semver::run(&revision))
+        }
+        ["audit"] => Box::new(audit::run),
+        ["audit", "--self-test"] => Box::new(audit::self_test),
+        ["docs"] => Box::new(docs::run),
+        ["firmware"] => {
+            Box::new(|| firmware::show(env::var_os("SINEW_SHOW").as_deref().map(Path::new)))
+        }
+        _ => return None,
+    })
 }

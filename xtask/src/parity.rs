@@ -5,6 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
+use crate::image::Image;
 use crate::{arm, step};
 
 /// 32-bit x86 with a C library of its own, where this machine can run it: it needs no linker but Rust's.
@@ -14,9 +15,8 @@ pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", targ
     None
 };
 
-/// The image for emulated boards, and the program for hosts.
-const IMAGE: &str = "parity";
-const PROGRAM: &str = "parity_host";
+/// The program for emulated boards; hosts' is of the same name.
+pub(crate) const IMAGE: Image = Image { package: "sinew-parity", name: "parity", feature: None };
 
 /// Where `tests/tests/parity.rs` finds a machine's program; empty for one that cannot be built here.
 pub(crate) type Variable = (&'static str, PathBuf);
@@ -42,15 +42,9 @@ pub(crate) fn build() -> Result<Vec<Variable>> {
     for (variable, target) in
         [("SINEW_PARITY_M4F", arm::TARGET), ("SINEW_PARITY_M4", arm::SOFT_FLOAT)]
     {
-        let mut cargo = arm::toolchain_for(target)?.cargo_for(target, "build");
-        cargo.args(["--package", "sinew-firmware", "--profile", "firmware"]).args([
-            "--features",
-            IMAGE,
-            "--bin",
-            IMAGE,
-        ]);
-        step::run(&format!("build {IMAGE} for {target}"), &mut cargo)?;
-        programs.push((variable, arm::image_for(target, IMAGE)));
+        let title = format!("build {} for {target}", IMAGE.name);
+        step::run(&title, &mut IMAGE.cargo_for(target, "build")?)?;
+        programs.push((variable, IMAGE.path_for(target)));
     }
     programs.push(("SINEW_PARITY_RELEASE", host(None)?));
     let x86_32 = X86_32.filter(|target| arm::has_target(target));
@@ -62,35 +56,20 @@ pub(crate) fn build() -> Result<Vec<Variable>> {
     Ok(programs)
 }
 
-/// Lints the image for emulated boards; the hosts' program is linted with the workspace.
-pub(crate) fn lint() -> Result<()> {
-    let toolchain = arm::toolchain()?;
-    if toolchain == arm::Toolchain::Debian {
-        return Ok(());
-    }
-    step::run(
-        &format!("clippy of {IMAGE}"),
-        toolchain
-            .cargo("clippy")
-            .args(["--package", "sinew-firmware", "--profile", "firmware"])
-            .args(["--features", IMAGE, "--bin", IMAGE, "--", "--deny", "warnings"]),
-    )
-}
-
 /// The release program for this machine, or for a target that it can run.
 fn host(target: Option<&str>) -> Result<PathBuf> {
     let mut folder = step::root().join("target");
     let mut cargo = step::cargo();
-    cargo.args(["build", "--locked", "--release", "--package", "sinew-firmware", "--bin", PROGRAM]);
+    let Image { package, name, .. } = IMAGE;
+    cargo.args(["build", "--locked", "--release", "--package", package, "--bin", name]);
     cargo.arg("--target-dir").arg(&folder);
     if let Some(target) = target {
         folder.push(target);
         cargo.args(["--target", target]);
-        let name = target.replace('-', "_").to_uppercase();
-        cargo.env(format!("CARGO_TARGET_{name}_LINKER"), "rust-lld");
+        let target = target.replace('-', "_").to_uppercase();
+        cargo.env(format!("CARGO_TARGET_{target}_LINKER"), "rust-lld");
     }
-    step::run(&format!("build {PROGRAM} for {}", target.unwrap_or("this host")), &mut cargo)?;
-    let program =
-        folder.join("release").join(PROGRAM).with_extension(std::env::consts::EXE_EXTENSION);
+    step::run(&format!("build {name} for {}", target.unwrap_or("this host")), &mut cargo)?;
+    let program = folder.join("release").join(name).with_extension(std::env::consts::EXE_EXTENSION);
     program.canonicalize().with_context(|| format!("{}", program.display()))
 }

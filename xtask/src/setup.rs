@@ -4,12 +4,14 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::arm::{DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
+use crate::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
 use crate::parity::X86_32;
 use crate::step;
 
 pub(crate) fn run() -> Result<()> {
     eprintln!("== set-up");
+    // A wrong choice of compilers ends here, before anything is installed.
+    Toolchain::allowed()?;
     for (component, tool) in [("rustfmt", "fmt"), ("clippy", "clippy")] {
         let found = || step::output(step::cargo().args([tool, "--version"])).is_some();
         need(component, found, || {
@@ -17,13 +19,11 @@ pub(crate) fn run() -> Result<()> {
         })?;
     }
     for target in [TARGET, SOFT_FLOAT] {
-        let arm = || Toolchain::find(target).is_some();
+        let arm = || arm::toolchain_for(target).is_ok();
         // Where rustup cannot reach its server, Debian's compiler does as well.
         need(target, arm, || (add_target(target) && arm()) || apt_install(&DEBIAN_PACKAGES))?;
     }
-    if let Some(toolchain) = Toolchain::find(TARGET) {
-        eprintln!("   boards are built with {}", toolchain.name());
-    }
+    eprintln!("   boards are built with {}", arm::toolchain()?.name());
     if let Some(target) = X86_32
         && !(has_target(target) || add_target(target))
     {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{audit, budget, features, firmware, parity, setup, step};
+use crate::{audit, budget, docs, features, image, package, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -13,21 +13,21 @@ pub(crate) fn run() -> Result<()> {
         step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
     )?;
     features::run()?;
+    package::run()?;
     step::run(
         "documentation",
         step::cargo()
-            // With the examples it shares with clippy what is checked of the dependencies.
+            // Examples let it share with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
+    docs::run()?;
 
     budget::run(false)?;
-    firmware::lint()?;
-    audit::lint()?;
+    image::lint()?;
     audit::self_test()?;
     audit::run()?;
-    parity::lint()?;
     let machines = parity::build()?;
     let mut tests = step::cargo();
     tests

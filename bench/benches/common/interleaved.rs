@@ -5,7 +5,8 @@ use std::time::Instant;
 /// Median time of one call of each of `runs`, and of each against the first one, in ns and as ratios.
 ///
 /// All take turns, a batch of calls each, and another one begins every round: what slows the machine down for longer
-/// than a round slows all of them, and what interrupts one batch is no median. Ratios are medians of those of the rounds.
+/// than a round slows all of them, and what interrupts one batch is no median. Ratios are medians of those of the
+/// rounds.
 pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Median> {
     let batches: Vec<u32> = runs.iter_mut().map(|run| batch(run)).collect();
     let mut times_ns = vec![Vec::with_capacity(rounds); runs.len()];

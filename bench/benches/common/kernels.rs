@@ -16,13 +16,13 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
+use sinew_core::tracker::{ROTATION_M, Settings, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Transform,
     Tree, Twist, Workspace, Wrench, kinematics,
 };
-use sinew_firmware::app::App;
-use sinew_firmware::recommended::{ROTATION_M, Recommended};
+use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
 
 /// Numbers of bodies.
@@ -212,7 +212,7 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec
         }),
         kernel("backward_differences", move || {
             let now = of_measured.next().unwrap_or_default();
-            done(measured.follow(black_box(&performance[now]), DT_S));
+            done(measured.update_poses(black_box(&performance[now]), DT_S));
         }),
     ]
 }
@@ -293,14 +293,14 @@ fn ticks<const N: usize>(
     })?;
     // An application borrows its show from flash, for ever.
     let show = Show::parse(bytes.leak())?;
-    let controller = Controller::new(tree.clone(), gains.implicit(DT_S)?, Method::World)?;
-    let mut app = App::new(show, controller).with(Recommended::new(&show, tree, 0)?);
-    let frames = frames.to_vec();
+    let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
+    let mut tracker = Tracker::<N, 8>::new(tree.clone(), &Settings::recommended(), timing)?;
+    let (mut performance, frames) = (ShowFrames::<N>::new(show), frames.to_vec());
     let mut index = (0..FRAMES - LAG_FRAMES).cycle();
     kernels.push(kernel("tick_recommended", move || {
         let now = index.next().unwrap_or_default();
-        done(app.observe(now, black_box(&frames[now])));
-        black_box(app.control());
+        let tick = i32::try_from(now).unwrap_or_default();
+        done(tracker.step(&mut performance, tick, black_box(&frames[now])));
     }));
     Ok(kernels)
 }

@@ -6,8 +6,9 @@ use heapless::Vec;
 use super::spatial_inertia::SpatialInertia;
 use crate::fixed;
 use crate::inertia::RotationalInertia;
+use crate::joint_states::JointStates;
 use crate::matrix::outer;
-use crate::state::{JointState, JointStates};
+use crate::state::JointState;
 use crate::transform::{Twist, Wrench};
 use crate::tree::Tree;
 
@@ -52,7 +53,7 @@ pub struct ReflectedInertia {
     /// Moment per angular acceleration, about the joint, body axes.
     pub angular_kg_m2: RotationalInertia,
     /// Force per linear acceleration, the mean of the ways that the joint slides.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear_kg: f32,
 }
 

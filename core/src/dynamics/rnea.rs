@@ -29,9 +29,9 @@ pub struct BodyMotion {
 /// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
 ///   tree, or empty.
 /// - `scratch`: contents do not matter.
-/// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to
-///   deliver its part along the motion subspace; the power of joint i is `out[i] · velocity[i]`. Wrenches, or what holds
-///   one, such as [`Limited`](crate::control::Limited).
+/// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to deliver its
+///   part along the motion subspace; the power of joint i is `out[i] · velocity[i]`. Wrenches, or what holds one,
+///   such as [`Limited`](crate::control::Limited).
 ///
 /// If a slice is shorter than the tree, the bodies beyond it are left out.
 ///
@@ -87,7 +87,8 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         let Some(slot) = scratch.get_mut(index) else { return };
         *slot = motion;
     }
-    // The wrench that each body needs by itself. Apart: in one loop with the above, x86 compilers shuffle more than they compute.
+    // The wrench that each body needs by itself. Apart: in one loop with the above, x86 compilers shuffle more than
+    // they compute.
     for (index, (body, motion)) in bodies.iter().zip(scratch.iter()).enumerate() {
         let Some(out_slot) = out.get_mut(index) else { return };
         let mut needed = newton_euler(body, motion);
@@ -112,7 +113,7 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     }
 }
 
-/// Twist of a body from its parent's and its joint's.
+/// Motion of a body from its parent's and its joint's.
 #[inline]
 fn outward(
     parent: &BodyMotion,

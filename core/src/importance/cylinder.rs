@@ -2,19 +2,20 @@
 
 use glam::Vec3;
 
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ by the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral surfaces of all bones
-/// below the joint, each a round cylinder from a parent to its child, without caps.
+/// Weights in m³ by the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral surfaces of all
+/// bones below the joint, each a round cylinder from a parent to its child, without caps.
 ///
 /// `radii_m`: of the cylinder that ends at a joint; the root's is not used. A bone without length or thickness counts
-/// nothing. Each integral is within 2e-7 of its exact value by the rule, and within 1e-6 with f32's rounding; lengths below
-/// 1e-18 m are none. O(n · depth), some 1,500 instructions for each bone and ancestor.
+/// nothing. Each integral is within 2e-7 of its exact value by the rule, and within 1e-6 with f32's rounding; lengths
+/// below 1e-18 m are none. O(n · depth), some 1,500 instructions for each bone and ancestor.
 ///
-/// The article's printed code makes points at random, as [`cylinder_samples`](super::cylinder_samples) does, and has half
-/// the bone's length in the area that they stand for, which halves each surface against the base. Here surfaces are whole.
+/// The article's printed code makes points at random, as [`cylinder_samples`](super::cylinder_samples) does, and has
+/// half the bone's length in the area that they stand for, which halves each surface against the base. Here surfaces
+/// are whole.
 ///
 /// # Errors
 /// [`ImportanceError`] if there is not a radius for each joint, one is negative or not finite, the base is, or a weight
@@ -90,8 +91,8 @@ impl Cylinder {
     /// Mean distance of the surface from a point.
     ///
     /// The mean over the circle at one place of the axis is known ([`mean_distance_of_circle_m`]). Along the axis it
-    /// changes fastest next to the point's foot on it, over a length that may be anything down to nothing. So the axis is cut
-    /// there, and what is left on either side gets a rule with its nodes close together at that end.
+    /// changes fastest next to the point's foot on it, over a length that may be anything down to nothing. So the
+    /// axis is cut there, and what is left on either side gets a rule with its nodes close together at that end.
     fn mean_distance_m(&self, point_m: Vec3) -> f32 {
         let from_start_m = point_m - self.start_m;
         let foot_m = from_start_m.dot(self.axis);
@@ -115,14 +116,15 @@ impl Cylinder {
     }
 }
 
-/// Below, f32 has not the digits for a length's square.
+/// The shortest length, m: below, its square has too few digits in f32.
 const SHORTEST_M: f32 = 1e-18;
 
 /// Nodes and weights on [0, 1]: the Gauss-Legendre rule of twelve points in u, for x = u³.
 ///
-/// Its worst error was sought over a grid of all geometries (feet from a hundred lengths away to the middle, points on the axis,
-/// on the surface and far from it, radii from 1e-4 to 100 lengths), against a composite rule of 1,220 points: 1.6e-7 of the
-/// mean, for points on the axis of a cylinder 30 times as long as thick. Without the cube it is 1.2e-5.
+/// Its worst error was sought over a grid of all geometries (feet from a hundred lengths away to the middle, points
+/// on the axis, on the surface and far from it, radii from 1e-4 to 100 lengths), against a composite rule of 1,220
+/// points: 1.6e-7 of the mean, for points on the axis of a cylinder 30 times as long as thick. Without the cube it is
+/// 1.2e-5.
 const RULE: [[f32; 2]; 12] = [
     [7.836_966e-7, 6.015_036e-6],
     [0.000_110_187_255, 0.000_368_680_02],
@@ -152,7 +154,8 @@ fn mean_distance_of_circle_m(along_m: f32, beside_m: f32, radius_m: f32) -> f32 
 
 /// The complete elliptic integral of the second kind of the parameter `1 - y`, to 1e-7, for `y` in [0, 1].
 ///
-/// Its form has the logarithm that E has at `y = 0` (Hastings 1955; Abramowitz and Stegun, 17.3.36, off by less than 2e-8).
+/// Its form has the logarithm that E has at `y = 0` (Hastings 1955; Abramowitz and Stegun, 17.3.36, off by less than
+/// 2e-8).
 fn elliptic_e(y: f32) -> f32 {
     let regular =
         1.0 + y * (0.443_251_4 + y * (0.062_606_01 + y * (0.047_573_84 + y * 0.017_365_065)));

@@ -4,16 +4,16 @@ use core::fmt;
 
 use glam::Vec3;
 
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ by the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`, vertex by vertex, so that
-/// no mesh need fit in memory. A vertex' share is what it is bound to the joint and all below it, of all that it is
-/// bound to.
+/// Weights in m³ by the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`, vertex by vertex, so
+/// that no mesh need fit in memory. A vertex' share is what it is bound to the joint and all below it, of all that it
+/// is bound to.
 ///
-/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area is a third of that of the triangles it
-/// belongs to, so that the areas sum to the surface. (The numbers that the article publishes come out if it is
+/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area is a third of that of the triangles
+/// it belongs to, so that the areas sum to the surface. (The numbers that the article publishes come out if it is
 /// their mean instead, which is about half of that on its mesh; its base counts that much more.)
 ///
 /// ```
@@ -45,8 +45,8 @@ impl<const N: usize> MeshSurface<N> {
         Ok(Self { rest_pose, weights })
     }
 
-    /// Adds a vertex: its position in the axes of the rest pose in m, the area in m² that it stands for, and the joints that it is
-    /// bound to with their skinning weights. O(influences · depth).
+    /// Adds a vertex: its position in the axes of the rest pose in m, the area in m² that it stands for, and the
+    /// joints that it is bound to with their skinning weights. O(influences · depth).
     ///
     /// Skinning weights are taken as shares of their sum, so those that were quantised or cut off need not be mended. A
     /// vertex of no triangle has an area of zero and counts nothing.

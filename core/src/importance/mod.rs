@@ -28,6 +28,7 @@ mod mesh;
 mod rest_pose;
 mod samples;
 mod sum;
+mod weights;
 
 use core::fmt;
 

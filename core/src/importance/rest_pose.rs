@@ -10,7 +10,8 @@ use crate::fixed;
 use crate::transform::Transform;
 use crate::tree::Tree;
 
-/// A skeleton of 1 to `N` joints (`N` up to 128) at rest: a tree in any order, and where its joints are. Validated once.
+/// A skeleton of 1 to `N` joints (`N` up to 128) at rest: a tree in any order, and where its joints are. Validated
+/// once.
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{RestPose, RestPoseError}};
@@ -95,12 +96,12 @@ impl<const N: usize> RestPose<N> {
         self.parents.len()
     }
 
-    /// The parent of a joint; `None` for the root and for what is no joint.
+    /// The parent of a joint; `None` for the root, and if there is no such joint.
     pub fn parent(&self, joint: usize) -> Option<usize> {
         self.parents.get(joint).copied().flatten()
     }
 
-    /// Position of a joint in world axes in m; the origin for what is no joint.
+    /// Position of a joint in world axes in m; the origin if there is no such joint.
     pub fn position_m(&self, joint: usize) -> Vec3 {
         self.positions_m.get(joint).copied().unwrap_or_default()
     }

@@ -5,17 +5,17 @@ use core::num::NonZeroU16;
 use glam::Vec3;
 
 use super::cylinder::Cylinder;
-use super::sum::Weights;
+use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ as [`cylinder_surface`](super::cylinder_surface) gives them, estimated from points on the surfaces, as in
-/// the article: each stands for the same part of its bone's surface.
+/// Weights in m³ as [`cylinder_surface`](super::cylinder_surface) gives them, estimated from points on the surfaces,
+/// as in the article: each stands for the same part of its bone's surface.
 ///
-/// `samples`: `(u, v)` in [0, 1), as many as points for each bone of some length and thickness, in the order of the joints
-/// that the bones end at. The point is `[r cos 2πv, r sin 2πv, L (u - 1/2)]` from the middle of a bone along +z, turned
-/// by the shortest rotation to the bone's direction (along -z: half a turn about x). With 1,000 [`SurfaceSamples`] the
-/// weights are off by about 1 %. O(points · n · depth).
+/// `samples`: `(u, v)` in [0, 1), as many as points for each bone of some length and thickness, in the order of the
+/// joints that the bones end at. The point is `[r cos 2πv, r sin 2πv, L (u - 1/2)]` from the middle of a bone along
+/// +z, turned by the shortest rotation to the bone's direction (along -z: half a turn about x). With 1,000
+/// [`SurfaceSamples`] the weights are off by about 1 %. O(points · n · depth).
 ///
 /// # Errors
 /// As [`cylinder_surface`](super::cylinder_surface), and if a sample is not in [0, 1) or there are too few of them.

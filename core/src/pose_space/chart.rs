@@ -12,8 +12,8 @@ use crate::tree::Body;
 /// What a joint's kind leaves free, in the joint frame: numbers that a straight line can be drawn through.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointCoordinates {
-    /// Rotation vector (spherical, free), axis times angle (revolute), first axis times first angle and second axis times second
-    /// angle (universal), rad.
+    /// Rotation vector (spherical, free), axis times angle (revolute), first axis times first angle and second axis
+    /// times second angle (universal), rad.
     pub angular_rad: Vec3,
     /// Axis times way (prismatic), position (free), m.
     pub linear_m: Vec3,
@@ -89,8 +89,8 @@ fn rotation(kind: JointKind, angular_rad: Vec3) -> Quat {
     }
 }
 
-/// The straight way from one pose of a joint to another in coordinates, the shortest of those between their several names: where it
-/// starts, and how far it goes.
+/// The straight way from one pose of a joint to another in coordinates, the shortest of those between their several
+/// names: where it starts, and how far it goes.
 pub(super) fn way(
     kind: JointKind,
     from: &JointCoordinates,
@@ -125,8 +125,8 @@ fn nearer_angle(angle_rad: f32) -> f32 {
     }
 }
 
-/// Start and step of the shortest way between two rotations by their vectors. Every rotation has another vector, the other way round:
-/// it is taken of one of them where that is nearer.
+/// Start and step of the shortest way between two rotations by their vectors. Every rotation has another vector, the
+/// other way round: it is taken of one of them where that is nearer.
 fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     let direct = to_rad - from_rad;
     let (from_squared, to_squared) = (from_rad.dot(from_rad), to_rad.dot(to_rad));

@@ -8,7 +8,8 @@ use crate::math;
 use crate::transform::{Transform, Twist};
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Energy of a curve through poses, eq. (6): the sum of the squared distances from each to the next, m². O(n) for each.
+    /// Energy of a curve through poses, eq. (6): the sum of the squared distances from each to the next, m². O(n) for
+    /// each.
     ///
     /// The integral that it stands for, eq. (5), is as many times that as there are steps.
     pub fn curve_energy(&self, points: &[BodyPoses<N>]) -> f32 {
@@ -27,7 +28,8 @@ impl<const N: usize> PoseSpace<'_, N> {
     /// Gradient of a curve's energy with respect to motions of one of its inner poses, joint by joint, in body axes:
     /// `2 Jᵀ W (2 F - F₋ - F₊)`. O(n).
     ///
-    /// Eq. (7) of the paper has `2 (F₋ - F₊)` there, which is not the derivative of eq. (6): it disagrees with finite differences.
+    /// Eq. (7) of the paper has `2 (F₋ - F₊)` there, which is not the derivative of eq. (6): it disagrees with finite
+    /// differences.
     ///
     /// `out` goes by joint; what is longer than the rig is left alone.
     pub fn energy_gradient(

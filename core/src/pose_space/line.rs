@@ -11,11 +11,12 @@ use crate::transform::Transform;
 use crate::tree::Body;
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Geodesic-line distance: the length that F has along the straight line in coordinates from one pose to another, m,
-    /// sampled in `steps` steps of the same size. O(n) for each. Of no steps it is 0.
+    /// Geodesic-line distance: the length that F has along the straight line in coordinates from one pose to another,
+    /// m, sampled in `steps` steps of the same size. O(n) for each. Of no steps it is 0.
     ///
-    /// Eq. (4) of the paper over the line of its section 2.2; every joint goes the shorter way round. It keeps bones as long
-    /// as they are, and in exact numbers is never below [`Self::position_distance`]. The paper's list of its points has both weights swapped.
+    /// Eq. (4) of the paper over the line of its section 2.2; every joint goes the shorter way round. It keeps bones
+    /// as long as they are, and in exact numbers is never below [`Self::position_distance`]. The paper's list of its
+    /// points has both weights swapped.
     pub fn line_distance(
         &self,
         a: &PoseCoordinates<N>,
@@ -53,7 +54,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         length_m
     }
 
-    /// Squared lengths of the steps to four points, each from the one before. The first point of all has none before it.
+    /// Squared lengths of the steps to four points, each from the one before. The first point of all has none before
+    /// it.
     fn four_steps(&self, t: Four, is_first: bool, workspace: &mut LineWorkspace<N>) -> Four {
         let mut squared = Four::ZERO;
         for (index, (body, weight)) in self.weighted().enumerate() {

@@ -14,11 +14,11 @@ use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Joint-angle metric, eq. (1): the root of the sum of the squared differences of all coordinates (rad; m of what slides),
-    /// each the shorter way round. O(n).
+    /// Joint-angle metric, eq. (1): the root of the sum of the squared differences of all coordinates (rad; m of what
+    /// slides), each the shorter way round. O(n).
     ///
-    /// Rotation vectors of ball joints have a seam at half a turn: next to it this depends on coordinates, and the triangle
-    /// inequality may fail. [`Self::rotation_distance`] has none.
+    /// Rotation vectors of ball joints have a seam at half a turn: next to it this depends on coordinates, and the
+    /// triangle inequality may fail. [`Self::rotation_distance`] has none.
     pub fn angle_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
         let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
         math::sqrt(
@@ -28,11 +28,11 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Metric of the product of rotation groups: the root of the sum of the squared angles (rad) between both rotations of every
-    /// joint. It does not depend on coordinates. O(n).
+    /// Metric of the product of rotation groups: the root of the sum of the squared angles (rad) between both
+    /// rotations of every joint. It does not depend on coordinates. O(n).
     ///
-    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Twist compression using principal geodesics analysis"
-    /// (2009), in metres.
+    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Motion compression
+    /// using principal geodesics analysis" (2009), in metres.
     pub fn rotation_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
         let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
         let squares = joints.map(|((body, weight), (a, b))| {
@@ -43,7 +43,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         math::sqrt(squares.sum())
     }
 
-    /// How long the bones are that a joint turns: the mean distance of the next joints from it, m; 0 where there are none. O(n).
+    /// How long the bones are that a joint turns: the mean distance of the next joints from it, m; 0 where there are
+    /// none. O(n).
     pub fn bone_lengths_m(&self) -> Vec<f32, N> {
         let mut bones: Vec<(f32, f32), N> =
             fixed::collect(self.tree.bodies().iter().map(|_| (0.0, 0.0)));
@@ -58,15 +59,15 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Distance through space: the root of the sum of the squared distances (m) of all joints, `|F(a) - F(b)|`. It does not keep bones
-    /// as long as they are; no way between the poses is shorter. O(n).
+    /// Distance through space: the root of the sum of the squared distances (m) of all joints, `|F(a) - F(b)|`. It
+    /// does not keep bones as long as they are; no way between the poses is shorter. O(n).
     pub fn position_distance(&self, a: &BodyPoses<N>, b: &BodyPoses<N>) -> f32 {
         let ways = self.weighted().zip(a.positions_m().zip(b.positions_m()));
         math::sqrt(ways.map(|((_, weight), (a, b))| weight * (a - b).dot(a - b)).sum())
     }
 
-    /// A column of the Jacobian of F: how all joints move (m/s, world axes) when one does, by `motion` in its body's axes, as far as its
-    /// kind lets it. O(n).
+    /// A column of the Jacobian of F: how all joints move (m/s, world axes) when one does, by `motion` in its body's
+    /// axes, as far as its kind lets it. O(n).
     ///
     /// `out` goes by body; what is longer than the rig is left alone.
     pub fn jacobian_column(
@@ -116,15 +117,14 @@ impl<const N: usize> PoseSpace<'_, N> {
         self.gather(at, out);
     }
 
-    /// Jᵀ of forces on all bodies (`linear`, at the joints, world axes; `angular` zero), in place: what of them every joint feels, in body
-    /// axes, as far as its kind leaves it free.
+    /// Jᵀ of forces on all bodies (`linear`, at the joints, world axes; `angular` zero), in place: what of them every
+    /// joint feels, in body axes, as far as its kind leaves it free.
     pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Twist]) {
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = forces.get(index).copied() else { continue };
-            if let Some(parent) = body.parent
-                && let (Some(place_of_parent), Some(of_parent)) =
-                    (at.bodies.get(parent), forces.get_mut(parent))
-            {
+            let parent =
+                body.parent.and_then(|parent| at.bodies.get(parent).zip(forces.get_mut(parent)));
+            if let Some((place_of_parent, of_parent)) = parent {
                 let arm = place.translation_m - place_of_parent.translation_m;
                 of_parent.linear += of_body.linear;
                 of_parent.angular += of_body.angular + arm.cross(of_body.linear);
@@ -137,8 +137,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         }
     }
 
-    /// Trace of the metric tensor `JᵀWJ` in body axes: how fast all joints move, squared and summed over all motions of one joint at a
-    /// time by 1 rad/s or 1 m/s. O(n).
+    /// Trace of the metric tensor `JᵀWJ` in body axes: how fast all joints move, squared and summed over all motions
+    /// of one joint at a time by 1 rad/s or 1 m/s. O(n).
     pub fn metric_trace(&self, at: &BodyPoses<N>) -> f32 {
         // Of what every joint carries: weight, first and second moments about the joint, world axes.
         let mut carried: Vec<Carried, N> =
@@ -146,10 +146,9 @@ impl<const N: usize> PoseSpace<'_, N> {
         let mut trace = 0.0;
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = carried.get(index).copied() else { continue };
-            if let Some(parent) = body.parent
-                && let (Some(place_of_parent), Some(of_parent)) =
-                    (at.bodies.get(parent), carried.get_mut(parent))
-            {
+            let parent =
+                body.parent.and_then(|parent| at.bodies.get(parent).zip(carried.get_mut(parent)));
+            if let Some((place_of_parent, of_parent)) = parent {
                 of_parent.add(&of_body, place.translation_m - place_of_parent.translation_m);
             }
             if self.leaves_out(body) {
@@ -183,7 +182,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         if self.leaves_out(body) {
             return Twist::ZERO;
         }
-        body.joint.project_motion(rotation_in_joint(body, place, at), motion)
+        body.joint.project_twist(rotation_in_joint(body, place, at), motion)
     }
 }
 

@@ -14,7 +14,6 @@ pub use chart::JointCoordinates;
 pub use line::LineWorkspace;
 
 use crate::fixed;
-use crate::joint::UNIT_TOLERANCE;
 use crate::kinematics::of_parent;
 use crate::math;
 use crate::transform::Transform;
@@ -96,8 +95,8 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         Self { tree, weights, root: Root::LeftOut }
     }
 
-    /// The same with a weight for each joint, for squared distances in metres and in radians alike: how much it counts where the joint
-    /// is, and how it is turned. [`importance`](crate::importance)s are such.
+    /// The same with a weight for each joint, for squared distances in metres and in radians alike: how much it
+    /// counts where the joint is, and how it is turned. [`importance`](crate::importance)s are such.
     ///
     /// # Errors
     /// [`PoseSpaceError::Count`] if there is not one for each joint, [`PoseSpaceError::Weight`] if one is negative, not
@@ -141,12 +140,11 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         if poses.len() != bodies.len() {
             return Err(PoseSpaceError::Count { expected: bodies.len(), found: poses.len() });
         }
-        let bad = poses.iter().position(|pose| {
-            let squared = pose.rotation.dot(pose.rotation);
-            // Written so that NaN is bad.
-            !((squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
-                && pose.translation_m.abs().max_element() <= FARTHEST_M)
-        });
+        // Written so that NaN is not usable.
+        let usable = |pose: &Transform| {
+            math::is_unit(pose.rotation) && pose.translation_m.abs().max_element() <= FARTHEST_M
+        };
+        let bad = poses.iter().position(|pose| !usable(pose));
         if let Some(joint) = bad {
             return Err(PoseSpaceError::Pose { joint });
         }
@@ -160,7 +158,8 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         Ok(PoseCoordinates { joints: fixed::collect(joints) })
     }
 
-    /// The poses of all joints in their parents' frames, from coordinates; a root that does not count gets its placement. O(n).
+    /// The poses of all joints in their parents' frames, from coordinates; a root that does not count gets its
+    /// placement. O(n).
     ///
     /// `out` goes by joint; what is longer than the rig is left alone.
     pub fn joint_poses(&self, at: &PoseCoordinates<N>, out: &mut [Transform]) {
@@ -199,7 +198,7 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
     }
 }
 
-/// Beyond, f32 has not a tenth of a metre.
+/// The farthest position, m: beyond, f32 does not resolve a tenth of a metre.
 const FARTHEST_M: f32 = 1e6;
 
 impl<const N: usize> PoseCoordinates<N> {

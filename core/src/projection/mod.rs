@@ -15,7 +15,7 @@ pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
 use crate::dynamics::SpatialInertia;
 use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
 use crate::fixed;
-use crate::joint::{JointKind, UNIT_TOLERANCE};
+use crate::joint::JointKind;
 use crate::math;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
@@ -26,10 +26,11 @@ use crate::tree::{Body, Tree};
 /// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
 /// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
 ///
-/// A fixed number of Gauss-Newton steps a call, twenty in a workspace's first one, stiffened where a body is
-/// pulled away and damped while a joint is pressed against its end, each solved exactly in O(n) by sweeps of the articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and
-/// rotational inertia `ρᵢ²`), from the last call's solution: how far each joint was from its desired pose.
-/// That changes slowly in a performance, so one step is enough (see [`DEFAULT_SWEEPS`]).
+/// A fixed number of Gauss-Newton steps a call, twenty in a workspace's first one, stiffened where a body is pulled
+/// away and damped while a joint is pressed against its end, each solved exactly in O(n) by sweeps of the
+/// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`), from the
+/// last call's solution: how far each joint was from its desired pose. That changes slowly in a performance, so one
+/// step is enough (see [`DEFAULT_SWEEPS`]).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -90,6 +91,19 @@ impl<const N: usize> ManifoldProjection<N> {
         })
     }
 
+    /// The same with other weights of the bodies.
+    ///
+    /// # Errors
+    /// [`ProjectionError::Weights`] as [`BodyWeights::new`].
+    pub fn with_weights(
+        self,
+        tree: &Tree<N>,
+        weights: &[BodyWeight],
+    ) -> Result<Self, ProjectionError> {
+        let weights = BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?;
+        Ok(Self { weights, ..self })
+    }
+
     /// The same, with a range for each joint: no solution is ever outside of one.
     ///
     /// # Errors
@@ -146,11 +160,8 @@ impl<const N: usize> ManifoldProjection<N> {
                 return Err(ProjectionError::Count { expected: self.ranges.len(), found });
             }
         }
-        let bad = desired.iter().position(|pose| {
-            let squared = pose.rotation.dot(pose.rotation);
-            // Written so that NaN is bad.
-            !(pose.is_finite() && (squared - 1.0).abs() <= 2.0 * UNIT_TOLERANCE)
-        });
+        let usable = |pose: &Transform| pose.is_finite() && math::is_unit(pose.rotation);
+        let bad = desired.iter().position(|pose| !usable(pose));
         if let Some(joint) = bad {
             return Err(ProjectionError::InvalidPose { joint });
         }

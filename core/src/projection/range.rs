@@ -37,13 +37,13 @@ pub enum JointRange {
     Any,
     /// A revolute joint from the first to the second angle in rad, both in [-π, π]; a prismatic one from the
     /// first to the second way in m.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Axis([f32; 2]),
     /// Both axes of a universal joint, as [`Self::Axis`]; each reaches to its own ends.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Axes([[f32; 2]; 2]),
     /// A spherical joint up to this angle in rad, above 0 and up to π, in any direction.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Turn(f32),
 }
 

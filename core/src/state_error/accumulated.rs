@@ -48,9 +48,8 @@ impl<const N: usize> References<N> {
             return Err(ReferencesError::Count { expected: tree.len(), found: references.len() });
         }
         for (joint, reference) in references.iter().enumerate() {
-            if let Some(reference) = *reference
-                && !tree.is_ancestor(reference, joint)
-            {
+            let is_ancestor = |reference: &usize| tree.is_ancestor(*reference, joint);
+            if let Some(reference) = reference.filter(|reference| !is_ancestor(reference)) {
                 return Err(ReferencesError::NotAncestor { joint, reference });
             }
         }

@@ -42,16 +42,16 @@ use crate::state::BodyState;
 )]
 pub struct StateError {
     /// Rotation vector from the measured to the desired orientation, rad.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub angular_rad: Vec3,
     /// Desired minus measured position, m.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear_m: Vec3,
     /// Desired minus measured angular velocity, rad/s.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub angular_rate_rad_s: Vec3,
     /// Desired minus measured linear velocity, m/s.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear_rate_m_s: Vec3,
 }
 

@@ -39,15 +39,16 @@ pub struct Nearest {
     pub gave_up: usize,
 }
 
-/// Pairs that are solved before the best is looked at again. It is part of what is told, so it does not depend on threads.
+/// Pairs that are solved before the best is looked at again. It is part of the report, so it does not depend on
+/// threads.
 const BATCH: usize = 4;
 
 /// No curve is shorter than the way straight through space, but for the rounding of f64.
 const ROUNDING: f64 = 1.0 - 1e-9;
 
-/// The pair of frames with the shortest geodesic, the earlier of two of the same length. Pairs are visited in the order of the
-/// way straight through space, of which no geodesic is shorter, until that is longer than the best: what is never solved
-/// cannot be it. `done` is told of every pair solved.
+/// The pair of frames with the shortest geodesic, the earlier of two of the same length. Pairs are visited in the
+/// order of the way straight through space, of which no geodesic is shorter, until that is longer than the best: what
+/// is never solved cannot be it. `done` is called for every pair solved.
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.

@@ -14,8 +14,8 @@ use crate::geodesic::{JointPosition, Rig, RigError, RigJoint};
 pub struct Pair {
     /// The first.
     pub a: Clip,
-    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes through space is made
-    /// as much larger as its legs are.
+    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes
+    /// through space is made as much larger as its legs are.
     pub b: Clip,
     /// The factor of that.
     pub scale: f64,

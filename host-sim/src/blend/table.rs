@@ -1,4 +1,4 @@
-//! What became of a blend, as text and JSON.
+//! The result of a blend, as text and JSON.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::nearest::Nearest;
 use super::transition::Blend;
 
-/// A blend with what is told of it.
+/// A blend with what is reported of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome<'a> {
     /// The first clip.
@@ -61,8 +61,8 @@ impl std::fmt::Display for Place {
 }
 
 impl Outcome<'_> {
-    /// Places where the first clip is left, where the second is entered, and of both the middle of the blend; then where the
-    /// second plays alone.
+    /// Places where the first clip is left, where the second is entered, and of both the middle of the blend; then
+    /// where the second plays alone.
     fn places(&self) -> [Place; 4] {
         let Self { a, b, nearest, blend, .. } = self;
         let half = (blend.last - blend.first) / 2;
@@ -80,7 +80,7 @@ impl Outcome<'_> {
     }
 }
 
-/// A line for each thing that is told.
+/// A line for each thing that is reported.
 pub fn text(outcome: &Outcome<'_>) -> String {
     let Outcome { a, b, nearest, line_m, blend, scale } = outcome;
     let [leaves, enters, middle_a, middle_b] = outcome.places();

@@ -12,7 +12,8 @@ use crate::geodesic::{Geodesic, JointPosition, Options, Rig, RigError, solve};
 pub struct Blend {
     /// The motion, on the first clip's skeleton and at its rate.
     pub clip: Clip,
-    /// Its frame where the blend begins, the last of the first clip alone, and the one where it ends, the first of the second.
+    /// Its frame where the blend begins, the last of the first clip alone, and the one where it ends, the first of
+    /// the second.
     pub first: usize,
     /// The frame where it ends.
     pub last: usize,
@@ -30,7 +31,8 @@ pub struct Blend {
     pub fastest: Peak,
     /// The fastest joint of both clips meanwhile, each as it plays alone.
     pub fastest_alone: Peak,
-    /// Speed of the fastest joint by step between frames, m/s: of the motion, and of both clips alone in the frames of the blend.
+    /// Speed of the fastest joint by step between frames, m/s: of the motion, and of both clips alone in the frames
+    /// of the blend.
     pub speeds: [Vec<f64>; 3],
 }
 
@@ -43,14 +45,15 @@ pub struct Peak {
     pub speed_m_s: f64,
 }
 
-/// Joins two clips: frame `at_a` of the first and `at_b` of the second are the middle of the blend, and `half` frames before and
-/// after it belong to it.
+/// Joins two clips: frame `at_a` of the first and `at_b` of the second are the middle of the blend, and `half` frames
+/// before and after it belong to it.
 ///
-/// The second clip is turned about the vertical so that its body is turned as nearly as possible as the first one's in the middle, and
-/// shifted so that both are at the same place there, seen from above. In the blend both clips play on. The pose is on the
-/// geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk: at both ends it has neither velocity nor
-/// acceleration, so that each clip is left and entered with its own). The body's place goes along the line, its
-/// orientation along the great arc, by the same share. `done` is told of every frame of the blend.
+/// The second clip is turned about the vertical so that its body is turned as nearly as possible as the first one's
+/// in the middle, and shifted so that both are at the same place there, seen from above. In the blend both clips play
+/// on. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk:
+/// at both ends it has neither velocity nor acceleration, so that each clip is left and entered with its own). The
+/// body's place goes along the line, its orientation along the great arc, by the same share. `done` is called for
+/// every frame of the blend.
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.
@@ -171,7 +174,8 @@ fn between(
     Ok((frame, geodesic))
 }
 
-/// The pose at a share of a geodesic's length in space; between the poses that were solved for, every joint on its great arc.
+/// The pose at a share of a geodesic's length in space; between the poses that were solved for, every joint on its
+/// great arc.
 fn along(rig: &Rig, geodesic: &Geodesic, share: f64) -> Vec<JointPosition> {
     let places: Vec<_> = geodesic.poses.iter().map(|pose| rig.positions_m(pose)).collect();
     let step_m = |pair: &[Vec<DVec3>]| {

@@ -1,4 +1,4 @@
-//! Kicks as keyed poses: front, side and roundhouse kick, told for the right leg.
+//! Kicks as keyed poses: front, side and roundhouse kick, written for the right leg.
 //!
 //! Either leg may kick, in either stance: keys give whole poses in the stance's axes, mirrored for
 //! the left leg, and the guard is taken off them.

@@ -61,7 +61,7 @@ pub struct Strike {
     pub end_s: f64,
 }
 
-/// A strike as it is told to the performer, who always leads with the left.
+/// A strike as the performer is given it, who always leads with the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cue {
     pub kind: StrikeKind,

@@ -1,6 +1,6 @@
 //! The guard a fighter stands in, the steps that carry it about, and its sway.
 //!
-//! Everything up to the finished pose is told for an orthodox fighter, left side leading; a southpaw
+//! Everything up to the finished pose is written for an orthodox fighter, left side leading; a southpaw
 //! is the mirror image. Stance frame: origin on the floor below the guard, y up, z to the opponent.
 
 use glam::{DQuat, DVec3};

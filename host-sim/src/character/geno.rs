@@ -1,5 +1,5 @@
 //! `Geno.bin`, the character of D. Holden's `GenoView` (github.com/orangeduck/GenoView): little-endian arrays behind
-//! three counts, with no mark of its own, so that its size is what it is known by.
+//! three counts. It has no magic number: its size identifies it.
 //!
 //! | bytes | content |
 //! | --- | --- |

@@ -1,7 +1,7 @@
 //! The skeleton of a motion, as a character without a skin.
 //!
-//! An end site becomes a joint `NAMEEnd` behind its joint `NAME` (`NAMEEnd2` the second), since it tells how long the
-//! last bone is; one at its joint tells nothing and is left out.
+//! An end site becomes a joint `NAMEEnd` behind its joint `NAME` (`NAMEEnd2` the second), since it says how long the
+//! last bone is; one at its joint says nothing and is left out.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::figure::mapping;
 /// Reads the skeleton of a motion.
 ///
 /// # Errors
-/// [`Error::Motion`] if the file is no motion; [`Error::Refused`] if nobody tells its unit of length, or it has no such
+/// [`Error::Motion`] if the file is no motion; [`Error::Refused`] if nothing says its unit of length, or it has no such
 /// frame.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let recording = match format::read(path) {

@@ -1,7 +1,7 @@
 //! Characters: joints at rest, and the skin on them if there is one.
 //!
-//! A reader per kind of file makes a [`Character`]: metres, right-handed, y up. What no character can be is refused
-//! here, whatever file it came from; a reader says where in the file it stood.
+//! A reader per kind of file makes a [`Character`]: metres, right-handed, y up. Characters that cannot be
+//! are refused here, whatever file they came from; a reader names the place in the file.
 
 mod error;
 mod geno;
@@ -223,7 +223,7 @@ fn shares(stored: impl IntoIterator<Item = (usize, f64)>) -> Result<Vec<(usize, 
 /// The files that [`read`] knows, for messages.
 pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";
 
-/// Reads the character in a file, whose kind its name tells, or else its content.
+/// Reads the character in a file, of the kind that its name says, or else its content.
 ///
 /// # Errors
 /// [`Error`], which names the file, and the place in it.

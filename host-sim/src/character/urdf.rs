@@ -1,8 +1,9 @@
 //! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
 //!
-//! Its joints are the character's, fixed ones too, from the root outwards; the root is the link that no joint moves, which floats. Where a joint
-//! has that link's name too, the root is called `NAME (link)`. A joint is where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left,
-//! y up and z ahead.
+//! Its joints are the character's, fixed ones too, from the root outwards; the root is the link that no joint moves,
+//! which floats. Where a joint has that link's name too, the root is called `NAME (link)`. A joint is where the frame
+//! of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left, y up and z
+//! ahead.
 
 use std::collections::BTreeMap;
 
@@ -82,8 +83,8 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
         root_name.push_str(" (link)");
     }
     let mut made = vec![Joint { name: root_name, parent: None, position_m: DVec3::ZERO }];
-    // From the root outwards, each branch to its end: files may have any order. Those to come, the next one last: joints on
-    // links, and the place of what moves the link.
+    // From the root outwards, each branch to its end: files may have any order. Those to come, the next one last:
+    // joints on links, and the place of what moves the link.
     let on = |link: &str, place: usize| {
         let on_link =
             joints.iter().enumerate().rev().filter(move |(_, joint)| joint.parent == link);

@@ -14,8 +14,8 @@ use super::evaluate::scale;
 
 /// Bake a clip and the figure that performs it into a file that a board's image reads from its flash.
 ///
-/// The format is described in `firmware/src/show.rs`. The images take the file's path from the environment
-/// variable `SINEW_SHOW` when they are built.
+/// `firmware/src/show.rs` describes the format. To build it into the boards' images, set the environment variable
+/// `SINEW_SHOW` to the file's path.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// A built-in clip's name, or a BVH, AMC or humanoid3d text file.
@@ -30,7 +30,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// How the clip's skeleton maps on the figure, in TOML. Without: found among the known ones.
+    /// How the clip's skeleton maps on the figure, in TOML. Default: chosen among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 

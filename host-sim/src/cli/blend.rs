@@ -17,15 +17,14 @@ use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
 
 use super::clips::seconds;
 
-/// Go from one clip over to another where their poses are nearest, and write the motion as
+/// Blend from one clip to another where their poses are nearest, and write the motion as
 /// BVH.
 ///
-/// Of all pairs of frames, the blend's middle is at the one whose geodesic is shortest: the
-/// way of the joints through space with bones as long as they are. In the blend both clips
-/// play on; every pose is on the geodesic between theirs, at a smooth share of its length,
-/// so that the first is left and the second entered with their own velocities. The second
-/// clip is turned about the vertical and shifted so that they meet. Feet may slide in the
-/// blend: they are not held.
+/// The middle of the blend is the pair of frames with the shortest geodesic: the way of the
+/// joints through space that keeps bone lengths. Both clips play on during the blend. Every
+/// pose is on the geodesic between theirs, at a smooth share of its length, so that velocity
+/// is continuous at both ends. The second clip is turned about the vertical and shifted so
+/// that they meet. Feet are not held on the floor, and may slide.
 ///
 ///   sinew blend walk.bvh run.bvh --out walk-run.bvh
 ///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png
@@ -33,8 +32,8 @@ use super::clips::seconds;
 ///
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints.
 /// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
-/// where it is; without, anywhere half a blend from the ends, be it near one: look at how
-/// much of either clip is left.
+/// where it is. Default: anywhere at least half a blend from the ends. This can be close to
+/// an end: look at how much of either clip is left.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]
@@ -52,12 +51,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.bvh")]
     out: PathBuf,
 
-    /// Length of the blend, to an even number of A's frames. 0.5 is about a step of a walk: shorter is sharper, longer mixes what does not
-    /// belong together.
+    /// Length of the blend, rounded to an even number of A's frames. 0.5 is about a step of a walk; shorter is more
+    /// abrupt, longer mixes different steps.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -65,7 +64,7 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
-    /// Also draw figures through the blend, where the clips are near each other, and speeds into this file.
+    /// Also draw into this file: figures through the blend, where the clips are near each other, and speeds.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<PathBuf>,
 
@@ -75,7 +74,7 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// A line for each thing.
+    /// A line for each result.
     Text,
     /// One JSON object, schema `sinew-blend/1`.
     Json,

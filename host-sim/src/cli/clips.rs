@@ -12,21 +12,21 @@ use sinew_sim::command::note;
 /// Options that name clips.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Without: the built-in clips.
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
-    /// Rate of control and plant, in Hz; the clips are resampled to it. Without: 100 as in the paper, 500 for
+    /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
     /// `robustness`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate: Option<f64>,
 
-    /// Rate of the frames that the controller is given, in Hz, a part of the other rate: it goes smoothly
-    /// between them. Without: a frame for every tick; 100 for `robustness` and `latency`.
+    /// Rate of the frames that the controller is given, in Hz. It divides `--rate`; the controller interpolates
+    /// smoothly. Default: a frame for every tick; 100 for `robustness` and `latency`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     frames: Option<f64>,
 }
@@ -44,7 +44,7 @@ impl ClipArgs {
         Self { rate: Some(rate_hz), ..self.clone() }
     }
 
-    /// With these rates where none are given; a frame for every tick where the frames' rate does not go into the
+    /// With these rates where none are given; a frame for every tick where the frames' rate does not divide the
     /// other.
     pub(super) fn at(&self, rate_hz: f64, frames_hz: f64) -> Self {
         let rate = self.rate.unwrap_or(rate_hz);

@@ -17,13 +17,12 @@ use super::setup::SetupArgs;
 
 /// Track motion capture with every method and print the paper's tables.
 ///
-/// Every clip is tracked by a simulated figure of every scale with every method of measuring the state
-/// error; the errors are measured in the world, against the clip in its own dimensions. Tables 1 to 4 of
-/// the paper are printed beside the paper's own numbers. What is skipped or filled in a clip is said on
-/// standard error.
+/// A simulated figure of every scale tracks every clip with every method. The errors are measured in the
+/// world, against the clip in its own dimensions. Tables 1 to 4 of the paper are printed beside the paper's
+/// own numbers. Standard error names all that is skipped or filled in a clip.
 ///
-/// A clip of f frames is f - 2 steps: forward differences look two frames ahead. A figure that is lost
-/// ends the evaluation with exit code 1 and its clip, method and frame; bad input is exit code 2.
+/// A clip of f frames makes f - 2 steps: forward differences look two frames ahead. If a figure is lost, the
+/// evaluation ends with exit code 1, and names clip, method and frame. Bad input is exit code 2.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -33,8 +32,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: Vec<f64>,
 
-    /// Methods of measuring the state error, and settings; `all` for each of them but `accumulated`, which
-    /// needs a reference.
+    /// Methods. `all`: every method but `accumulated`, which needs a reference.
     #[arg(
         long,
         value_name = "METHOD,..",
@@ -44,9 +42,9 @@ pub(super) struct Args {
     methods: Vec<MethodArg>,
 
     #[command(flatten)]
-    setup: SetupArgs,
+    pub(super) setup: SetupArgs,
 
-    /// Use only the first S seconds of every clip: for a quick look.
+    /// Use only the first S seconds of every clip, for a quick look.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 

@@ -25,7 +25,7 @@ use super::evaluate::scale;
 /// the inertia lies along the clip's bones.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// File of the subject's measures, in TOML. Without: the built-in subject, of 1.80 m and 75 kg.
+    /// Measures of the subject, in TOML. Default: the built-in subject, of 1.80 m and 75 kg.
     subject: Option<PathBuf>,
 
     /// Factor on all dimensions, at the same density, 0.1 to 10.

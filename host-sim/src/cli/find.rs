@@ -14,23 +14,23 @@ use sinew_sim::spatial::{Measuring, SpatialRig};
 
 use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
 
-/// Find the moments in clips that are most like a pose, or like a piece of a clip.
+/// Find the moments in clips that are most similar to a pose, or to a piece of a clip.
 ///
 /// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them. All
-/// poses are put on the skeleton of the one looked for, joints by their names: a clip with
-/// other joints is refused if it is named, and left out if it is of a folder.
+/// poses are put on the skeleton of the query, joints matched by their names. A clip with
+/// other joints is refused if it is named, and left out if it comes from a folder.
 ///
 ///   sinew find walks/ fights/ --like punch.bvh@1.25s
 ///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
 ///   sinew find fights/ --like punch.bvh@1.0s..1.6s --out found.png
 ///
-/// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip FILE@FROM..TO, or FILE
-/// for all of it. It is held against every place of every clip; the distance is the root
-/// mean square of the frames' distances. Of places close to each other, the nearest is a
-/// moment. Where the query itself is from does not count.
+/// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip is FILE@FROM..TO, or
+/// FILE for all of it. It is compared with every place of every clip; the distance is the
+/// root mean square of the frames' distances. Of places close to each other the nearest is
+/// a moment. The query's own place does not count.
 ///
-/// The result is exact: places are left out only where a lower bound shows that they are
-/// farther away.
+/// The result is that of computing all distances: a place is left out only if a lower bound
+/// of its distance is too large.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -38,15 +38,15 @@ pub(super) struct Args {
     #[arg(value_name = "CLIP", required = true)]
     clips: Vec<PathBuf>,
 
-    /// What to look for: FILE@FRAME, FILE@SECONDSs, FILE@FROM..TO or FILE.
+    /// The query: FILE@FRAME, FILE@SECONDSs, FILE@FROM..TO or FILE.
     #[arg(long, value_name = "POSE|CLIP")]
     like: Reference,
 
     #[command(flatten)]
     measure: MeasureArgs,
 
-    /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame: at 30 Hz
-    /// a fist of 6 m/s is at most 10 cm off.
+    /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame:
+    /// at 30 Hz a fist of 6 m/s is at most 10 cm off.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
     rate: f64,
 
@@ -54,11 +54,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "K", default_value = "10")]
     count: NonZeroUsize,
 
-    /// Moments of one clip are at least so far apart.
+    /// Least time between two moments of one clip.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart: f64,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Without: found among the known ones.
+    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -70,7 +70,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     out: Option<PathBuf>,
 
-    /// Compute every distance too, refuse to go on if the result is not the same, and tell the times of both.
+    /// Also compute every distance, fail if the result differs, and print the times of both.
     #[arg(long)]
     check: bool,
 

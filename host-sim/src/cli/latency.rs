@@ -16,13 +16,13 @@ use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, methods};
 use super::setup::SetupArgs;
 
-/// Find the largest latency that each method tracks at, by rate of control.
+/// Find the largest latency that each method tolerates, by rate of control.
 ///
-/// A torque comes some steps after the measurement that it was made from. The table has the most steps at
-/// which, and at all fewer, no figure is lost and the mean angular error stays below 10 degrees; in ms too.
-/// Each method is tried without and with looking ahead: the controller then knows the latency, and makes the
-/// commands on their way to find the state that the next one will meet. `-` does not track without latency.
-/// Without `--plant`, the exact one; the clips have 100 frames a second.
+/// A torque comes some steps after its measurement. The table shows the largest number of steps, and the time in
+/// ms, up to which no figure is lost and the mean angular error stays below 10 degrees. Each method is tried with and
+/// without looking ahead: a controller that looks ahead knows the latency, and predicts the state that its command
+/// will meet from the commands on their way. `-`: the method fails without any latency. Default plant: `articulated`.
+/// The clips have 100 frames a second.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -36,14 +36,14 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
-    /// Methods of measuring the state error, and settings.
+    /// Methods.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     methods: Vec<MethodArg>,
 
     #[command(flatten)]
-    setup: SetupArgs,
+    pub(super) setup: SetupArgs,
 
-    /// Use only the first S seconds of every clip; the whole takes long.
+    /// Use only the first S seconds of every clip: whole clips take long.
     #[arg(long, value_name = "S", default_value = "3", value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 

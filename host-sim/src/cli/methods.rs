@@ -32,7 +32,7 @@ impl ValueEnum for MethodArg {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         match self {
             Self::All => Some(PossibleValue::new("all").help("All of these but `accumulated`")),
-            Self::One(method) => method.to_possible_value(),
+            Self::One(method) => Some(PossibleValue::new(method.as_str()).help(method.summary())),
         }
     }
 }

@@ -19,12 +19,13 @@ mod weights;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-
 use sinew_sim::command::exit_code;
+
+use setup::SetupArgs;
 
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///
-/// Without a subcommand it evaluates: `sinew` is `sinew evaluate`.
+/// Default subcommand: `evaluate`.
 #[derive(Debug, Parser)]
 #[command(name = "sinew", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -32,6 +33,9 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     evaluate: evaluate::Args,
+    /// Only read the command line: so `cargo xtask docs` checks the commands of the documentation.
+    #[arg(long, global = true, hide = true)]
+    parse_only: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -50,23 +54,41 @@ enum Command {
     Blend(blend::Args),
 }
 
+impl Command {
+    fn run(&self) -> anyhow::Result<ExitCode> {
+        match self {
+            Self::Evaluate(args) => evaluate::run(args),
+            Self::Bake(args) => bake::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Sweep(args) => sweep::run(args),
+            Self::Robustness(args) => robustness::run(args),
+            Self::Latency(args) => latency::run(args),
+            Self::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Study(args) => study::run(args),
+            Self::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Verify(args) => verify::run(args),
+        }
+    }
+
+    /// Checks the settings that the command line does not know: keys and values of `--set`.
+    fn check(&self) -> anyhow::Result<ExitCode> {
+        let setup = match self {
+            Self::Evaluate(args) => Some(&args.setup),
+            Self::Robustness(args) => Some(&args.setup),
+            Self::Latency(args) => Some(&args.setup),
+            _ => None,
+        };
+        setup.map(SetupArgs::setup).transpose()?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
-    let result = match cli.command.unwrap_or(Command::Evaluate(cli.evaluate)) {
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Bake(args) => bake::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Figure(args) => figure::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Sweep(args) => sweep::run(&args),
-        Command::Robustness(args) => robustness::run(&args),
-        Command::Latency(args) => latency::run(&args),
-        Command::Weights(args) => weights::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Study(args) => study::run(&args),
-        Command::Find(args) => find::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Blend(args) => blend::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Verify(args) => verify::run(&args),
-    };
-    exit_code(result)
+    let command = cli.command.unwrap_or(Command::Evaluate(cli.evaluate));
+    exit_code(if cli.parse_only { command.check() } else { command.run() })
 }
 
 #[cfg(test)]

@@ -14,11 +14,11 @@ use sinew_sim::command::note;
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip that the report plays back. Without: the first.
+    /// Clip that the report plays back. Default: the first.
     #[arg(long, value_name = "CLIP", requires = "out")]
     playback: Option<String>,
 
-    /// CSV of `sinew sweep` that the report shows as heat maps, and as fronts of methods and weights.
+    /// CSV of `sinew sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
     #[arg(long, value_name = "FILE", requires = "out")]
     sweep: Option<PathBuf>,
 }

@@ -22,8 +22,9 @@ use super::setup::SetupArgs;
 /// one step late. Control and plant run at 500 Hz, the clips have 100 frames a second and the controller goes
 /// smoothly between them. Without `--plant`, the exact one.
 ///
-/// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance. `lost` is a figure that fell apart. The last
-/// method is compared with each other one: on how many rigs its angular and its linear error are smaller.
+/// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance.
+/// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
+/// and its linear error are smaller.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -33,7 +34,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
-    /// Methods of measuring the state error, and settings.
+    /// Methods.
     #[arg(
         long,
         value_name = "METHOD,..",
@@ -47,9 +48,9 @@ pub(super) struct Args {
     seeds: u64,
 
     #[command(flatten)]
-    setup: SetupArgs,
+    pub(super) setup: SetupArgs,
 
-    /// Use only the first S seconds of every clip: for a quick look.
+    /// Use only the first S seconds of every clip, for a quick look.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 

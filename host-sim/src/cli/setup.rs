@@ -7,7 +7,7 @@ use sinew_sim::evaluate::{BodySource, Setup};
 use sinew_sim::figure::Subject;
 use sinew_sim::plant::PlantKind;
 
-/// Options that make a [`Setup`]; the more special ones go over the more general.
+/// Options that make a [`Setup`]; the more special ones override the more general.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetupArgs {
     /// What simulates the figure.
@@ -22,7 +22,7 @@ pub(super) struct SetupArgs {
     #[arg(long, value_name = "FILE")]
     subject: Option<PathBuf>,
 
-    /// Setup in TOML: anything that a run can be varied in. `--format json` prints all keys.
+    /// Setup in TOML: all settings of a run. `--format json` prints all keys.
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 

@@ -1,4 +1,5 @@
-//! `sinew study`: where the studies went. They have a command of their own, so that `sinew` needs no training framework.
+//! `sinew study`: where the studies went. They have a command of their own, so that `sinew` needs no training
+//! framework.
 
 use std::ffi::OsString;
 

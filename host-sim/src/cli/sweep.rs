@@ -12,7 +12,7 @@ use super::clips::{ClipArgs, seconds};
 
 /// Run every combination of many settings and write a row for each.
 ///
-/// The file holds what all setups have in common, and grids of what they have not:
+/// The file holds the settings that all runs have in common, and grids of those that vary:
 ///
 ///     setup.plant.kind = "articulated"
 ///
@@ -21,18 +21,17 @@ use super::clips::{ClipArgs, seconds};
 ///     dimensions.scale = [0.9, 1.0, 1.1]
 ///
 /// Each combination is a cell. The keys are those of `sinew evaluate --format json`,
-/// under "setup"; the same setup in two grids is run once. What cannot be is refused
-/// before anything runs.
+/// under "setup". A setup that is in two grids is run once. Wrong keys and values are
+/// refused before anything runs.
 ///
-/// Every finished run goes to DIR/journal.jsonl at once: the same command goes on
-/// where it was stopped. Then sweep.csv and sweep.parquet have a row per cell,
-/// `sweep_clips.*` a row per cell and clip. They are the same bytes, however often
-/// it was stopped, whatever the number of threads, and from one machine or many. A
-/// figure that is lost is a result: its row has no numbers and says why.
+/// Every finished run goes to DIR/journal.jsonl at once: to resume, run the same command
+/// again. At the end sweep.csv and sweep.parquet have a row per cell, `sweep_clips.*` a
+/// row per cell and clip. Their bytes do not depend on interruptions, threads or the
+/// number of machines. If a figure is lost, its row has no numbers, and says why.
 ///
-/// The column `on_front` says which rows no other one of the same task betters in both
-/// mean errors of all joints. A task is what is controlled: all settings but those of the
-/// controller, and how the root is held. A shard cannot tell: its column is empty.
+/// The column `on_front` marks the Pareto-optimal rows of a task: no other row has smaller
+/// mean errors of all joints, both angular and linear. A task is all settings but those of
+/// the controller, and how the root is held. In a shard the column is empty.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -51,15 +50,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// Only every N-th cell, beginning with the I-th; then `--merge` the folders of all N.
+    /// Run only every N-th cell, from the I-th on. Then `--merge` the folders of all N.
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
     shard: Option<Shard>,
 
-    /// Run nothing: put the journals of these folders together, and write the tables of the whole.
+    /// Run nothing: merge the journals of these folders, and write the tables of the whole.
     #[arg(long, value_name = "DIR", num_args = 1..)]
     merge: Vec<PathBuf>,
 
-    /// Only say what would be run.
+    /// Run nothing: print what would be run.
     #[arg(long)]
     dry_run: bool,
 
@@ -156,8 +155,7 @@ fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
 
 /// The task of a front, and its cells.
 fn of_front(front: &ParetoFront, own: &[Vec<String>]) -> Vec<String> {
-    let is_task =
-        |line: &&String| !line.starts_with("controller.") || line.starts_with("controller.root");
+    let is_task = |line: &&String| !line.starts_with("controller.");
     let listed = |lines: Vec<&str>| match lines.as_slice() {
         [] => "nothing else set".to_owned(),
         lines => lines.join(", "),

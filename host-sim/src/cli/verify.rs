@@ -9,7 +9,7 @@ use comfy_table::{CellAlignment, Table, presets};
 use sinew_sim::command::note;
 use sinew_sim::verify::{Kind, Report, Tally, verify_folder};
 
-/// Recompute golden files with the core, and print how far off it is.
+/// Recompute golden files with the core, and print its errors and their limits.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
     /// Folder of golden files (*.json).

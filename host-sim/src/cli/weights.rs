@@ -11,10 +11,10 @@ use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
 
 use sinew_sim::command::{note, print};
 
-/// Weigh the joints of a character: how much of it each one moves, and how far.
+/// Compute the importance of a character's joints: how much of it each one moves, and how far.
 ///
 /// FILE is a skinned character (Geno.bin; glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a
-/// motion, of which the skeleton is taken (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
+/// motion, whose skeleton is used (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
 ///
 /// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets
 ///
@@ -22,7 +22,7 @@ use sinew_sim::command::{note, print};
 ///   by cylinders  (m³)  the integral of the distance over the surfaces of all bones below it;
 ///   by mesh       (m³)  area times distance of all skin that moves with it.
 ///
-/// The weights printed are those over their sum, so they have no unit.
+/// The printed weights are divided by their sum, so they have no unit.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -30,37 +30,37 @@ pub(super) struct Args {
     #[arg(value_name = "FILE")]
     character: PathBuf,
 
-    /// Methods; `all` for those that the file allows: a skeleton has no mesh, a mesh of points no surface.
+    /// Methods. `all`: those that the file allows. A skeleton has no mesh, a mesh of points no surface.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     method: Vec<MethodArg>,
 
-    /// What every joint begins with: in m by lengths, in m³ by cylinders and mesh, for all methods asked for.
-    /// Without: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`), which is what the article's own
-    /// list for Geno comes of. They suit a figure 1.7 m tall: one half as tall is weighed alike with half of the
-    /// first, and an eighth of the others.
+    /// Base of every joint, for all methods asked for: in m by lengths, in m³ by cylinders and mesh. Default: those of
+    /// the article's own list for Geno: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`). They suit a
+    /// figure 1.7 m tall. A figure half as tall gets the same weights with half of the first, and an eighth of the
+    /// others.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     base: Option<f64>,
 
-    /// By lengths: what a bone still counts one joint further up, 0 to 1.
+    /// By lengths: the discount D of a bone for each joint further up, 0 to 1.
     #[arg(long, value_name = "D", default_value_t = 0.9, allow_negative_numbers = true)]
     discount: f64,
 
-    /// By the mesh: what a vertex stands for.
+    /// By the mesh: the area of a vertex.
     #[arg(long, value_enum, default_value_t = VertexAreaArg::Surface)]
     vertex_area: VertexAreaArg,
 
     /// By cylinders: radius of all bones in m, or a CSV with the columns `joint` and `radius_m`, such as `--format csv`
-    /// prints. Without: by the mesh, the skin's mean distance from the bone; without skin, a quarter of the bone's
-    /// length. A bone is known by the joint in which it ends.
+    /// prints. Default: with a skin, its mean distance from the bone; else a quarter of the bone's length. A bone is
+    /// named by the joint in which it ends.
     #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
     radii: Option<String>,
 
-    /// Metres per unit of length of a motion that does not tell: 0.01 for centimetres. Without: as its skeleton has it, if
-    /// that is a known one.
+    /// Metres per unit of length of a motion that does not say: 0.01 for centimetres. Default: that of its skeleton, if
+    /// this is a known one.
     #[arg(long, value_name = "M", value_parser = metres_per_unit, allow_negative_numbers = true)]
     metres_per_unit: Option<f64>,
 
-    /// Frame of a motion whose pose is the rest pose, from 0. Without: the skeleton with no joint turned.
+    /// Frame of a motion, from 0, whose pose is the rest pose. Default: the skeleton with no joint turned.
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
 
@@ -68,8 +68,8 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
-    /// Also draw the weights into this file: over the figure at rest (a disc's area is its joint's weight), and as
-    /// bars.
+    /// Also draw the weights into this file: on the figure at rest (the area of a disc is the joint's weight), and
+    /// as bars.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<PathBuf>,
 }
@@ -90,7 +90,7 @@ enum MethodArg {
 enum VertexAreaArg {
     /// A third of its triangles' areas: all together the surface.
     Surface,
-    /// The mean of its triangles' areas, as the article's list has it: about half of that.
+    /// The mean of its triangles' areas, as in the article's list: all together about half of the surface.
     Article,
 }
 

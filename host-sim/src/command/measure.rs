@@ -11,15 +11,15 @@ pub struct MeasureArgs {
     #[arg(long, value_enum, default_value_t = Metric::Line)]
     metric: Metric,
 
-    /// Joints count by their importance: the length of all bones behind them.
+    /// Weigh joints by their importance: the length of all bones that hang on them.
     #[arg(long)]
     weighted: bool,
 
-    /// Steps in which a line is sampled. Without: 10, as in the paper.
+    /// Steps in which a line is sampled. Default: 10, as in the paper.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     steps: Option<u16>,
 
-    /// Joint that poses are seen from. Without: the skeleton's root, or the first joint below it that moves.
+    /// Joint that poses are seen from. Default: the skeleton's root, or the first joint below it that moves.
     #[arg(long, value_name = "JOINT")]
     pub root: Option<String>,
 }

@@ -7,7 +7,7 @@ use anyhow::Context as _;
 /// The option of the number of threads.
 #[derive(Debug, clap::Args)]
 pub struct ThreadArgs {
-    /// Number of threads; the result does not depend on it. Without: one per processor.
+    /// Number of threads; the result does not depend on it. Default: one per processor.
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
 }

@@ -1,11 +1,9 @@
 //! Why an evaluation has no result.
 
-use sinew_core::control::GainsError;
 use sinew_core::importance::{ImportanceError, RestPoseError};
-use sinew_core::observer::ObserverError;
-use sinew_core::projection::ProjectionError;
 use sinew_core::supply::SupplyError;
-use sinew_core::{ControllerError, StateInputError, TreeError};
+use sinew_core::tracker::{StepError, TrackerError};
+use sinew_core::{ControllerError, TreeError};
 use thiserror::Error;
 
 use super::{MethodName, SetupError};
@@ -44,6 +42,12 @@ pub enum RunError {
         /// Frames of the clip.
         frames: usize,
     },
+    /// Ticks are counted in 31 bits.
+    #[error("{frames} frames; at most 2147483647 can be tracked")]
+    TooLong {
+        /// Frames of the clip.
+        frames: usize,
+    },
     /// The figure was lost.
     #[error("diverged at frame {frame}: the {body} is {linear_m:.3} m from its goal")]
     Diverged {
@@ -66,24 +70,18 @@ pub enum RunError {
         /// Frame of the clip.
         frame: usize,
         /// Why.
-        source: StateInputError,
+        source: StepError,
     },
-    /// The clip's pose cannot be projected on the figure's.
-    #[error(transparent)]
-    Projection(#[from] ProjectionError),
-    /// There is no such observer.
-    #[error("controller.observer: {0}")]
-    Observer(#[from] ObserverError),
+    /// There is no such tracker.
+    #[error("controller: {0}")]
+    Tracker(#[from] TrackerError),
     /// The clip's skeleton cannot be given a body.
     #[error(transparent)]
     Model(#[from] BodyModelError),
     /// The figure cannot be built.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// The gains cannot be used.
-    #[error(transparent)]
-    Gains(#[from] GainsError),
-    /// The controller cannot be built.
+    /// The limits of the drives cannot be.
     #[error(transparent)]
     Controller(#[from] ControllerError),
     /// The figure's rest pose cannot be weighed.

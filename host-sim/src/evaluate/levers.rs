@@ -19,10 +19,10 @@ const POINTS: usize = 2 * BODY_COUNT;
 
 /// The lever of each joint in metres: how far the mean point of the figure's skin is moved by a turn of 1 rad, at most.
 ///
-/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface below joint i in the rest pose, A the whole surface. It is Holden's importance
-/// ("Joint Error Propagation", 2025) of cylinders, without a base, per surface. A body is the cylinder that has its mass
-/// around the line from its joint through its centre of mass, which is in its middle: so every body has a surface, the
-/// leaves and those that several others hang on too, whatever its joints are like.
+/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface below joint i in the rest pose, A the whole surface. It is Holden's
+/// importance ("Joint Error Propagation", 2025) of cylinders, without a base, per surface. A body is the cylinder
+/// that has its mass around the line from its joint through its centre of mass, which is in its middle: so every body
+/// has a surface, the leaves and those that several others hang on too, whatever its joints are like.
 ///
 /// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ the angle between the desired and the measured rotation of joint i as
 /// its parent sees it (of the root, as the world does), Δp what the root is off. To first order no less than the mean

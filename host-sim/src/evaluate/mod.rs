@@ -5,7 +5,6 @@ mod controller;
 pub mod detail;
 mod disturbance;
 mod error;
-mod estimate;
 mod levers;
 mod metrics;
 pub mod optimum;
@@ -23,16 +22,15 @@ use serde::Serialize;
 
 use crate::figure::{Dimensions, FigureMotion};
 
-pub use controller::{
-    AimName, BodyName, ControllerSettings, DesiredVelocity, DifferencesName, GainsName, LawName,
-    MethodName, ObserverChoice, ProjectionSettings, RateTermName, SharingName, WeightsName,
-};
+pub use sinew_core::tracker::MethodName;
+
+pub use controller::{BodyName, ControllerSettings};
 pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use levers::Levers;
 pub use metrics::{ErrorTotals, Errors, WeightedTotals};
-pub use setup::{BodySource, Setup, SetupError};
+pub use setup::{BodySource, FigureTracker, Setup, SetupError};
 pub use track::{Step, step_count, track};
 
 /// What to evaluate.
@@ -134,7 +132,7 @@ pub fn steps_of_all(motions: &[FigureMotion], protocol: &Protocol) -> usize {
 }
 
 /// Tracks every clip with every method on a figure of every scale. Runs in parallel; the result does not
-/// depend on the number of threads. `progress` is told the number of steps done, now and then.
+/// depend on the number of threads. `progress` gets the number of steps done, now and then.
 ///
 /// # Errors
 /// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,

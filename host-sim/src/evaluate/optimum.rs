@@ -1,7 +1,8 @@
-//! The pose of the figure nearest to the clip's: what no controller has to do with, only the figure's bones.
+//! The pose of the figure nearest to the clip's. It depends on the figure's bones alone, not on a controller.
 //!
-//! Of a figure of other dimensions, either the bodies' rotations can be the clip's or their positions come nearer
-//! to it. Its pose nearest to the desired one, over the rotations `R_i` of all bodies in the world and the root's position, has the least
+//! Of a figure of other dimensions, either the bodies' rotations can be the clip's or their positions come nearer to
+//! it. Its pose nearest to the desired one, over the rotations `R_i` of all bodies in the world and the root's
+//! position, has the least
 //!
 //! `Σ |p_i - p_d,i|² + w² Σ |Log(R_i R_d,iᵀ)|²`
 //!
@@ -78,7 +79,7 @@ pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum,
     let seconds = protocol.seconds;
     let frames: usize = motions.iter().map(|motion| track::step_count(motion, seconds)).sum();
     let every = frames.div_ceil(FRAMES).max(1);
-    let held: &[Held] = match protocol.setup.controller.root {
+    let held: &[Held] = match protocol.setup.root {
         Root::Driven => &[Held::Nothing, Held::Position],
         Root::Fixed => &[Held::Pose],
     };
@@ -132,7 +133,7 @@ pub fn nearest_poses(
 ) -> Result<(Errors, usize), RunError> {
     let model = setup.model(motion)?;
     let levers = Levers::of(&model)?;
-    let performance = Performance { motion, root: setup.controller.root };
+    let performance = Performance { motion, root: setup.root };
     let mut search = Search::new(&model.offset_m, weight_m, held);
     let (mut errors, mut unsolved) = (Errors::default(), 0);
     for frame in (1..=track::step_count(motion, seconds)).step_by(every) {
@@ -350,10 +351,11 @@ mod tests {
     use sinew_core::projection::ProjectionWorkspace;
 
     use super::*;
-    use crate::evaluate::{MethodName, ProjectionSettings};
+    use crate::evaluate::MethodName;
     use crate::figure::Dimensions;
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};
+    use sinew_core::tracker::ProjectionSettings;
 
     const ALL_HELD: [Held; 3] = [Held::Nothing, Held::Position, Held::Pose];
 
@@ -460,7 +462,8 @@ mod tests {
                 };
                 let model = setup.model(&motion).unwrap();
                 let tree = model.tree(Root::Driven).unwrap();
-                let projection = setup.projection(&tree).unwrap().unwrap();
+                let settings = setup.controller.named(|BodyName(body)| body);
+                let projection = settings.projection(&tree).unwrap().unwrap();
                 let performance = Performance { motion: &motion, root: Root::Driven };
                 let joints = performance.joint_poses(30);
                 let mut nearest = joints;

@@ -1,4 +1,4 @@
-//! The front of two errors: what is on it cannot be bettered in one without losing in the other.
+//! The Pareto front of two errors: the points where neither gets smaller without the other getting larger.
 
 /// Which of the points are on the Pareto front of two errors, smaller being better: those to which no other
 /// point is equal or better in both and better in one. Equal points are on it together; a point with a NaN is not.

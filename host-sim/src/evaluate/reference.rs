@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
-use sinew_core::trajectory::interpolate;
+use sinew_core::tracker::before_the_first;
 
 use crate::figure::{BODIES, BODY_COUNT, FigureMotion, Root};
 use crate::plant::{MovingPose, Pose};
@@ -16,9 +16,9 @@ pub(super) struct Performance<'a> {
 
 impl Performance<'_> {
     /// Poses of all joints so many frames before the first: they move on as they do in the first step.
-    pub(super) fn joint_poses_before(&self, frames: usize) -> [Transform; BODY_COUNT] {
+    pub(super) fn joint_poses_before(&self, frames: u32) -> [Transform; BODY_COUNT] {
         let [first, second] = [self.joint_poses(0), self.joint_poses(1)];
-        std::array::from_fn(|joint| interpolate(&first[joint], &second[joint], -(frames as f32)))
+        std::array::from_fn(|joint| before_the_first(&first[joint], &second[joint], frames))
     }
 
     /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame.
@@ -59,16 +59,6 @@ impl Performance<'_> {
     pub(super) fn start(&self, offset_m: &[DVec3; BODY_COUNT]) -> [MovingPose; BODY_COUNT] {
         let [now, next] = [0, 1].map(|frame| self.world_poses(offset_m, frame));
         std::array::from_fn(|body| moving(now[body], [now[body], next[body]], self.motion.dt_s))
-    }
-
-    /// The clip's bodies at a frame, with the velocity of the step that led there; at the first frame, of
-    /// the step that leads on.
-    pub(super) fn backward(&self, frame: usize) -> [MovingPose; BODY_COUNT] {
-        let offset_m = &self.motion.offset_m;
-        let now = self.world_poses(offset_m, frame);
-        let from = self.world_poses(offset_m, frame.saturating_sub(1));
-        let to = self.world_poses(offset_m, frame.max(1));
-        std::array::from_fn(|body| moving(now[body], [from[body], to[body]], self.motion.dt_s))
     }
 }
 

@@ -80,13 +80,12 @@ pub fn largest_latency(
 ) -> Result<Option<usize>, Lost> {
     let mut setup = setup.clone();
     let recommended = setup.controller.method == MethodName::Recommended;
-    setup.controller = setup.effective_controller();
+    setup.controller = setup.controller.effective();
     let observer = &mut setup.controller.observer;
     observer.predict = look_ahead;
     if let Some(motion) = motions.first().filter(|_| recommended) {
         // As the setting itself does at low rates.
-        observer.bandwidth_rad_s =
-            observer.bandwidth_rad_s.min(f64::from(1.0 / narrow(motion.dt_s)));
+        observer.bandwidth_rad_s = observer.bandwidth_rad_s.min(1.0 / narrow(motion.dt_s));
     }
     let mut largest = None;
     for latency_steps in 0..=LATENCY_MOST {

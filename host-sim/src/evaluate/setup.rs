@@ -1,30 +1,31 @@
 //! A setup: all that a run can be varied in, but its clip.
 
 use serde::{Deserialize, Serialize};
-use sinew_core::control::{ControlLaw, Gains};
-use sinew_core::dynamics::{OuterJoints, reflected_inertia};
-use sinew_core::importance::{RestPose, descendants_length};
-use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionError};
-use sinew_core::{Controller, JointStates, Tree};
+use sinew_core::Workspace;
+use sinew_core::tracker::{SettingError, Timing, Tracker};
 use thiserror::Error;
 
-use super::controller::{
-    ControllerSettings, GainsName, LawName, MethodName, ObserverChoice, ProjectionSettings,
-    WeightsName, narrow,
-};
-use super::disturbance::Disturbance;
+use super::controller::{BodyName, ControllerSettings, narrow};
+use super::disturbance::{Disturbance, LATENCY_MOST};
 use super::error::RunError;
-use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Subject};
+use super::levers::Levers;
+use super::supply::supply;
+use crate::figure::{
+    BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject,
+};
 use crate::parse_message::parse_message;
 use crate::plant::PlantSettings;
-use crate::weights;
+
+/// The figure's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
+pub type FigureTracker = Tracker<BODY_COUNT, { LATENCY_MOST + 1 }, BODY_COUNT>;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
 /// In TOML, every key may be left out:
 ///
 /// ```
-/// use sinew_sim::evaluate::{MethodName, Setup};
+/// use sinew_core::tracker::MethodName;
+/// use sinew_sim::evaluate::Setup;
 /// let setup = Setup::parse("controller.method = 'world'\nplant.substeps = 2")?;
 /// assert_eq!(setup.controller.method, MethodName::World);
 /// assert!(Setup::parse("controller.kp = nan").is_err());
@@ -37,6 +38,8 @@ pub struct Setup {
     pub body: BodySource,
     /// How large it is against the clip.
     pub dimensions: Dimensions,
+    /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
+    pub root: Root,
     /// How it is controlled.
     pub controller: ControllerSettings,
     /// How it is simulated.
@@ -69,19 +72,9 @@ pub enum SetupError {
     /// A subject for a body that needs none.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
-    /// An observer of accelerations for a law that commands none.
-    #[error(
-        "controller.law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\""
-    )]
-    ObserverWithoutDynamics,
-    /// Gains of joints for a law that knows their inertia itself.
-    #[error("controller.gains: expected \"uniform\", but with controller.law = \"pd\"")]
-    GainsWithoutPd,
-    /// Gains of a period for a law that has no unit of inertia.
-    #[error(
-        "controller.implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia"
-    )]
-    ImplicitWithoutInertia,
+    /// A setting of the controller.
+    #[error("controller.{0}")]
+    Controller(#[from] SettingError),
     /// A value out of its range.
     #[error("{key}: expected {expected}, found {value}")]
     Value {
@@ -132,7 +125,6 @@ impl Setup {
         let value = |key: &str, (expected, value)| {
             Err(SetupError::Value { key: key.to_owned(), expected, value })
         };
-        let controller = self.effective_controller();
         if let Some((key, expected, found)) = self.dimensions.fault() {
             return value(&format!("dimensions.{key}"), (expected, found));
         }
@@ -142,62 +134,12 @@ impl Setup {
         if self.subject.is_some() && self.body != BodySource::HanavanKwon {
             return Err(SetupError::SubjectWithoutBody);
         }
-        let ControllerSettings { beta, kp, law, gains, projection, resolved, implicit, .. } =
-            controller;
-        if gains != GainsName::Uniform && law != LawName::Pd {
-            return Err(SetupError::GainsWithoutPd);
-        }
-        let ObserverChoice { bandwidth_rad_s, cancel, predict } = controller.observer;
-        if law == LawName::Pd && (predict || bandwidth_rad_s > 0.0) {
-            return Err(SetupError::ObserverWithoutDynamics);
-        }
-        if implicit && law == LawName::Pd && gains == GainsName::Uniform {
-            return Err(SetupError::ImplicitWithoutInertia);
-        }
-        if !(0.0..=2.0).contains(&beta) {
-            return value("controller.beta", ("a weight from 0 to 2", beta));
-        }
-        if !(0.01..=100.0).contains(&projection.rotation_m) {
-            let expected = "a length from 0.01 to 100 m";
-            return value("controller.projection.rotation_m", (expected, projection.rotation_m));
-        }
-        let heaviest = 1e4 * resolved.rotation_m * resolved.rotation_m;
-        if resolved.position != 0.0 && !(1e-6..=heaviest).contains(&resolved.position) {
-            let expected = "0, or a weight from 1e-6 to 1e4 times the square of rotation_m";
-            return value("controller.resolved.position", (expected, resolved.position));
-        }
-        if !(0.01..=100.0).contains(&resolved.rotation_m) {
-            let expected = "a length from 0.01 to 100 m";
-            return value("controller.resolved.rotation_m", (expected, resolved.rotation_m));
-        }
-        if !(0.0..=1000.0).contains(&bandwidth_rad_s) {
-            let expected = "a bandwidth from 0 to 1000 rad/s";
-            return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
-        }
-        if cancel && bandwidth_rad_s <= 0.0 {
-            let expected =
-                "a bandwidth above 0 rad/s: without an observer there is nothing to cancel";
-            return value("controller.observer.bandwidth_rad_s", (expected, bandwidth_rad_s));
-        }
-        if projection.sweeps == 0 {
-            return value("controller.projection.sweeps", ("a number from 1 to 255", 0.0));
-        }
-        if !(kp > 0.0 && kp.is_finite()) {
-            return value("controller.kp", ("a finite number above 0", kp));
-        }
+        self.controller.check()?;
         if !(1..=1000).contains(&self.plant.substeps) {
             let found = self.plant.substeps as f64;
             return value("plant.substeps", ("a number from 1 to 1000", found));
         }
         Ok(())
-    }
-
-    /// How the figure is controlled in the end: the method `recommended` stands for several settings.
-    pub fn effective_controller(&self) -> ControllerSettings {
-        match self.controller.method {
-            MethodName::Recommended => self.controller.recommended(),
-            _ => self.controller,
-        }
     }
 
     /// The keys that differ from the default, with their values: `plant.substeps = 4`.
@@ -225,65 +167,25 @@ impl Setup {
         Ok(model.scaled_by(&self.dimensions.factors()))
     }
 
-    /// The projection of the clip's poses on a figure's, if its method has one.
-    pub(super) fn projection(
-        &self,
-        tree: &Tree<BODY_COUNT>,
-    ) -> Result<Option<ManifoldProjection<BODY_COUNT>>, RunError> {
-        let controller = self.effective_controller();
-        if controller.method != MethodName::ManifoldProjection {
-            return Ok(None);
-        }
-        let ProjectionSettings { rotation_m, root_held, sweeps, .. } = controller.projection;
-        let rotation_m = narrow(rotation_m);
-        let weights = match controller.projection.weights {
-            WeightsName::Uniform => {
-                BodyWeights::new(tree, &[BodyWeight::new(1.0, rotation_m); BODY_COUNT])
-            }
-            WeightsName::Lengths => {
-                let usual = weights::Settings::default();
-                let base_m = narrow(usual.base_of(weights::Method::Lengths));
-                let rest_pose = RestPose::of_tree(tree)?;
-                let importance = descendants_length(&rest_pose, base_m, narrow(usual.discount))?;
-                BodyWeights::by_importance(tree, rotation_m, &importance)
-            }
-        };
-        let weights = weights.map_err(ProjectionError::Weights)?;
-        let projection = ManifoldProjection::new(tree, weights.as_slice())?.with_sweeps(sweeps);
-        Ok(Some(if root_held { projection.with_root_held() } else { projection }))
-    }
-
-    /// The controller of a figure, which acts once in `dt_s` seconds.
+    /// The tracker of a figure, which acts once in `dt_s` seconds.
     ///
     /// # Errors
-    /// [`RunError`] if the figure's numbers do not survive f32, or the method does not go with the law.
-    pub(super) fn controller(
+    /// [`RunError`] if the figure's numbers do not survive f32, or a setting does not go with it.
+    pub(super) fn tracker(
         &self,
         model: &BodyModel,
+        levers: &Levers,
         dt_s: f64,
-    ) -> Result<Controller<BODY_COUNT>, RunError> {
-        let settings = self.effective_controller();
-        let tree = model.tree(settings.root)?;
-        let method = settings.method(&tree);
-        let law = match settings.law {
-            LawName::InverseDynamics => ControlLaw::InverseDynamics,
-            LawName::Pd => ControlLaw::ProportionalDerivative,
-        };
-        let outer = match settings.gains {
-            GainsName::Uniform => None,
-            GainsName::CompositeInertia => Some(OuterJoints::Locked),
-            GainsName::ArticulatedInertia => Some(OuterJoints::Free),
-        };
-        let inertias =
-            outer.map(|outer| reflected_inertia(&tree, &JointStates::rest(&tree), outer));
-        let gains = Gains::critically_damped(narrow(settings.kp))?;
-        let gains = if settings.implicit { gains.implicit(narrow(dt_s))? } else { gains };
-        let controller =
-            Controller::new(tree, gains, method)?.with_limits(&self.disturbance.torque_limits())?;
-        if let Some(inertias) = inertias {
-            return Ok(controller.with_pd_of_inertia(&inertias)?);
-        }
-        Ok(controller.with_law(law)?)
+    ) -> Result<Box<FigureTracker>, RunError> {
+        let tree = model.tree(self.root)?;
+        let settings = self.controller.named(|BodyName(body)| body);
+        let latency_ticks = self.disturbance.latency_steps;
+        let timing = Timing { dt_s: narrow(dt_s), latency_ticks };
+        let supply = supply(self, &tree, levers)?;
+        let tracker = Tracker::with_workspace(tree, &settings, timing, Workspace::resolving())?
+            .with_limits(&self.disturbance.torque_limits())?
+            .with_supply(supply);
+        Ok(Box::new(tracker))
     }
 }
 
@@ -293,8 +195,21 @@ fn differences(prefix: &str, table: &toml::Table, from: &toml::Table, lines: &mu
             (toml::Value::Table(inner), Some(toml::Value::Table(from))) => {
                 differences(&format!("{prefix}{key}."), inner, from, lines);
             }
-            (value, from) if from != Some(value) => lines.push(format!("{prefix}{key} = {value}")),
+            (value, from) if from != Some(value) => {
+                lines.push(format!("{prefix}{key} = {}", short(value)));
+            }
             _ => {}
         }
+    }
+}
+
+/// A value as people write it: the core's numbers are f32, and in f64, which TOML has, they get digits that say
+/// nothing.
+fn short(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Float(number) if f64::from(narrow(*number)).to_bits() == number.to_bits() => {
+            format!("{:?}", narrow(*number))
+        }
+        other => other.to_string(),
     }
 }

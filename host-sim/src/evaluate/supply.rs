@@ -1,55 +1,33 @@
-//! What the drives of the joints have together, and how they share it.
+//! What the drives of the joints have together.
 
+use sinew_core::JointStates;
+use sinew_core::Tree;
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::supply::TorqueSupply;
-use sinew_core::{Controller, JointStates, Tree, Workspace, Wrench};
+use sinew_core::tracker::Sharing;
 
-use super::controller::{SharingName, narrow};
+use super::controller::narrow;
 use super::error::RunError;
 use super::levers::Levers;
 use super::setup::Setup;
 use crate::figure::BODY_COUNT;
 
-/// The supply of a run, and the rule by which it is shared.
-pub(super) struct Supply {
-    supply: TorqueSupply<BODY_COUNT>,
-    sharing: SharingName,
+/// The supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
+/// inertias that their drives work against in the rest pose.
+pub(super) fn supply(
+    setup: &Setup,
+    tree: &Tree<BODY_COUNT>,
+    levers: &Levers,
+) -> Result<TorqueSupply<BODY_COUNT>, RunError> {
+    let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
+    Ok(match setup.controller.effective().sharing {
+        Sharing::Alike | Sharing::Accelerations => supply,
+        Sharing::Importance => supply.with_weights(&weights(tree, levers))?,
+    })
 }
 
-impl Supply {
-    pub(super) fn new(
-        setup: &Setup,
-        tree: &Tree<BODY_COUNT>,
-        levers: &Levers,
-    ) -> Result<Self, RunError> {
-        let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
-        let sharing = setup.effective_controller().sharing;
-        let supply = match sharing {
-            SharingName::Alike | SharingName::Accelerations => supply,
-            SharingName::Importance => supply.with_weights(&weights(tree, levers))?,
-        };
-        Ok(Self { supply, sharing })
-    }
-
-    /// Cuts what the last tick asked for to what there is.
-    pub(super) fn share<const R: usize>(
-        &self,
-        controller: &Controller<BODY_COUNT>,
-        states: &JointStates<BODY_COUNT>,
-        workspace: &mut Workspace<BODY_COUNT, R>,
-    ) {
-        if self.sharing == SharingName::Accelerations && self.supply.supply_nm().is_finite() {
-            let mut carried = [Wrench::ZERO; BODY_COUNT];
-            controller.carried(states, &[], workspace, &mut carried);
-            self.supply.share_beyond(workspace.torques_mut(), &carried);
-        } else {
-            self.supply.share(workspace.torques_mut());
-        }
-    }
-}
-
-/// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by the
-/// lever of that.
+/// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by
+/// the lever of that.
 fn weights(tree: &Tree<BODY_COUNT>, levers: &Levers) -> [f32; BODY_COUNT] {
     let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
     let mut weights = [1.0; BODY_COUNT];

@@ -1,5 +1,9 @@
 use serde_json::Value;
 
+use sinew_core::control::ControlLaw;
+use sinew_core::state_error::RateTerm;
+use sinew_core::tracker::{DesiredVelocity, GainsName};
+
 use super::*;
 use crate::figure::Root;
 use crate::figure::fixture::moving;
@@ -81,7 +85,7 @@ fn every_disturbance_disturbs() {
 #[test]
 fn a_fixed_root_stays_and_the_clips_with_it() {
     let mut setup = with_method(MethodName::World);
-    setup.controller.root = Root::Fixed;
+    setup.root = Root::Fixed;
     let motion = moving("clip", 120);
     let mut errors = Errors::default();
     track(&motion, &setup, None, 0, |step| {
@@ -128,7 +132,7 @@ fn an_error_in_a_table_names_its_key_on_one_line() {
 fn a_setup_survives_toml() {
     let mut setup = with_method(MethodName::LinearCompensation);
     setup.disturbance.torque_limit_nm = 40.0;
-    setup.controller.rate_term = RateTermName::AsPrinted;
+    setup.controller.rate_term = RateTerm::AsPrinted;
     let text = toml::to_string(&setup).unwrap();
     assert_eq!(Setup::parse(&text).unwrap(), setup);
     assert_eq!(setup.differences().len(), 3, "{:?}", setup.differences());
@@ -268,7 +272,7 @@ fn gains_of_joints_are_for_pd_alone() {
     assert_ne!(with_pd, Setup::default());
     let of = |gains| {
         altered(|setup| {
-            setup.controller.law = LawName::Pd;
+            setup.controller.law = ControlLaw::ProportionalDerivative;
             setup.controller.kp = 1.0;
             setup.controller.gains = gains;
         })
@@ -313,7 +317,7 @@ fn resolved_acceleration_weighs_positions_and_needs_inverse_dynamics() {
     assert!(projected(true) != projected(false));
     let mut setup = Setup::default();
     setup.controller.method = MethodName::ResolvedAcceleration;
-    setup.controller.law = LawName::Pd;
+    setup.controller.law = ControlLaw::ProportionalDerivative;
     let error = track(&moving("clip", 10), &setup, None, 0, |_| ()).unwrap_err();
     assert!(error.to_string().contains("inverse dynamics"), "{error}");
 }

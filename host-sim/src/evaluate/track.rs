@@ -3,26 +3,20 @@
 use std::array;
 
 use glam::DVec3;
+use sinew_core::Transform;
 use sinew_core::control::LimitReason;
-use sinew_core::projection::{ManifoldProjection, ProjectionWorkspace};
-use sinew_core::trajectory::{aligned_targets, forward_targets, live_targets};
-use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointTargets, Transform, Twist, Workspace,
-};
+use sinew_core::tracker::{Frame, FrameSource};
 
-use super::controller::{ControllerSettings, DesiredVelocity, DifferencesName, narrow};
 use super::disturbance::{DelayLine, Sensors, Wanted};
 use super::error::RunError;
-use super::estimate::Estimate;
 use super::levers::Levers;
 use super::reference::{Performance, one_step_before};
-use super::setup::Setup;
-use super::supply::Supply;
+use super::setup::{FigureTracker, Setup};
 use crate::figure::{BODIES, BODY_COUNT, BodyModel, FigureMotion};
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
 
 /// One step of a run, after it was made: the figure at frame `frame`, in the world.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Step<'a> {
     /// Frame of the clip that both sides are at.
     pub frame: usize,
@@ -36,6 +30,10 @@ pub struct Step<'a> {
     pub levers: &'a Levers,
     /// How many joints were not given the torque they wanted.
     pub limited: usize,
+    /// What the sensors gave the controller in the tick before, and in this one.
+    pub readings: [&'a [Transform; BODY_COUNT]; 2],
+    /// What has made the torques.
+    pub tracker: &'a mut FigureTracker,
 }
 
 impl Step<'_> {
@@ -50,11 +48,6 @@ impl Step<'_> {
             }
         }
         widest_m
-    }
-
-    /// The poses of the plant's joints as sensors without faults tell them, each in its parent's frame.
-    pub fn joint_poses(&self) -> [Transform; BODY_COUNT] {
-        measured_joints(self.measured, self.offset_m)
     }
 }
 
@@ -106,19 +99,13 @@ pub fn track(
     }
     let model = setup.model(motion)?;
     let levers = Levers::of(&model)?;
-    let controller = setup.controller(&model, motion.dt_s)?;
-    let performance = Performance { motion, root: setup.controller.root };
-    let looks_ahead = setup.effective_controller().observer.predict;
-    let ahead = if looks_ahead { setup.disturbance.latency_steps } else { 0 };
-    let mut desired = Desired::new(performance, &controller, setup, ahead)?;
-    let supply = Supply::new(setup, controller.tree(), &levers)?;
-    let mut workspace = Workspace::resolving();
+    let mut tracker = setup.tracker(&model, &levers, motion.dt_s)?;
+    let performance = Performance { motion, root: setup.root };
+    let mut frames = ClipFrames { performance, joints: [Transform::IDENTITY; BODY_COUNT] };
 
     let start = performance.start(&model.offset_m);
-    let mechanism = Mechanism {
-        root: setup.controller.root,
-        bodies: plant_bodies(&setup.disturbance.built(&model)),
-    };
+    let mechanism =
+        Mechanism { root: setup.root, bodies: plant_bodies(&setup.disturbance.built(&model)) };
     let mut plant = setup.plant.build(&mechanism, &start, motion.dt_s)?;
     let mut sensors = Sensors::new(&setup.disturbance, stream);
     let mut delay = DelayLine::new(setup.disturbance.latency_steps);
@@ -126,24 +113,18 @@ pub fn track(
     let lost_m = length_m(&model.offset_m) + length_m(&motion.offset_m);
 
     let before = one_step_before(&start, motion.dt_s);
-    let before = sensors.read(measured_joints(&before, &model.offset_m));
-    let mut estimate = Estimate::new(setup, controller.tree(), &before, desired.dt_s)?;
+    let mut before = sensors.read(measured_joints(&before, &model.offset_m));
+    let refused = |frame| move |source| RunError::State { frame, source };
+    tracker.begin(&mut frames, 0, &before).map_err(refused(0))?;
     for frame in 0..steps {
-        let state_error = |source| RunError::State { frame, source };
         let now = sensors.read(measured_joints(plant.poses(), &model.offset_m));
-        estimate.observe(controller.tree(), &now).map_err(state_error)?;
-        let targets = desired.targets(frame + ahead)?;
-        estimate.compensate(targets);
-        controller.tick(targets, estimate.states(), &[], &mut workspace);
-        supply.share(&controller, estimate.states(), &mut workspace);
-        let torques = workspace.torques();
+        let tick = i32::try_from(frame).map_err(|_| RunError::TooLong { frames: steps })?;
+        let torques = tracker.step(&mut frames, tick, &now).map_err(refused(frame))?;
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
         let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
         let wanted = array::from_fn(|joint| torques[joint].value);
-        let torques: [_; BODY_COUNT] = array::from_fn(|joint| torques[joint]);
-        estimate.sent(workspace.commands(), &torques);
         set_drive(&mut drive, delay.pass(&wanted), plant.poses());
         plant.step(&drive);
 
@@ -156,140 +137,27 @@ pub fn track(
             offset_m: &model.offset_m,
             levers: &levers,
             limited,
+            readings: [&before, &now],
+            tracker: &mut tracker,
         });
+        before = now;
     }
     Ok(steps)
 }
 
-/// The desired side of a run: what the clip asks of the joints.
-struct Desired<'a> {
+/// A clip's frames, as the tracker asks for them.
+struct ClipFrames<'a> {
     performance: Performance<'a>,
-    settings: ControllerSettings,
-    dt_s: f32,
-    controller: &'a Controller<BODY_COUNT>,
-    projection: Option<(ManifoldProjection<BODY_COUNT>, ProjectionWorkspace<BODY_COUNT>)>,
-    targets: JointTargets<BODY_COUNT>,
-    of_bodies: ForwardDifferences<BODY_COUNT>,
-    /// Joint poses of three frames: the last one is that of the tick and as many farther as the differences
-    /// look ahead.
-    window: [[Transform; BODY_COUNT]; 3],
+    joints: [Transform; BODY_COUNT],
 }
 
-impl<'a> Desired<'a> {
-    /// The targets from frame `first` on.
-    fn new(
-        performance: Performance<'a>,
-        controller: &'a Controller<BODY_COUNT>,
-        setup: &Setup,
-        first: usize,
-    ) -> Result<Self, RunError> {
-        let settings = setup.effective_controller();
-        let projection = setup.projection(controller.tree())?;
-        let mut desired = Self {
-            performance,
-            settings,
-            dt_s: narrow(performance.motion.dt_s),
-            controller,
-            projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
-            targets: JointTargets::rest(controller.tree()),
-            of_bodies: ForwardDifferences::new(),
-            window: [[Transform::IDENTITY; BODY_COUNT]; 3],
+impl FrameSource for ClipFrames<'_> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        self.joints = match usize::try_from(index) {
+            Ok(index) => self.performance.joint_poses(index),
+            Err(_) => self.performance.joint_poses_before(index.unsigned_abs()),
         };
-        let newest = first + desired.frames_ahead();
-        for back in [3, 2, 1] {
-            let poses = match newest.checked_sub(back) {
-                Some(frame) => performance.joint_poses(frame),
-                None => performance.joint_poses_before(back - newest),
-            };
-            desired.take_in(&poses)?;
-        }
-        let (tree, dt_s) = (controller.tree(), desired.dt_s);
-        let [_, second, third] = &desired.window;
-        desired
-            .of_bodies
-            .restart(tree, dt_s, second)
-            .and_then(|()| desired.of_bodies.advance(tree, third, &mut desired.targets))
-            .map_err(|source| RunError::State { frame: first, source })?;
-        Ok(desired)
-    }
-
-    /// How many frames the differences look ahead.
-    const fn frames_ahead(&self) -> usize {
-        match self.settings.differences {
-            DifferencesName::Forward => 2,
-            DifferencesName::Aligned => 1,
-            DifferencesName::Live => 0,
-        }
-    }
-
-    /// Takes the next frame of the clip into the window, as the figure should perform it.
-    fn take_in(&mut self, poses: &[Transform; BODY_COUNT]) -> Result<(), RunError> {
-        let mut nearest = *poses;
-        if let Some((projection, workspace)) = &mut self.projection {
-            projection.project(self.controller.tree(), poses, workspace, &mut nearest)?;
-        }
-        let [_, second, third] = self.window;
-        self.window = [second, third, nearest];
-        Ok(())
-    }
-
-    /// Targets at `frame`; frames come one after the other.
-    fn targets(&mut self, frame: usize) -> Result<&mut JointTargets<BODY_COUNT>, RunError> {
-        self.take_in(&self.performance.joint_poses(frame + self.frames_ahead()))?;
-
-        let window = self.window.each_ref().map(<[_; BODY_COUNT]>::as_slice);
-        let (tree, dt_s, targets) = (self.controller.tree(), self.dt_s, &mut self.targets);
-        match (self.settings.differences, self.settings.desired_velocity) {
-            (DifferencesName::Aligned, _) => aligned_targets(window, dt_s, targets),
-            (DifferencesName::Live, _) => live_targets(window, dt_s, targets),
-            (DifferencesName::Forward, DesiredVelocity::Bodies) => {
-                self.of_bodies.advance(tree, window[2], targets)
-            }
-            (DifferencesName::Forward, _) => forward_targets(window, dt_s, targets),
-        }
-        .map_err(|source| RunError::State { frame, source })?;
-        if self.settings.differences == DifferencesName::Forward {
-            self.replace_velocities(frame)?;
-        }
-        Ok(&mut self.targets)
-    }
-
-    /// Puts velocities that are no forward differences in the place of those.
-    fn replace_velocities(&mut self, frame: usize) -> Result<(), RunError> {
-        match self.settings.desired_velocity {
-            DesiredVelocity::Bodies | DesiredVelocity::Joints => Ok(()),
-            DesiredVelocity::Zero => self.set_velocities(frame, |_| Twist::ZERO),
-            DesiredVelocity::Backward => {
-                let moving = self.performance.backward(frame);
-                let bodies: [BodyState; BODY_COUNT] = moving.map(|moving| BodyState {
-                    pose: Transform::new(
-                        moving.pose.rotation.as_quat(),
-                        moving.pose.position_m.as_vec3(),
-                    ),
-                    velocity: Twist::new(
-                        moving.angular_rad_s.as_vec3(),
-                        moving.linear_m_s.as_vec3(),
-                    ),
-                });
-                self.set_velocities(frame, |body| {
-                    let parent = BODIES[body].parent.map_or(BodyState::WORLD, |p| bodies[p]);
-                    bodies[body].joint_state(&parent).velocity
-                })
-            }
-        }
-    }
-
-    fn set_velocities(
-        &mut self,
-        frame: usize,
-        velocity: impl Fn(usize) -> Twist,
-    ) -> Result<(), RunError> {
-        for joint in 0..BODY_COUNT {
-            self.targets
-                .set_velocity(joint, velocity(joint))
-                .map_err(|source| RunError::State { frame, source })?;
-        }
-        Ok(())
+        Frame::Poses(&self.joints)
     }
 }
 

@@ -109,7 +109,7 @@ impl BodyModel {
         self.bodies.iter().map(|body| body.mass_kg).sum()
     }
 
-    /// The figure as the controller knows it, in f32: the root as told, all other joints spherical.
+    /// The figure as the controller knows it, in f32: the root as given, all other joints spherical.
     ///
     /// # Errors
     /// [`TreeError`] if the numbers do not survive f32.

@@ -18,7 +18,7 @@ pub struct FigureMotion {
     /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
     pub offset_m: [DVec3; BODY_COUNT],
     /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head,
-    /// hand or foot. It tells the body model how the segment lies. The pelvis ends up the trunk; in
+    /// hand or foot. It says to the body model how the segment lies. The pelvis ends up the trunk; in
     /// skeletons where the abdomen begins at the pelvis' own origin, both end at the thorax.
     pub segment_end_m: [DVec3; BODY_COUNT],
     /// World position of the pelvis in each frame.

@@ -125,8 +125,8 @@ pub struct Library {
 }
 
 impl Library {
-    /// Reads the clips that `paths` name, in parallel; `done` is told of each. Files of another skeleton than the query's are left out
-    /// if they come from a folder, and refused if they are named.
+    /// Reads the clips that `paths` name, in parallel; `done` is called for each. Files of another skeleton than the
+    /// query's are left out if they come from a folder, and refused if they are named.
     ///
     /// # Errors
     /// [`ReadError`] for the first clip that has one.

@@ -1,4 +1,4 @@
-//! The search: all moments whose distance is least, and few that are not looked at twice.
+//! The search: the moments with the least distances, for which few of all distances are computed.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -8,18 +8,21 @@ use rayon::prelude::*;
 
 use crate::spatial::{MeasuredPose, Measuring, Metric, SpatialRig, Weighting, Workspace};
 
-/// Poses that a query, itself some poses in a row, is searched in: every place of a clip where it fits is a moment's candidate. Its
-/// distance is the root mean square of its frames' distances, which of a measure that is a metric is one again.
+/// Poses that a query, itself some poses in a row, is searched in: every place of a clip where it fits is a moment's
+/// candidate. Its distance is the root mean square of its frames' distances, which of a measure that is a metric is
+/// one again.
 ///
-/// A moment is a place that no better one of its clip is near to ([`Limits::apart`]). The nearest moments are found exactly, after
-/// Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998): places are visited in the order of a lower bound of their
-/// distance, until that exceeds the distance of the last moment wanted; sums are given up once they exceed it. The bounds:
+/// A moment is a place that no better one of its clip is near to ([`Limits::apart`]). The nearest moments are found
+/// exactly, after Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998): places are visited in the
+/// order of a lower bound of their distance, until that exceeds the distance of the last moment wanted; sums are
+/// given up once they exceed it. The bounds:
 ///
-/// - for lines, the way straight through space, [`Measuring::position_distance`], of which in exact numbers no line is shorter. f32
-///   is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints' reach from the root amounts to as a distance
-///   (under 0.1 mm for a figure), which is some hundred times what rounding comes to.
-/// - for the other measures, the sum over every eighth frame. Of a single pose there is then nothing left out: the distance costs
-///   little more than any bound.
+/// - for lines, the way straight through space, [`Measuring::position_distance`], of which in exact numbers no line
+///   is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints' reach from
+///   the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what rounding comes
+///   to.
+/// - for the other measures, the sum over every eighth frame. Of a single pose there is then nothing left out: the
+///   distance costs little more than any bound.
 #[derive(Debug, Clone)]
 pub struct Search<'a> {
     measuring: &'a Measuring<'a>,
@@ -44,7 +47,7 @@ pub struct Limits {
 pub struct Moment {
     /// The clip.
     pub clip: usize,
-    /// Its pose that the query's first one is held against.
+    /// Its pose that the query's first one is compared with.
     pub pose: usize,
     /// Root mean square of the frames' distances, in the metric's unit.
     pub distance: f64,
@@ -73,15 +76,15 @@ pub struct Work {
 }
 
 impl Work {
-    /// The share of the distances that was never computed. Those that a bound is of are computed again with their sum, so that it may
-    /// be none.
+    /// The share of the distances that was never computed. Those that a bound is of are computed again with their
+    /// sum, so that it may be none.
     pub fn spared(&self) -> f64 {
         if self.all == 0 { 0.0 } else { (1.0 - self.computed as f64 / self.all as f64).max(0.0) }
     }
 }
 
-/// Places that are looked at before the limit is set anew: few where each takes long. It is part of the result's work, so it
-/// does not depend on threads.
+/// Places that are looked at before the limit is set anew: few where each takes long. It is part of the result's
+/// work, so it does not depend on threads.
 const LINES: usize = 32;
 const OTHERS: usize = 512;
 
@@ -125,14 +128,16 @@ impl<'a> Search<'a> {
         Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
     }
 
-    /// Lets places of a clip be no moments: where the query itself is from. What is near to a better one of them is none either.
+    /// Lets places of a clip be no moments: where the query itself is from. What is near to a better one of them is
+    /// none either.
     #[must_use]
     pub fn without(mut self, clip: usize, poses: Range<usize>) -> Self {
         self.closed[clip] = poses;
         self
     }
 
-    /// The nearest moments, the earlier first of those at the same distance; `done` is told how many places more were looked at.
+    /// The nearest moments, the earlier first of those at the same distance; `done` gets how many places more were
+    /// looked at.
     pub fn nearest(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
@@ -339,8 +344,8 @@ impl<'a> Computed<'a> {
             .take(self.limits.count)
     }
 
-    /// Whether no better place, or as good and earlier, is near. What is not known is not better: a place that is unknown
-    /// when the search ends is above the limit.
+    /// Whether no better place, or as good and earlier, is near. What is not known is not better: a place that is
+    /// unknown when the search ends is above the limit.
     fn is_moment(&self, (clip, pose): Place, sum: f64) -> bool {
         let sums = &self.sums[clip];
         let near = self.limits.apart.saturating_sub(1);

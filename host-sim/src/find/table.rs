@@ -106,7 +106,8 @@ struct Document<'a> {
     moments: Vec<Row<'a>>,
 }
 
-/// One JSON object, schema `sinew-find/1`: the query, the measure, what the search took, and the moments, nearest first.
+/// One JSON object, schema `sinew-find/1`: the query, the measure, what the search took, and the moments, nearest
+/// first.
 pub fn json(query: &Query, library: &Library, measure: Measure, found: &Found) -> String {
     let document = Document {
         schema: "sinew-find/1",

@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the blocks on
-/// it, `above[k]` the one in row k, column k + 1. `None` if it is not positive definite. O(blocks · size³).
+/// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the
+/// blocks on it, `above[k]` the one in row k, column k + 1. `None` if it is not positive definite. O(blocks · size³).
 pub(super) fn solve(
     diagonal: &[DMatrix<f64>],
     above: &[DMatrix<f64>],

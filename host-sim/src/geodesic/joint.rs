@@ -96,8 +96,8 @@ impl Model {
         }
     }
 
-    /// The directions that a joint can move in, outer ones first. `frame`: rotation of the joint frame in the world, `body`: of the
-    /// body. At the end of a turn's range, the first is the way out.
+    /// The directions that a joint can move in, outer ones first. `frame`: rotation of the joint frame in the world,
+    /// `body`: of the body. At the end of a turn's range, the first is the way out.
     pub(super) fn axes(
         self,
         state: &JointPosition,
@@ -139,8 +139,8 @@ impl Model {
         }
     }
 
-    /// How much the end of the range that the state is at bends inwards, per rad, seen across the first axis: of turns up to `m`
-    /// from the middle, ½ cot(m/2) (the second derivative of the angle across the way out).
+    /// How much the end of the range that the state is at bends inwards, per rad, seen across the first axis: of
+    /// turns up to `m` from the middle, ½ cot(m/2) (the second derivative of the angle across the way out).
     pub(super) fn bend_of_end(state: &JointPosition, range: JointRange) -> Option<f64> {
         match (range, *state) {
             (JointRange::Turn(most), JointPosition::Turn(q)) if is_at_end(q, most) => {

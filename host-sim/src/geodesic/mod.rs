@@ -1,5 +1,5 @@
-//! Geodesics between poses: the shortest ways through space that keep all bones as long as they are, and joints within
-//! their ranges. f64, in its own code: the judge of [`sinew_core::pose_space`].
+//! Geodesics between poses: the shortest ways through space that keep bone lengths, and joints within their ranges.
+//! f64, in its own code: the judge of [`sinew_core::pose_space`].
 
 mod block_tridiagonal;
 mod joint;

@@ -94,11 +94,11 @@ pub(super) struct Placed {
 }
 
 impl Rig {
-    /// A rig of joints in regular numbering, the root being left out: where it is and how it is turned counts for nothing.
+    /// A rig of joints in regular numbering, the root being left out: where it is and how it is turned counts for
+    /// nothing.
     ///
-    /// # Errors
-    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a parent does not come
-    /// first.
+    /// # Errors [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a
+    /// parent does not come first.
     pub fn new(given: &[RigJoint]) -> Result<Self, RigError> {
         let expected = given.len();
         let mut joints = Vec::with_capacity(expected);
@@ -240,10 +240,11 @@ impl Rig {
         jacobian
     }
 
-    /// Σ over all joints of `force` times the second derivative of their (weighted) positions: how the surface that F makes
-    /// bends, as seen along a force.
+    /// Σ over all joints of `force` times the second derivative of their (weighted) positions: how the surface that F
+    /// makes bends, as seen along a force.
     ///
-    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders' mean.
+    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders'
+    /// mean.
     pub(super) fn bend(&self, at: &Placed, force: &DVector<f64>) -> DMatrix<f64> {
         let count = self.joints.len();
         // Of what every joint carries: the sum of forces, and Σ r fᵀ about the joint.
@@ -331,8 +332,8 @@ impl Rig {
         ends
     }
 
-    /// Columns of the ways out of ranges that end in a sphere, at their ends, and how much each sphere bends across its way out: see
-    /// [`Model::bend_of_end`]. The two columns after are across.
+    /// Columns of the ways out of ranges that end in a sphere, at their ends, and how much each sphere bends across
+    /// its way out: see [`Model::bend_of_end`]. The two columns after are across.
     pub(super) fn spheres(&self, pose: &[JointPosition]) -> Vec<(usize, f64)> {
         let mut column = 0;
         let mut spheres = Vec::new();

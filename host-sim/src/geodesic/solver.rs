@@ -12,8 +12,8 @@ use super::rig::{Placed, Rig, RigError};
 pub struct Options {
     /// Number of steps of the curve, N of the paper: there are N - 1 poses to find.
     pub steps: usize,
-    /// Ends when no component of the gradient is above this share of the energy at the start (per rad or m), or above what
-    /// rounding comes to.
+    /// Ends when no component of the gradient is above this share of the energy at the start (per rad or m), or above
+    /// what rounding comes to.
     pub tolerance: f64,
     /// Gives up after so many iterations.
     pub iterations: usize,
@@ -63,8 +63,8 @@ const SLOWEST: f64 = 1.0 / 3.0;
 /// What is added to second derivatives for every unit of the gradient.
 const RIDGE: f64 = 0.3;
 
-/// The curve of least energy (eq. 6) from one pose to another, each brought within the ranges: of several, the one downhill from every joint's own shortest
-/// way. O(steps · columns³) for each iteration.
+/// The curve of least energy (eq. 6) from one pose to another, each brought within the ranges: of several, the one
+/// downhill from every joint's own shortest way. O(steps · columns³) for each iteration.
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.
@@ -235,8 +235,8 @@ impl Model {
 
     /// The curve after a step, and how much less its energy should be. `None` if the step cannot be found.
     fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<(Curve, f64)> {
-        // Turns of two joints that undo each other move nothing; second derivatives along them are as large as the gradient, of
-        // either sign. A ridge of that size keeps them positive, and goes as the end is near.
+        // Turns of two joints that undo each other move nothing; second derivatives along them are as large as the
+        // gradient, of either sign. A ridge of that size keeps them positive, and goes as the end is near.
         let damped = |blocks: &[DMatrix<f64>], ridge: f64| -> Vec<DMatrix<f64>> {
             let largest =
                 self.convex.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);

@@ -56,7 +56,7 @@ const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
-    /// The mapping told the frame rate.
+    /// The mapping gave the frame rate.
     #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
     RateAssumed {
         /// The rate.
@@ -100,7 +100,7 @@ pub enum Error {
     /// The paths do not name clips.
     #[error(transparent)]
     Files(#[from] files::Error),
-    /// Nobody tells the frame rate.
+    /// Nothing says the frame rate.
     #[error("{clip}: {source}")]
     NoRate {
         /// The file.

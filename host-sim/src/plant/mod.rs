@@ -154,7 +154,7 @@ pub struct Drive {
     pub torque_nm: Vec<DVec3>,
 }
 
-/// A simulated mechanism that is driven by torques and tells its poses, nothing else: velocities are for
+/// A simulated mechanism that is driven by torques and gives its poses, nothing else: velocities are for
 /// the controller to find.
 pub trait Plant {
     /// Advances by one step with the drives held.

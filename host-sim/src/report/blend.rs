@@ -1,4 +1,5 @@
-//! What `sinew blend` made: figures through the transition, where the clips are near each other, and how fast their joints are.
+//! What `sinew blend` made: figures through the transition, where the clips are near each other, and how fast their
+//! joints are.
 
 use std::io;
 use std::path::Path;
@@ -64,8 +65,8 @@ pub fn check(path: &Path) -> io::Result<()> {
 
 /// Draws a blend, as SVG, or as PNG if the file is named so.
 ///
-/// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that cannot be drawn.
+/// # Errors What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
+/// cannot be drawn.
 pub fn write(path: &Path, drawing: &Drawing<'_>) -> io::Result<()> {
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidInput, error);
     let binding = Binding::new(drawing.mapping, &drawing.blend.clip.skeleton)

@@ -1,5 +1,6 @@
 //! An evaluation as one page that needs nothing but a browser, and its pictures as files.
 
+mod animation;
 pub mod blend;
 pub mod chart;
 mod comparison;
@@ -60,7 +61,7 @@ impl Report<'_> {
         page::page(self).into_string()
     }
 
-    /// Writes `index.html`, and every picture as SVG and PNG, into a folder.
+    /// Writes `index.html`, every picture as SVG and PNG, and `playback.svg`, which moves, into a folder.
     ///
     /// # Errors
     /// What the system says.
@@ -70,6 +71,9 @@ impl Report<'_> {
             let svg = alone(&picture.0);
             fs::write(folder.join(format!("{name}.png")), png::png(&svg))?;
             fs::write(folder.join(format!("{name}.svg")), svg)?;
+        }
+        if let Some(picture) = self.playback.and_then(animation::animation) {
+            fs::write(folder.join("playback.svg"), alone(&picture.0))?;
         }
         Ok(())
     }

@@ -388,8 +388,8 @@ fn swept(sweep: &Sweep) -> Markup {
             @let fronts = sweep.fronts();
             @if !fronts.is_empty() {
                 p {
-                    "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a cell on the \
-                     front: no other one there has less of both errors."
+                    "Angle against distance, for figures, plants and disturbances that are the same. A ring marks a Pareto-optimal \
+                     cell: no other one there has both errors smaller."
                     @if fronts.len() > FRONTS { " Of " (fronts.len()) " such tasks, the first " (FRONTS) " are shown." }
                 }
                 @for front in fronts.iter().take(FRONTS) {
@@ -430,7 +430,7 @@ fn notes(report: &Report<'_>) -> Markup {
 
 fn explanation(method: MethodName) -> &'static str {
     match method {
-        MethodName::Local => "Every body is compared with its goal as its parent sees it.",
+        MethodName::Local => "Every body is compared with its goal in its parent's frame.",
         MethodName::World => "Every body is compared with its goal in the world.",
         MethodName::Egocentric => "Every body is compared with its goal as the pelvis sees it.",
         MethodName::Accumulated => {

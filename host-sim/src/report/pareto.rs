@@ -74,7 +74,7 @@ pub(super) fn explanation(optimum: Option<&Optimum>) -> Markup {
     let [most_m, .., least_m] = WEIGHTS_M;
     html! {
         p {
-            "The nearer to the lower left, the better. A ring marks a method on the front: no other one has less of both errors."
+            "The nearer to the lower left, the better. A ring marks a Pareto-optimal method: no other one has both errors smaller."
             @if optimum.is_some() {
                 " The line is what the bones alone allow, without any dynamics: the pose of this figure that is nearest to the \
                  clip’s, where a turn of 1 rad counts as much as a distance of " (most_m) " m (left) to " (least_m) " m (right)."

@@ -5,7 +5,6 @@ mod pareto;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use clap::ValueEnum as _;
 use thiserror::Error;
 
 use crate::evaluate::MethodName;
@@ -139,8 +138,7 @@ impl Sweep {
                 let values: Vec<String> =
                     rows.iter().map(|record| record[index].to_owned()).collect();
                 if name == "controller.method" {
-                    let of_name = |name: &String| MethodName::from_str(name, false).ok();
-                    methods = values.iter().map(of_name).collect();
+                    methods = values.iter().map(|name| MethodName::from_name(name)).collect();
                 }
                 if values.iter().any(|value| *value != values[0]) {
                     parameters.push(Column { name, values });

@@ -1,4 +1,4 @@
-//! Distances between all pairs of some things, each worked out once.
+//! Distances between all pairs of some things, each computed once.
 
 use rayon::prelude::*;
 
@@ -10,8 +10,8 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// The distances that `distance` has between things `i > j`, rows in parallel; `done` is told of every row with its number
-    /// of pairs. The same bits for any number of threads. Memory: two bytes for each ordered pair.
+    /// The distances that `distance` has between things `i > j`, rows in parallel; `done` is called for every row
+    /// with its number of pairs. The same bits for any number of threads. Memory: two bytes for each ordered pair.
     pub fn new<W>(
         count: usize,
         workspace: impl Fn() -> W + Sync,

@@ -167,7 +167,8 @@ impl<'r> Measuring<'r> {
         }
     }
 
-    /// The way straight through space, with the measure's weights: in exact numbers a line or a geodesic is never shorter.
+    /// The way straight through space, with the measure's weights: in exact numbers a line or a geodesic is never
+    /// shorter.
     pub fn position_distance(&self, a: &MeasuredPose, b: &MeasuredPose) -> f32 {
         self.space.position_distance(&a.places, &b.places)
     }

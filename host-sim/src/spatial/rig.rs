@@ -35,7 +35,8 @@ enum Turn {
     Against(usize),
 }
 
-/// No bone is longer: a file in another unit may have such. Squares of shorter ones, times importances, are weights of `core`.
+/// No bone is longer: a file in another unit may have such. Squares of shorter ones, times importances, are weights
+/// of `core`.
 const LONGEST_M: f64 = 100.0;
 
 /// A skeleton cannot be compared in space.
@@ -71,11 +72,11 @@ pub enum SpatialError {
 }
 
 impl SpatialRig {
-    /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the skeleton's root.
+    /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the
+    /// skeleton's root.
     ///
-    /// # Errors
-    /// [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is not finite or longer than
-    /// 100 m.
+    /// # Errors [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is
+    /// not finite or longer than 100 m.
     pub fn new(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
         let start = match root {
             None => 0,
@@ -114,7 +115,8 @@ impl SpatialRig {
         &self.bodies[body].joint
     }
 
-    /// How much each body counts: the length of all bones behind it (D. Holden, "Joint Error Propagation", 2025), their mean 1.
+    /// How much each body counts: the length of all bones behind it (D. Holden, "Joint Error Propagation", 2025),
+    /// their mean 1.
     pub fn importance(&self) -> &[f32] {
         &self.importance
     }

@@ -2,7 +2,7 @@
 //!
 //! A sweep file holds grids of values; each combination is a cell, a [`Setup`](crate::evaluate::Setup) of its own.
 //! What is run is a unit: one cell on one clip. Every finished unit goes to a journal at once, so that a
-//! sweep that was killed goes on where it was; the tables are written from the journal when it is complete,
+//! sweep that was killed resumes; the tables are written from the journal when it is complete,
 //! and are the same bytes however it came about.
 
 mod error;
@@ -52,7 +52,7 @@ pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[FigureMotion]) -> u
     missing.map(|unit| step_count(&motions[unit.clip], plan.seconds)).sum()
 }
 
-/// Runs what the journal lacks, then writes the tables beside it. `progress` is told the number of steps
+/// Runs what the journal lacks, then writes the tables beside it. `progress` gets the number of steps
 /// done, now and then.
 ///
 /// # Errors

@@ -14,12 +14,9 @@ pub struct ParetoFront {
     pub cells: Vec<(usize, Errors)>,
 }
 
-/// What is controlled, as text: of a setup all but its controller, but how the pelvis is held. Only rows of
-/// the same task can be compared.
+/// What is controlled, as text: of a setup all but its controller. Only rows of the same task can be compared.
 pub(super) fn task(setup: &Setup) -> String {
-    let root = setup.controller.root;
-    let controller = ControllerSettings { root, ..ControllerSettings::default() };
-    let task = Setup { controller, ..setup.clone() };
+    let task = Setup { controller: ControllerSettings::default(), ..setup.clone() };
     toml::to_string(&task).expect("every setup can be written in TOML")
 }
 
@@ -99,7 +96,7 @@ mod tests {
         let mut stiff = of_scale(1.1);
         stiff.controller.kp = 300.0;
         let mut bolted = of_scale(1.1);
-        bolted.controller.root = Root::Fixed;
+        bolted.root = Root::Fixed;
         let setups = [&of_scale(1.0), &of_scale(1.1), &stiff, &stiff, &bolted];
         let cells = [(0.01, 0.01), (0.02, 0.04), (0.03, 0.05), (0.01, 0.06), (0.05, 0.08)];
         let cells = cells.map(|(angle, distance)| errors(angle, distance));

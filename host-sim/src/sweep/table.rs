@@ -161,7 +161,7 @@ fn leaf(errors: &Errors) -> [f64; 4] {
     errors.leaf.figures()
 }
 
-/// Every key of the setups, constant or not: a table tells all about its rows. Subjects by their name.
+/// Every key of the setups, constant or not: a table says all about its rows. Subjects by their name.
 fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
     let mut template = Vec::new();
     flatten("", &table(&Setup::default()), &mut template);

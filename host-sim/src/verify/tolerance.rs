@@ -127,37 +127,38 @@ pub const FORWARD: Limit = Limit::Relative(1e-11);
 /// and of the sums, times the condition of the mass matrix, which is some 1e4; 2.6e-4 is reached with 32 bodies.
 pub const CORE_FORWARD: Limit = Limit::Relative(1e-3);
 
-/// Weights by the length of descendants, each relative to itself: lengths of 0.1 m and more between positions of up to 1 m,
-/// each coordinate rounded, added up with two roundings for every joint on the way; 2.5e-7 is reached.
+/// Weights by the length of descendants, each relative to itself: lengths of 0.1 m and more between positions of up
+/// to 1 m, each coordinate rounded, added up with two roundings for every joint on the way; 2.5e-7 is reached.
 pub const WEIGHT_OF_LENGTHS: Limit = Limit::Relative(10.0 * HALF_ULP);
 
-/// Weights by the surface of cylinders, each relative to itself: as [`WEIGHT_OF_LENGTHS`], which area and distance both
-/// have, the radius, and 1.6e-7 of the quadrature, which points in its place do not have; 4.8e-7 is reached with points.
+/// Weights by the surface of cylinders, each relative to itself: as [`WEIGHT_OF_LENGTHS`], which area and distance
+/// both have, the radius, and 1.6e-7 of the quadrature, which points in its place do not have; 4.8e-7 is reached with
+/// points.
 pub const WEIGHT_OF_CYLINDERS: Limit = Limit::Relative(16.0 * HALF_ULP);
 
-/// Weights by the surface of a mesh, each relative to itself: area, skinning weight and position of a vertex are rounded,
-/// its distance and their product, but not all one way, and their sum is compensated; 1.3e-7 is reached.
+/// Weights by the surface of a mesh, each relative to itself: area, skinning weight and position of a vertex are
+/// rounded, its distance and their product, but not all one way, and their sum is compensated; 1.3e-7 is reached.
 pub const WEIGHT_OF_MESH: Limit = Limit::Relative(6.0 * HALF_ULP);
 
-/// Distances of poses in angles, relative: logarithms of rotations that are off by two roundings, and the root of a sum of
-/// squares, which halves what is off; 3.1e-7 is reached.
+/// Distances of poses in angles, relative: logarithms of rotations that are off by two roundings, and the root of a
+/// sum of squares, which halves what is off; 3.1e-7 is reached.
 pub const ANGLE_DISTANCE: Limit = Limit::Relative(20.0 * HALF_ULP);
 
-/// Distances of poses in space and lengths of curves, relative: differences of positions that are off as [`CHAIN_POSITION`] has it, of
-/// figures not ten times as large as the distance; 3.8e-7 is reached.
+/// Distances of poses in space and lengths of curves, relative: differences of positions that are off as
+/// [`CHAIN_POSITION`] has it, of figures not ten times as large as the distance; 3.8e-7 is reached.
 pub const POSE_DISTANCE: Limit = Limit::Relative(20.0 * HALF_ULP);
 
 /// Energies of curves, relative: squares of [`POSE_DISTANCE`]; 6.0e-7 is reached.
 pub const CURVE_ENERGY: Limit = Limit::Relative(40.0 * HALF_ULP);
 
-/// Gradients of an energy, over the squared size of the figure times its number of joints: second differences of positions, each times an arm;
-/// 6e-8 is reached.
+/// Gradients of an energy, over the squared size of the figure times its number of joints: second differences of
+/// positions, each times an arm; 6e-8 is reached.
 pub const ENERGY_GRADIENT: Limit = Limit::Relative(5.0 * HALF_ULP);
 
-/// By how much the energy of a geodesic may be above the golden one, relative, computed in f64 as the files are: at a minimum,
-/// what its poses are off by counts squared. The promise is 1e-6; 5e-16 is reached.
+/// By how much the energy of a geodesic may be above the golden one, relative, computed in f64 as the files are: at a
+/// minimum, what its poses are off by counts squared. The promise is 1e-6; 5e-16 is reached.
 pub const GEODESIC_ENERGY: Limit = Limit::Relative(1e-12);
 
-/// Positions on geodesics, and their lengths, relative to the length: where the gradient ends at 1e-9 of the energy, in the direction in
-/// which the energy bends least; 3e-11 of a length is reached.
+/// Positions on geodesics, and their lengths, relative to the length: where the gradient ends at 1e-9 of the energy,
+/// in the direction in which the energy bends least; 3e-11 of a length is reached.
 pub const GEODESIC_PATH: Limit = Limit::Relative(1e-6);

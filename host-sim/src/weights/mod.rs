@@ -1,4 +1,4 @@
-//! How much each joint of a character matters: what `core` needs to weigh it, and what comes of it.
+//! How much each joint of a character matters: what `core` needs to weigh it, and its tables.
 //!
 //! All numbers are `core`'s ([`sinew_core::importance`]). Bones and surfaces are measured here, in f64; what is weighed
 //! is f32.
@@ -118,9 +118,8 @@ pub struct Weighing {
 
 /// Weighs the joints of a character.
 ///
-/// # Errors
-/// [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no sense, the radii
-/// do not fit it, or it has no mesh with a surface to weigh it by.
+/// # Errors [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no
+/// sense, the radii do not fit it, or it has no mesh with a surface to weigh it by.
 pub fn weigh(
     character: &Character,
     method: Method,

@@ -30,8 +30,8 @@ pub struct Given {
 
 /// Radius per length of a bone of which nothing else is known.
 ///
-/// Of the ratios from 0.03 to 0.4 that were tried, the one that comes nearest to the article's list for Geno: its weights
-/// are off by 24 % (root mean square of the logarithms), the neck's, a thick short bone, is 62 % too small.
+/// Of the ratios from 0.03 to 0.4 that were tried, the one that comes nearest to the article's list for Geno: its
+/// weights are off by 24 % (root mean square of the logarithms), the neck's, a thick short bone, is 62 % too small.
 pub const PER_LENGTH: f64 = 0.25;
 
 /// Bones that are shorter have no direction and no surface.
@@ -40,9 +40,8 @@ const LENGTH_MIN_M: f64 = 1e-6;
 impl Radii {
     /// Radius of the bone that ends in each joint, in m; 0 for the root and for bones without length.
     ///
-    /// # Errors
-    /// [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file that the character lacks, and a
-    /// bone of the character that the file lacks.
+    /// # Errors [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file
+    /// that the character lacks, and a bone of the character that the file lacks.
     pub fn of(&self, character: &Character) -> Result<Vec<f64>, Error> {
         match self {
             Self::Estimated => Ok(estimated_m(character)),
@@ -149,9 +148,9 @@ fn estimated_m(character: &Character) -> Vec<f64> {
 /// surface and by the share of that joint. Where several bones begin, skin counts for the nearest of them; skin of a
 /// joint where none begins counts for the bone that ends there.
 ///
-/// On Geno such cylinders give weights within 10 % of the article's (root mean square of the logarithms); toes are flat,
-/// there it is 33 %. Tried on the same list: the median distance 10 %, the distance from the bone instead of its axis 12 %, only the
-/// skin beside the bone 11 %, radii of equal surface 24 %.
+/// On Geno such cylinders give weights within 10 % of the article's (root mean square of the logarithms); toes are
+/// flat, there it is 33 %. Tried on the same list: the median distance 10 %, the distance from the bone instead of
+/// its axis 12 %, only the skin beside the bone 11 %, radii of equal surface 24 %.
 pub fn of_mesh_m(character: &Character) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0, 0.0); character.joints().len()];
     if let Some(mesh) = character.mesh() {

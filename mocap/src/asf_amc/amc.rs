@@ -13,7 +13,7 @@ use crate::text::{counted, shown};
 /// few enough that a small file cannot ask for memory.
 const MISSING_FRAMES_MAX: u64 = 10_000;
 
-/// The frames, and their distance in time if the file tells.
+/// The frames, and their distance in time if the file says.
 pub(super) struct Amc {
     pub(super) frames: Frames,
     pub(super) frame_time_s: Option<f64>,

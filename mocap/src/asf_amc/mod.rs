@@ -1,8 +1,8 @@
 //! Acclaim's motions: an AMC file, and the ASF file of its skeleton.
 //!
 //! A bone of the ASF begins where its parent ends and has a direction and a length in the rest pose, in
-//! world axes. Its `axis` tells the axes about which it turns: `C`, the rotations by the three angles
-//! about the fixed axes in the order of the letters (the first letter first). The AMC tells each
+//! world axes. Its `axis` gives the axes about which it turns: `C`, the rotations by the three angles
+//! about the fixed axes in the order of the letters (the first letter first). The AMC gives each
 //! bone's angles in the order of its `dof`, `M`, likewise the first one first. The bone's rotation
 //! relative to its parent, both with the world's axes in the rest pose, is `C M C^-1`. The joint that
 //! moves a bone has the bone's name and sits at its beginning.

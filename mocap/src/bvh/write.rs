@@ -1,7 +1,8 @@
 //! Motions as BVH files, for the programs that animators have.
 //!
-//! What readers out there rely on: parents before children, depth first; the root's channels in the order of its position, then
-//! Z, Y, X rotation, and Z, Y, X of all other joints; an `End Site` below every joint without children; a line for each frame.
+//! What readers out there rely on: parents before children, depth first; the root's channels in the order of its
+//! position, then Z, Y, X rotation, and Z, Y, X of all other joints; an `End Site` below every joint without
+//! children; a line for each frame.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,11 +13,11 @@ use crate::recording::{FRAME_TIME_S, MAGNITUDE_MAX};
 use crate::text::shown;
 use crate::{Clip, JointSample, Skeleton};
 
-/// Joints that leave their offset by more than this have channels for their position. What single precision leaves of an offset
-/// in its own unit is no motion.
+/// Joints that leave their offset by more than this have channels for their position. What single precision leaves of
+/// an offset in its own unit is no motion.
 const MOVES_M: f64 = 1e-6;
 
-/// Nearer to the gimbal lock (cosine of the middle angle), the last angle is not told by the rotation, and stays.
+/// Nearer to the gimbal lock (cosine of the middle angle), the rotation does not define the last angle, which stays.
 const LOCKED: f64 = 1e-7;
 
 /// A motion that cannot be written as BVH.
@@ -82,9 +83,9 @@ pub fn write(path: &Path, clip: &Clip, metres_per_unit: f64) -> Result<(), Write
 
 /// A motion as the text of a BVH file, its lengths in units of `metres_per_unit` (0.01 for centimetres).
 ///
-/// The angles of a joint are those next to its angles in the frame before: they go on beyond half a turn, and through the gimbal
-/// lock. Read again, rotations are the same within 2e-7 rad and positions within 1e-7 m. A joint without children gets an end site at
-/// its origin if it has none, as many readers insist on one.
+/// The angles of a joint are those next to its angles in the frame before: they go on beyond half a turn, and through
+/// the gimbal lock. Read again, rotations are the same within 2e-7 rad and positions within 1e-7 m. A joint without
+/// children gets an end site at its origin if it has none, as many readers insist on one.
 ///
 /// # Errors
 /// [`WriteError`] for what is not finite, names that cannot be read again, and a skeleton or frames that are none.

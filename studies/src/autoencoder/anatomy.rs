@@ -52,15 +52,16 @@ pub(super) struct Anatomy {
 
 type Row = (&'static str, Group, f64, f64, &'static [&'static str]);
 
-/// The 31 joints of CMU's skeleton without their sides. A bone has the radius that the article's list of cylinder weights
-/// back-solves to for the bone of Geno that ends in the joint of the same name, save where the skeletons differ:
+/// The 31 joints of CMU's skeleton without their sides. A bone has the radius that the article's list of cylinder
+/// weights back-solves to for the bone of Geno that ends in the joint of the same name, save where the skeletons
+/// differ:
 ///
-/// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean of
-///   Geno's over the same third of the way, by length and to 5 mm; counterparts are those at the nearest share of the way.
+/// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean of Geno's
+///   over the same third of the way, by length and to 5 mm; counterparts are those at the nearest share of the way.
 /// - Palm and fingers are one chain for four of Geno, each with a radius of 1 cm: with 4 cm it has their surface. Its
 ///   knuckle moves four fingers of Geno.
-/// - `HipJoint` and `LowerBack` lie on the hips: bones without a length, which need no radius. What hangs on a hip joint
-///   is the thigh's.
+/// - `HipJoint` and `LowerBack` lie on the hips: bones without a length, which need no radius. What hangs on a hip
+///   joint is the thigh's.
 const CMU: [Row; 19] = [
     ("Hips", Group::Spine, 0.0, 0.0, &["Hips"]),
     ("HipJoint", Group::Legs, 0.0, 0.0, &["UpLeg"]),

@@ -146,7 +146,7 @@ impl fmt::Display for Run<'_> {
     }
 }
 
-/// Trains all networks of a plan, or goes on where its checkpoints are; `progress` is told of steps.
+/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called for steps.
 ///
 /// The same plan gives the same bits on one machine, however often it was stopped and at any number of threads. The
 /// kernels of matrix products differ between processors, and sum in other orders.

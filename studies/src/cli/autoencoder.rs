@@ -16,27 +16,27 @@ use super::data::DataArgs;
 
 /// Train auto-encoders of poses with five losses, and compare what they reconstruct.
 ///
-/// After D. Holden, "Joint Error Propagation" (2025). A network of two layers makes a few numbers of the rotations of all
-/// joints, and the rotations of the numbers. Five losses, the rest alike: differences of local rotations; those and of
-/// global positions and rotations (forward kinematics); local ones weighted by joint: by the length of what hangs
-/// on it, by the surface of cylinders around that, and by the skin of the character Geno, whose joints are matched by name.
-/// The test subjects' poses are in no training.
+/// After D. Holden, "Joint Error Propagation" (2025). A network of two layers encodes the rotations of all joints in a
+/// few numbers, and decodes them. Five losses are compared, all else equal: differences of local rotations; those, and
+/// differences of global positions and rotations (forward kinematics); local ones weighted by joint: by the length of
+/// what hangs on it, by the surface of cylinders around that, and by the skin of the character Geno, whose joints are
+/// matched by name. No network is trained with poses of the test subjects.
 ///
-/// With `--out`, what is stopped goes on where it was, and pictures are written.
+/// With `--out`, an interrupted run resumes, and pictures are written.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     data: DataArgs,
 
-    /// Latent units of the networks. Without: 150 and 24, or 12 with `--quick`.
+    /// Latent units of the networks. Default: 150 and 24, or 12 with `--quick`.
     #[arg(long, value_name = "N,..", value_delimiter = ',')]
     latent: Vec<NonZeroUsize>,
 
-    /// Train every network with seeds from 1 to N. Without: 3, or 1 with `--quick`.
+    /// Train every network with seeds from 1 to N. Default: 3, or 1 with `--quick`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: Option<u64>,
 
-    /// Steps of every training. Without: 5000, or 40 with `--quick`.
+    /// Steps of every training. Default: 5000, or 40 with `--quick`.
     #[arg(long, value_name = "N")]
     steps: Option<NonZeroUsize>,
 

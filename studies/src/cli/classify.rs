@@ -10,23 +10,23 @@ use sinew_sim::command::with_progress;
 
 use super::two_classes::TwoClassesArgs;
 
-/// Tell walking from running by the nearest pose, with every distance of poses.
+/// Classify walking and running by the nearest pose, with every distance of poses.
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding" (2012),
-/// that had 100 % right by the geodesic line and 90 % by joint angles. Ten sequences of walking and ten of running are
-/// drawn, and every pose of each is called what its nearest neighbour among the other sequences' poses is; again and again. Also with
-/// neighbours of other people only (of another style, in Bandai's recordings, that name no people). Where the root is and
-/// how it is turned does not count. What a distance takes is timed in the same run.
+/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
+/// (2012), who had 100 % right by the geodesic line and 90 % by joint angles. Many times, ten sequences of walking
+/// and ten of running are drawn; every pose gets the class of its nearest neighbour among the other sequences' poses.
+/// The same with neighbours of other people only (of another style in Bandai's recordings, which name no people). The
+/// root's place and orientation do not count. The same run times the distances.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     common: TwoClassesArgs,
 
-    /// Sequences of each class in a draw. Without: 10, or 3 with `--quick`.
+    /// Sequences of each class in a draw. Default: 10, or 3 with `--quick`.
     #[arg(long, value_name = "N")]
     each: Option<NonZeroUsize>,
 
-    /// How often sequences are drawn. Without: 50, or 5 with `--quick`.
+    /// Draws of sequences. Default: 50, or 5 with `--quick`.
     #[arg(long, value_name = "N")]
     draws: Option<NonZeroUsize>,
 }

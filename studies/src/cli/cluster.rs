@@ -10,21 +10,21 @@ use sinew_sim::command::with_progress;
 
 use super::two_classes::TwoClassesArgs;
 
-/// Tell walking from running by two clusters of poses, with every distance of poses.
+/// Separate walking from running by two clusters of poses, with every distance of poses.
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding" (2012),
-/// that had 65 % right by the geodesic line and 60 % by joint angles. Of the poses of a sequence of walking and one of
-/// running, medoid shift with a Gaussian kernel makes clusters: with the smallest of a hundred bandwidths that makes two.
-/// Both are called by the sequences in the way that fits better; so clusters that mean nothing have more than half right,
-/// which is why the table tells what one cluster, and members by chance, would have. The longer sequence weighs more, so
-/// they are also cut to one length; and since two sequences differ in more than their class, there are also pairs of one
-/// person's walking and running, and of two people's walking.
+/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
+/// (2012), who had 65 % right by the geodesic line and 60 % by joint angles. Medoid shift with a Gaussian kernel
+/// clusters the poses of a sequence of walking and one of running, with the smallest of a hundred bandwidths that
+/// makes two clusters. The clusters are assigned to the sequences in the way that fits better, so even chance has
+/// more than half right; the table has the result of one cluster, and of members by chance. The longer sequence
+/// weighs more, so pairs are also cut to one length. Two sequences differ in more than their class, so there are also
+/// pairs of one person's walking and running, and of two people's walking.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     common: TwoClassesArgs,
 
-    /// How many pairs of sequences are drawn. Without: 100, or 5 with `--quick`.
+    /// Pairs of sequences that are drawn. Default: 100, or 5 with `--quick`.
     #[arg(long, value_name = "N")]
     pairs: Option<NonZeroUsize>,
 }

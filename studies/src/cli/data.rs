@@ -11,12 +11,12 @@ use sinew_sim::command::note;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DataArgs {
-    /// Folder of the data: CMU's recordings in `cmu` and Bandai's in `bandai`, each with its `index.csv`, and `geno/Geno.bin`,
-    /// as far as the study uses them. Without: what the environment variable `SINEW_DATA` says.
+    /// Folder of the data: CMU's recordings in `cmu` and Bandai's in `bandai`, each with its `index.csv`, and
+    /// `geno/Geno.bin`, as far as the study uses them. Default: the environment variable `SINEW_DATA`.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 
-    /// Use the built-in clips for a moment: no data are needed, and the figures mean nothing.
+    /// Use built-in clips, for a moment: needs no data, and the figures mean nothing.
     #[arg(long, conflicts_with = "data")]
     pub(super) quick: bool,
 }
@@ -41,7 +41,7 @@ pub(super) struct RecordingArgs {
     #[command(flatten)]
     pub(super) data: DataArgs,
 
-    /// Whose recordings: each are on one skeleton, and only those of one are compared.
+    /// The recordings. All of a data set are on one skeleton, and compared among themselves.
     #[arg(long, value_enum, default_value_t = Dataset::Cmu, conflicts_with = "quick")]
     dataset: Dataset,
 }

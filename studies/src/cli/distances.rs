@@ -15,10 +15,10 @@ use super::data::RecordingArgs;
 
 /// Write the distances of all pairs of poses of a data set, for programs of your own.
 ///
-/// The file is NumPy's: f32 in the order of SciPy's `pdist`, so that `squareform(numpy.load(FILE))` is the matrix. Beside it,
-/// FILE.csv says which pose is which. Poses are at 12 Hz and on one skeleton; where the root is and how it is turned does not count.
-/// Distances are written as they are found, to FILE.npy.part until all are: beside the poses (3 kB each), no more than 16 MB are held.
-/// CMU's poses make 730 MB, Bandai's 1.2 GB.
+/// The file is NumPy's: f32 in the order of SciPy's `pdist`, so that `squareform(numpy.load(FILE))` is the matrix.
+/// Beside it, FILE.csv says which pose is which. Poses are at 12 Hz and on one skeleton; the root's place and
+/// orientation do not count. Distances are written to FILE.npy.part while they are computed: beside the poses (3 kB
+/// each), at most 16 MB are in memory. CMU's poses make 730 MB, Bandai's 1.2 GB.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

@@ -11,14 +11,14 @@ use sinew_sim::command::{ThreadArgs, with_progress};
 use super::data::DataArgs;
 use super::results::ResultArgs;
 
-/// Hold geodesics against the straight lines that stand in for them: how much longer is a line?
+/// Compare geodesics with the straight lines that stand in for them: how much longer is a line?
 ///
 /// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), eq. (8): r = L(geodesic) / L(line) of random pairs of poses from walking, of which they find none below 0.94.
-/// All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
+/// (2012), eq. (8): r = L(geodesic) / L(line) of random pairs of poses from walking, of which they find none below
+/// 0.94. All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
 ///
-/// Then the same with one thing changed: where pairs are from, steps, coordinates of the line, which joints count, what
-/// is done; and by how far apart the poses are.
+/// Then the same with one thing changed: where pairs are from, steps, coordinates of the line, which joints count, and
+/// the kind of motion. A second table groups the pairs by how far apart the poses are.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u16).range(2..=1000))]
     steps: u16,
 
-    /// See poses from this joint. Without: from the skeleton's root.
+    /// Joint that poses are seen from. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 

@@ -12,11 +12,12 @@ use sinew_studies::spatial::components::{self, Plan};
 use super::data::DataArgs;
 use super::results::ResultArgs;
 
-/// Embed motion by multidimensional scaling and Isomap: how much does one dimension hold under each measure of poses?
+/// Embed motion by multidimensional scaling and Isomap: how much does one dimension hold, by each measure of poses?
 ///
 /// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), figure 4 and the test after it. The measures: differences of joint coordinates (angles), rotations times bone
-/// lengths (rotations), positions of joints, the geodesic line; each with joints alike and weighted by importance.
+/// (2012), figure 4 and the test after it. The measures: differences of joint coordinates (angles), rotations times
+/// bone lengths (rotations), positions of joints, the geodesic line; each with joints alike and weighted by
+/// importance.
 ///
 /// Two people's walks, on one skeleton, are embedded together; then every broad recording at 12 Hz alone, on its own
 /// skeleton, of which the share of the first component is taken.
@@ -43,7 +44,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value = "7", value_parser = clap::value_parser!(u16).range(1..=1000))]
     neighbours: u16,
 
-    /// See poses from this joint: of several, from the first that a skeleton has. Without: from its root.
+    /// Joint that poses are seen from; of several, the first that a skeleton has. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     root: Vec<String>,
 

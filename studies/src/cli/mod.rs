@@ -21,6 +21,9 @@ use sinew_sim::command::exit_code;
 struct Cli {
     #[command(subcommand)]
     study: Study,
+    /// Only read the command line: so `cargo xtask docs` checks the commands of the documentation.
+    #[arg(long, global = true, hide = true)]
+    parse_only: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -35,7 +38,11 @@ enum Study {
 
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
-    let result = match &Cli::parse().study {
+    let cli = Cli::parse();
+    if cli.parse_only {
+        return ExitCode::SUCCESS;
+    }
+    let result = match &cli.study {
         Study::Autoencoder(args) => autoencoder::run(args),
         Study::Classify(args) => classify::run(args),
         Study::Cluster(args) => cluster::run(args),

@@ -1,4 +1,4 @@
-//! What `sinew-studies classify` and `sinew-studies cluster` ask alike.
+//! Options that `sinew-studies classify` and `sinew-studies cluster` share.
 
 use std::num::NonZeroU16;
 
@@ -22,7 +22,7 @@ pub(super) struct TwoClassesArgs {
     #[arg(long, value_name = "N", default_value = "10")]
     steps: NonZeroU16,
 
-    /// Joint that poses are seen from. Without: the skeleton's root.
+    /// Joint that poses are seen from. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 
@@ -38,12 +38,12 @@ pub(super) struct TwoClassesArgs {
 }
 
 impl TwoClassesArgs {
-    /// Without data and for a moment.
+    /// For a moment, on built-in clips.
     pub(super) const fn is_quick(&self) -> bool {
         self.recordings.data.quick
     }
 
-    /// What is told apart.
+    /// The classes.
     pub(super) fn read(&self) -> anyhow::Result<TwoClasses> {
         Ok(TwoClasses::of(&self.recordings.read()?)?)
     }

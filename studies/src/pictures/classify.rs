@@ -1,4 +1,4 @@
-//! Pictures of the study of nearest neighbours: what share was told right, and whose motion was not.
+//! Pictures of the study of nearest neighbours: what share was classified correctly, and whose motion was not.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub fn write_classify(plan: &Plan<'_>, study: &Study, folder: &Path) -> io::Resu
     write_all(&pictures, folder)
 }
 
-/// What share of poses was told right.
+/// What share of poses was classified correctly.
 fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
     let word = plan.classes.group_word();
     let kinds = [
@@ -52,7 +52,7 @@ pub(super) fn interval(summary: &Summary) -> Interval {
     Interval { mean: 100.0 * summary.mean, middle: [lower, upper], ends: [low, high] }
 }
 
-/// What share of everyone's poses was told wrong, of either class.
+/// What share of everyone's poses was classified wrongly, of either class.
 fn groups(plan: &Plan<'_>, study: &Study) -> Markup {
     let word = plan.classes.group_word();
     let columns: Vec<Measure> = Metric::ALL.into_iter().map(Measure::new).collect();

@@ -40,8 +40,8 @@ pub fn write_geodesic_ratio(outcomes: &[Outcome], folder: &Path) -> io::Result<V
     write_all(&[("geodesic-ratio".to_owned(), picture.draw())], folder)
 }
 
-/// Writes both walks embedded, and the histograms of first components' shares, into a folder, as SVG and PNG, and gives their
-/// paths. `walkers` are the names of both walks.
+/// Writes both walks embedded, and the histograms of first components' shares, into a folder, as SVG and PNG, and
+/// gives their paths. `walkers` are the names of both walks.
 ///
 /// # Errors
 /// What the system says.

@@ -1,7 +1,7 @@
 //! Recordings for the studies: what a data folder's `index.csv` lists, at 12 Hz.
 //!
-//! Poses can be compared between recordings on one skeleton only: [`Recordings::cmu`] and [`Recordings::bandai`] put them on
-//! one. Within a recording its own will do: [`broad`].
+//! Poses can be compared between recordings on one skeleton only: [`Recordings::cmu`] and [`Recordings::bandai`] put
+//! them on one. Within a recording its own will do: [`broad`].
 
 mod index;
 #[cfg(test)]
@@ -42,7 +42,7 @@ pub enum DataSet {
 pub struct Sequence {
     /// The file, from the folder of the data set; a built-in clip's name.
     pub file: String,
-    /// Whose motion it is: CMU's number of the person. Of Bandai's actors nothing is told; there it is the data set's part.
+    /// Whose motion it is: CMU's number of the person. Bandai names no actors; there it is the data set's part.
     pub subject: String,
     /// Which of the subject's motions.
     pub trial: String,
@@ -69,11 +69,11 @@ pub struct Recordings {
 
 /// CMU's skeletons of 31 joints, by their names in the index.
 pub const CMU_KINDS: [&str; 2] = ["cgspeed-mb", "asfamc"];
-/// The file whose skeleton all of CMU's are put on: the ASF form of subject 135 keeps the bones of thorax and palm, that
-/// the other conversion lost.
+/// The file whose skeleton all of CMU's are put on: the ASF form of subject 135 keeps the bones of thorax and palm,
+/// that the other conversion lost.
 const CMU_REFERENCE: &str = "broad-12hz/135_03.bvh";
-/// The file whose skeleton all of Bandai's are put on: no joint's place on its parent differs by more than 0.4 mm between
-/// files.
+/// The file whose skeleton all of Bandai's are put on: no joint's place on its parent differs by more than 0.4 mm
+/// between files.
 const BANDAI_REFERENCE: &str = "broad-12hz/dataset-1_walk_normal_002.bvh";
 /// A joint on the floor that Bandai's skeletons begin with: its way to the hips is not a bone.
 const BANDAI_FLOOR: &str = "joint_Root";
@@ -201,7 +201,8 @@ impl Recordings {
     }
 }
 
-/// The recordings of all kinds in a data folder, CMU's in `cmu` and Bandai's in `bandai`: every one on its own skeleton.
+/// The recordings of all kinds in a data folder, CMU's in `cmu` and Bandai's in `bandai`: every one on its own
+/// skeleton.
 ///
 /// # Errors
 /// [`DataError`] if a file is missing or is not what the index says.

@@ -27,7 +27,7 @@ pub struct Labelled {
     pub name: String,
     /// Which of both classes it is of.
     pub class: usize,
-    /// Whose it is: a person's number; where persons are not told, the style of the motion.
+    /// Whose it is: a person's number; where persons are not named, the style of the motion.
     pub group: String,
     /// Its poses, at least one.
     pub frames: Vec<Pose>,
@@ -67,8 +67,8 @@ pub enum ClassesError {
 impl TwoClasses {
     /// Of recordings: walks and runs; of the built-in clips, that have none, punches and kicks.
     ///
-    /// Only from kinds of skeleton that there are sequences of either class of: how a file was converted must not tell what
-    /// is done in it.
+    /// Only from kinds of skeleton that there are sequences of either class of: how a file was converted must not
+    /// tell what is done in it.
     ///
     /// # Errors
     /// [`ClassesError::NoPoses`] of a sequence that has none.

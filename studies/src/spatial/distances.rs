@@ -29,10 +29,12 @@ pub struct Spread {
     pub most: f32,
 }
 
-/// Writes the distances of all pairs of poses as a NumPy file (`.npy`): f32, one dimension, (0,1), (0,2) .. (0,n-1), (1,2) .., as
-/// SciPy's `pdist` has them and its `squareform` takes them. `done` is told the number of pairs as they are found.
+/// Writes the distances of all pairs of poses as a NumPy file (`.npy`): f32, one dimension, (0,1), (0,2) .. (0,n-1),
+/// (1,2) .., as SciPy's `pdist` has them and its `squareform` takes them. `done` gets the number of pairs as they are
+/// found.
 ///
-/// Rows in parallel, the same bytes for any number of threads. Holds 16 MB of distances beside the poses, or a row if that is more.
+/// Rows in parallel, the same bytes for any number of threads. Holds 16 MB of distances beside the poses, or a row if
+/// that is more.
 ///
 /// # Errors
 /// What the writer says.

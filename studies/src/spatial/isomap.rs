@@ -2,8 +2,8 @@
 
 use sinew_sim::spatial::Distances;
 
-/// Distances along the graph that joins each thing with its `neighbours` nearest ones (Tenenbaum, de Silva & Langford 2000), between those things
-/// that hang together with the most others, which come first. O(n³).
+/// Distances along the graph that joins each thing with its `neighbours` nearest ones (Tenenbaum, de Silva & Langford
+/// 2000), between those things that hang together with the most others, which come first. O(n³).
 pub fn along_neighbours(distances: &Distances, neighbours: usize) -> (Vec<usize>, Distances) {
     let count = distances.count();
     let nearest = |a: usize| {

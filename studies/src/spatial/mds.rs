@@ -16,8 +16,8 @@ pub struct Embedding {
 /// How much of the things' spread every component holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// What every component has of the sum of all positive eigenvalues, largest first, of all of them; none where all things are
-    /// in one place.
+    /// What every component has of the sum of all positive eigenvalues, largest first, of all of them; none where all
+    /// things are in one place.
     pub shares: Vec<f64>,
     /// The sum of all negative eigenvalues against that of the positive ones: how far the distances are from those of
     /// points in any space.

@@ -5,7 +5,8 @@ use sinew_sim::spatial::Distances;
 /// Where the Gaussian kernel ends, in bandwidths: what is farther weighs less than f64 can tell beside what is near.
 const REACH: f64 = 9.0;
 
-/// Which cluster each thing is in, numbered by their first members, with a Gaussian kernel of the given bandwidth. O(n³).
+/// Which cluster each thing is in, numbered by their first members, with a Gaussian kernel of the given bandwidth.
+/// O(n³).
 ///
 /// Every thing goes to the one that has the least sum of squared distances from all others, weighted by the kernel
 /// around where it is; and on from there, until it stays.

@@ -6,29 +6,26 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::elf::{Elf, Lines};
+use crate::elf::{Elf, Lines, last_part};
 use crate::step;
 
 /// Where what boards may call is written, seen from the workspace.
-const SOURCES: [&str; 2] = ["core/src", "firmware/src"];
+const SOURCES: [&str; 3] = ["core/src", "firmware/src", "parity/src"];
 
 /// Where the image is written.
-const IMAGE: &str = "firmware/src/bin/audit";
+const IMAGE: &str = "audit/src/image";
 
 /// A public function: its file, seen from the workspace, and its name.
 type Public = (String, String);
 
-/// The public functions of which the image has no instruction and which it does not name. Those that only hand out a field
-/// do not count.
+/// The public functions of which the image has no instruction and which it does not name. Those that only hand out a
+/// field do not count.
 pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
     let mut public = BTreeSet::new();
     for folder in SOURCES {
         for file in rust_files(&step::root().join(folder))? {
             let name = shown(&file);
-            if !name.contains("/bin/") {
-                let text = read(&file)?;
-                public.extend(functions(&text).map(|function| (name.clone(), function)));
-            }
+            public.extend(functions(&read(&file)?).map(|function| (name.clone(), function)));
         }
     }
     let mut named = String::new();
@@ -52,10 +49,7 @@ fn in_image(elf: &Elf, lines: &Lines) -> BTreeSet<Public> {
         .iter()
         .flat_map(|function| &function.instructions)
         .flat_map(|instruction| lines.at(instruction.address))
-        .filter_map(|place| {
-            let function = place.function.rsplit("::").find(|part| !part.starts_with('<'))?;
-            Some((shown(Path::new(&place.file)), function.to_owned()))
-        })
+        .map(|place| (shown(Path::new(&place.file)), last_part(&place.function).to_owned()))
         .collect()
 }
 

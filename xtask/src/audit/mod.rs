@@ -1,61 +1,62 @@
-//! Looks for what must not be in a board's program: in an image of all that one may call, see
-//! `firmware/src/bin/audit`.
+//! Looks for what must not be in a board's program: in an image of all that one may call, see `audit/`.
 
 mod coverage;
 mod report;
 mod rules;
 
-use std::process::Command;
-
 use anyhow::{Result, bail, ensure};
 
 use crate::elf::{Elf, Lines};
-use crate::{arm, step};
+use crate::image::Image;
+use crate::step;
 
 use rules::{Finding, Rule};
 
-/// The image, and the feature of `firmware` that it needs.
-const IMAGE: &str = "audit";
+/// The image.
+const IMAGE: Image = Image { package: "sinew-audit", name: "audit", feature: None };
+
+/// The same with faults that must be found.
+pub(crate) const WITH_FAULTS: Image = Image { feature: Some("faults"), ..IMAGE };
 
 /// What a panic calls in the image, and nobody has.
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
 const PARTS: [&str; 18] = [
-    "audit::decode::show",
-    "audit::decode::coordinates",
-    "audit::construct::trees",
-    "audit::construct::controllers",
-    "audit::construct::projections",
-    "audit::construct::observers",
-    "audit::construct::importance",
-    "audit::targets::trajectories",
-    "audit::targets::differences",
-    "audit::tick::controller",
-    "audit::tick::controller_of_little_room",
-    "audit::tick::app",
-    "audit::tick::replay",
-    "audit::tick::parity",
-    "audit::kernels::kinematics",
-    "audit::kernels::state_errors",
-    "audit::kernels::dynamics",
-    "audit::kernels::elementary",
+    "audit::image::decode::show",
+    "audit::image::decode::coordinates",
+    "audit::image::construct::trees",
+    "audit::image::construct::controllers",
+    "audit::image::construct::projections",
+    "audit::image::construct::observers",
+    "audit::image::construct::importance",
+    "audit::image::targets::trajectories",
+    "audit::image::targets::differences",
+    "audit::image::tick::controller",
+    "audit::image::tick::controller_of_little_room",
+    "audit::image::tick::tracker",
+    "audit::image::tick::replay",
+    "audit::image::tick::parity",
+    "audit::image::kernels::kinematics",
+    "audit::image::kernels::state_errors",
+    "audit::image::kernels::dynamics",
+    "audit::image::kernels::elementary",
 ];
 
 /// What must be found in the image with faults, and in which function.
 const FAULTS: [(Rule, &str); 6] = [
-    (Rule::Panic, "audit::faults::index"),
-    (Rule::DoublePrecision, "audit::faults::double"),
-    (Rule::FusedMultiplyAdd, "audit::faults::fused"),
-    (Rule::Formatting, "audit::faults::text"),
-    (Rule::Recursion, "audit::faults::factorial"),
-    (Rule::IndirectCall, "audit::faults::pointer"),
+    (Rule::Panic, "audit::image::faults::index"),
+    (Rule::DoublePrecision, "audit::image::faults::double"),
+    (Rule::FusedMultiplyAdd, "audit::image::faults::fused"),
+    (Rule::Formatting, "audit::image::faults::text"),
+    (Rule::Recursion, "audit::image::faults::factorial"),
+    (Rule::IndirectCall, "audit::image::faults::pointer"),
 ];
 
 /// Links the image, reads it, and fails if anything is in it that must not be.
 pub(crate) fn run() -> Result<()> {
     let links = build(IMAGE)?;
-    let path = arm::image(IMAGE);
+    let path = IMAGE.path();
     let elf = Elf::load(&path)?;
     let findings = rules::findings(&elf);
     println!("\n{}", report::contents(&elf, &PARTS));
@@ -71,7 +72,7 @@ pub(crate) fn run() -> Result<()> {
     let left_out = coverage::left_out(&elf, &lines)?;
     ensure!(
         left_out.is_empty(),
-        "public functions are not in the image; call them in firmware/src/bin/audit:\n  {}",
+        "public functions are not in the image; call them in audit/src/image:\n  {}",
         left_out.join("\n  ")
     );
     println!(
@@ -82,8 +83,8 @@ pub(crate) fn run() -> Result<()> {
 
 /// Links the image with faults, and fails if one of them is not found.
 pub(crate) fn self_test() -> Result<()> {
-    ensure!(!build("audit_faults")?, "the image links without a panic handler, with a panic in it");
-    let path = arm::image(IMAGE);
+    ensure!(!build(WITH_FAULTS)?, "the image links without a panic handler, with a panic in it");
+    let path = IMAGE.path();
     let elf = Elf::load(&path)?;
     let mut findings = rules::findings(&elf);
     let name_of = |finding: &Finding| elf.functions()[finding.function].name.as_str();
@@ -99,26 +100,11 @@ pub(crate) fn self_test() -> Result<()> {
     Ok(())
 }
 
-/// Lints the image, faults included.
-pub(crate) fn lint() -> Result<()> {
-    let toolchain = arm::toolchain()?;
-    if toolchain == arm::Toolchain::Debian {
-        return Ok(());
-    }
-    step::run(
-        "clippy of the audit's image",
-        toolchain
-            .cargo("clippy")
-            .args(["--package", "sinew-firmware", "--profile", "firmware"])
-            .args(["--features", "audit_faults", "--bin", IMAGE, "--", "--deny", "warnings"]),
-    )
-}
-
-/// Builds the image with a feature; `false` if it does not link for a panic that can be reached. Then it is there all the
+/// Builds an image; `false` if it does not link for a panic that can be reached. Then it is there all the
 /// same, linked with a handler, so that it can be looked at.
-fn build(feature: &str) -> Result<bool> {
+fn build(image: Image) -> Result<bool> {
     eprintln!("\n== link all that boards may call, without a panic handler");
-    let output = cargo(feature)?.output()?;
+    let output = image.cargo("rustc")?.output()?;
     if output.status.success() {
         return Ok(true);
     }
@@ -126,18 +112,7 @@ fn build(feature: &str) -> Result<bool> {
     ensure!(problem.contains(MISSING), "the image does not build:\n{problem}");
     step::run(
         "a panic can be reached: link with a handler, to see where",
-        cargo(feature)?.args(["--", "-C", &format!("link-arg=--defsym={MISSING}=0")]),
+        image.cargo("rustc")?.args(["--", "-C", &format!("link-arg=--defsym={MISSING}=0")]),
     )?;
     Ok(false)
-}
-
-fn cargo(feature: &str) -> Result<Command> {
-    let mut command = arm::toolchain()?.cargo("rustc");
-    command.args(["--package", "sinew-firmware", "--profile", "firmware"]).args([
-        "--features",
-        feature,
-        "--bin",
-        IMAGE,
-    ]);
-    Ok(command)
 }

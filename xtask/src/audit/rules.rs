@@ -1,6 +1,6 @@
 //! What must not be in an image that holds all that boards may call.
 
-use crate::elf::{Elf, Function, Target};
+use crate::elf::{Elf, Function, Target, last_part};
 
 /// Why something must not be there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -119,7 +119,7 @@ fn of_function(function: &Function) -> Option<(Rule, &str)> {
 
 fn of_name(name: &str) -> Option<Rule> {
     // Of `<T as core::fmt::Debug>::fmt` and `core::option::Option<T>::expect` the method alone.
-    let last = name.rsplit("::").next().unwrap_or(name);
+    let last = last_part(name);
     let is_of = |library: &str| name.starts_with(library) || name.contains(&format!("<{library}"));
     let panics = ["panic", "begin_unwind"].iter().any(|part| last.contains(part))
         || (is_of("core::") && ["_fail", "_failed"].iter().any(|end| last.ends_with(end)));
@@ -179,6 +179,7 @@ mod tests {
                     "core::slice::<impl [T]>::copy_from_slice::len_mismatch_fail",
                     "core::cell::panic_already_borrowed",
                     "__rustc::rust_begin_unwind",
+                    "core::panicking::assert_failed::<usize, usize>",
                 ][..],
             ),
             (

@@ -1,10 +1,10 @@
 //! Cycles of a Cortex-M4F, estimated from the instructions that are executed.
 //!
-//! After the instruction timings of Arm's Cortex-M4 Technical Reference Manual (DDI 0439), with 2 cycles to refill the
-//! pipeline after a branch (the manual says 1 to 3), and 7 for an integer division (2 to 12). Left out: wait states of
-//! the flash and what its prefetch and cache make of them, the cycle that an arithmetic instruction waits for the
-//! floating-point result right before it, the integer work that goes on beside a division or a square root, instructions
-//! that an `it` block skips, and interrupts.
+//! After the instruction timings of Arm's Cortex-M4 Technical Reference Manual (DDI 0439), with 2 cycles to refill
+//! the pipeline after a branch (the manual says 1 to 3), and 7 for an integer division (2 to 12). Left out: wait
+//! states of the flash and what its prefetch and cache make of them, the cycle that an arithmetic instruction waits
+//! for the floating-point result right before it, the integer work that goes on beside a division or a square root,
+//! instructions that an `it` block skips, and interrupts.
 
 use crate::elf::Instruction;
 

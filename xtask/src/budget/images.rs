@@ -2,52 +2,37 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, ObjectSegment};
 
 use super::figures::Place;
 use crate::elf::Elf;
-use crate::{arm, step};
+use crate::image::Image;
+use crate::step;
 
 /// What images take beside their shows.
 pub(crate) const SECTION: &str = "image_bytes";
 
-/// The images of the bench crate.
-const IMAGES: [&str; 2] = ["kernels", CORE_ALONE];
+/// Every kernel and every kind of tick, measured one by one.
+pub(crate) const KERNELS: Image =
+    Image { package: "sinew-bench", name: "kernels", feature: Some("mps2_an386") };
 
 /// World, Linear Compensation and inverse dynamics, and nothing else.
-const CORE_ALONE: &str = "core_alone";
+pub(crate) const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
 
 /// Names that tell the instances of a generic function apart, and frame sizes in the image.
 const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
 
 /// Builds the images.
 pub(crate) fn build() -> Result<()> {
-    for image in IMAGES {
-        step::run(&format!("build {image}"), cargo("build", image)?.env("RUSTFLAGS", FLAGS))?;
-    }
-    Ok(())
-}
-
-/// Lints the images as the host's crates are.
-pub(crate) fn lint() -> Result<()> {
-    for image in IMAGES {
-        let mut clippy = cargo("clippy", image)?;
-        step::run(&format!("clippy of {image}"), clippy.args(["--", "--deny", "warnings"]))?;
-    }
-    Ok(())
-}
-
-fn cargo(verb: &str, image: &str) -> Result<Command> {
-    let mut command = arm::toolchain()?.cargo(verb);
-    command
-        .args(["--package", "sinew-bench", "--profile", "firmware"])
-        .args(["--features", "mps2_an386", "--bin", image])
+    for image in [KERNELS, CORE_ALONE] {
+        let mut cargo = image.cargo("build")?;
         // The frame sizes are a flag of nightly compilers.
-        .env("RUSTC_BOOTSTRAP", "1");
-    Ok(command)
+        cargo.env("RUSTFLAGS", FLAGS).env("RUSTC_BOOTSTRAP", "1");
+        step::run(&format!("build {}", image.name), &mut cargo)?;
+    }
+    Ok(())
 }
 
 /// The tick of the core alone, of 18 bodies and without room for resolved acceleration.
@@ -55,7 +40,8 @@ const CORE_TICK: &str = "<sinew_bench::rig::Rig<18>>::tick";
 
 /// What the core alone takes: as an image, and of it what a tick can execute, with all constants.
 pub(crate) fn core_alone() -> Result<impl Iterator<Item = (Place, u64)>> {
-    let image = arm::image(CORE_ALONE);
+    let Image { name, .. } = CORE_ALONE;
+    let image = CORE_ALONE.path();
     let elf = Elf::load(&image)?;
     let tick = elf.named(CORE_TICK).with_context(|| format!("the image has no `{CORE_TICK}`"))?;
     let code = elf.reachable_from(&[tick]).into_iter().map(|index| elf.functions()[index].size);
@@ -63,8 +49,8 @@ pub(crate) fn core_alone() -> Result<impl Iterator<Item = (Place, u64)>> {
     let file = object::File::parse(&*bytes)?;
     let constants = file.section_by_name(".rodata").map_or(0, |section| section.size());
     let tick_bytes = code.sum::<u64>() + constants;
-    let tick = (Place::new(SECTION, CORE_ALONE, "tick"), tick_bytes);
-    Ok(size(CORE_ALONE, &image, 0)?.chain([tick]))
+    let tick = (Place::new(SECTION, name, "tick"), tick_bytes);
+    Ok(size(name, &image, 0)?.chain([tick]))
 }
 
 /// Where the Cortex-M architecture has SRAM.

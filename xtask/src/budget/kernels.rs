@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use sinew_image::EMULATED;
 
 use super::figures::{Figures, Place};
 use super::stack::{Depth, Frames, deepest};
@@ -27,7 +28,7 @@ const TYPES: &str = "type_bytes";
 const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
 
 /// The functions that whole ticks are called by: what they have on the stack is the tick's.
-const TICKS: [&str; 2] = ["core_tick", "app_tick"];
+const TICKS: [&str; 2] = ["core_tick", "board_tick"];
 
 /// The numbers of bodies that are measured.
 const SIZES: [&str; 3] = ["6", "18", "32"];
@@ -36,8 +37,8 @@ const SIZES: [&str; 3] = ["6", "18", "32"];
 /// does not count.
 const CLOSURES_BYTES: u64 = 128;
 
-/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each of its
-/// readings is up to 40 off.
+/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each
+/// of its readings is up to 40 off.
 const SYSTICK_TOLERANCE: u64 = 80;
 
 /// What was measured, and what it consists of.
@@ -63,7 +64,7 @@ pub(crate) struct Kernel {
 /// Runs the image twice: with a clock that counts instructions, and with a log of them.
 pub(crate) fn measure(image: &Path) -> Result<Kernels> {
     let elf = Elf::load(image)?;
-    let counted = qemu(image, &["-icount", "shift=0"])
+    let counted = qemu(EMULATED, image, &["-icount", "shift=0"])?
         .output()
         .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
     let text = String::from_utf8_lossy(&counted.stdout);
@@ -170,7 +171,7 @@ impl Kernels {
     /// That no tick was seen to take more stack than it can by the call graph.
     fn check_stacks(&self) -> Result<()> {
         for (place, painted) in self.figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
-            let tick = if place.row.starts_with("board_") { "app_tick" } else { "core_tick" };
+            let tick = if place.row.starts_with("board_") { "board_tick" } else { "core_tick" };
             let bound = self.figures.get(&Place::new(STATIC_STACK, tick, &place.column));
             ensure!(
                 bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),

@@ -1,4 +1,4 @@
-//! What the core and the images take, held against the committed file.
+//! What the core and the images take, compared with the committed file.
 
 mod cycles;
 mod figures;
@@ -14,13 +14,13 @@ use std::fs;
 use anyhow::{Context, Result, ensure};
 
 use crate::elf::Elf;
-use crate::{arm, firmware, step};
+use crate::{arm, firmware, image, step};
 use file::{Budget, FILE};
 use kernels::{Kernel, Kernels};
 use trace::Mix;
 
 pub(crate) use figures::{Figures, Place};
-pub(crate) use images::{lint, size};
+pub(crate) use images::{CORE_ALONE, KERNELS, size};
 pub(crate) use kernels::{field, number};
 pub(crate) use tables::{aligned, section};
 pub(crate) use trace::qemu;
@@ -41,7 +41,7 @@ pub(crate) fn run(accept: bool) -> Result<()> {
     );
     let mut figures = firmware::run(None)?;
     images::build()?;
-    let kernels = kernels::measure(&arm::image("kernels"))?;
+    let kernels = kernels::measure(&images::KERNELS.path())?;
     figures.extend(kernels.figures.clone());
     figures.extend(images::core_alone()?);
 
@@ -109,7 +109,7 @@ const LARGEST: usize = 25;
 fn explain(place: &Place, kernels: &Kernels) -> Result<()> {
     let Place { section, row, column } = place;
     if section == images::SECTION {
-        let elf = Elf::load(&arm::image(row))?;
+        let elf = Elf::load(&image::path_of(arm::TARGET, row))?;
         let mut functions: Vec<_> = (0..elf.functions().len()).collect();
         functions.sort_by_key(|function| std::cmp::Reverse(elf.functions()[*function].size));
         let mut rows = vec![vec![format!("largest of {row}"), "bytes".to_owned()]];

@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use sinew_image::{Board, EMULATED};
 
 use super::cycles::{self, Kind};
 use crate::elf::{Elf, Instruction};
@@ -46,17 +47,22 @@ pub(crate) struct Trace {
     blocks: Blocks,
 }
 
-/// The machine that all images for QEMU are for.
-pub(crate) fn qemu(image: &Path, arguments: &[&str]) -> Command {
+/// QEMU as a board, with an image.
+///
+/// # Errors
+/// If QEMU has no such machine.
+pub(crate) fn qemu(board: Board, image: &Path, arguments: &[&str]) -> Result<Command> {
+    let Board { name, qemu_machine, .. } = board;
+    let machine = qemu_machine.with_context(|| format!("QEMU has no {name}"))?;
     let mut command = Command::new("qemu-system-arm");
     command
-        .args(["-machine", "mps2-an386", "-nographic"])
+        .args(["-machine", machine, "-nographic"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(arguments)
         .arg("-kernel")
         .arg(image)
         .stdin(Stdio::null());
-    command
+    Ok(command)
 }
 
 /// Runs an image and logs what it executes from each return of function `begin` to the next call of `end`.
@@ -67,7 +73,7 @@ pub(crate) fn trace(image: &Path, elf: &Elf, [begin, end]: [&str; 2]) -> Result<
         Ok::<_, anyhow::Error>(function.address..function.address + function.size)
     };
     let (begin, end) = (mark(begin)?, mark(end)?);
-    let mut qemu = qemu(image, &["-d", "in_asm,exec,nochain"])
+    let mut qemu = qemu(EMULATED, image, &["-d", "in_asm,exec,nochain"])?
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

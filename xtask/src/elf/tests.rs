@@ -121,3 +121,19 @@ fn what_cannot_be_read_is_refused() {
     assert_eq!(problem(&object_for(Architecture::X86_64, &[], &[])), "it is for X86_64");
     assert!(Elf::parse(b"no image").is_err());
 }
+
+#[test]
+fn the_last_part_of_a_name_is_the_function_in_both_manglings() {
+    for (name, last) in [
+        ("main", "main"),
+        ("sinew_core::math::sqrt", "sqrt"),
+        ("sinew_core::tree::Tree<_>::push", "push"),
+        ("<sinew_core::tree::Tree<18>>::push", "push"),
+        ("<f32 as core::ops::Shl<u8>>::shl", "shl"),
+        ("run::perform::<18, tick::parity::{closure#0}, tick::parity::{closure#1}>", "perform"),
+        ("outer::<fn(u8) -> a::B<18>>", "outer"),
+        ("tick::parity::{{closure}}", "{{closure}}"),
+    ] {
+        assert_eq!(last_part(name), last, "{name}");
+    }
+}

@@ -1,9 +1,9 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to count
-//! what they execute; prints how much stack the ticks take, and how large the types are.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to
+//! count what they execute; prints how much stack the ticks take, and how large the types are.
 //!
 //! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
-//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`], and
-//! compares.
+//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`],
+//! and compares.
 
 #![no_std]
 #![no_main]
@@ -34,13 +34,13 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
+use sinew_core::tracker::{MethodName, ROTATION_M, Settings, StepError, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets,
     StateInputError, Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
-use sinew_firmware::app::App;
-use sinew_firmware::recommended::{DELAY_MOST, ROTATION_M, Recommended};
+use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
 
 /// How often each is run, after a first time that is not counted. Ticks are of successive frames.
@@ -54,6 +54,9 @@ const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
 
 /// The performer of shows is as much larger than the rig.
 const LARGER: f32 = 1.1;
+
+/// The commands on their way that observers have room for.
+const ROOM: usize = 8;
 
 /// Of the mass matrix of 32 bodies: three freedoms each, and six of the root.
 const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
@@ -124,9 +127,9 @@ fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
 }
 
 /// A kind of tick: what it executes, and how much stack it has taken.
-fn count_tick<const N: usize>(
+fn count_tick<const N: usize, E: Copy>(
     name: &str,
-    mut tick: impl FnMut(usize) -> Result<(), StateInputError>,
+    mut tick: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<(), &'static str> {
     let mut result = Ok(());
     let mut checked = |run| result = result.and(tick(run));
@@ -149,14 +152,14 @@ fn core_tick<const N: usize>(
 
 /// A tick as boards run it, in a function of its own.
 #[inline(never)]
-fn app_tick<const N: usize>(
-    app: &mut App<'_, N>,
+fn board_tick<const N: usize>(
+    tracker: &mut Tracker<N, ROOM>,
+    frames: &mut ShowFrames<'_, N>,
     index: usize,
     measured: &[Transform],
-) -> Result<(), StateInputError> {
-    app.observe(index, measured)?;
-    black_box(app.control());
-    Ok(())
+) -> Result<(), StepError> {
+    let index = i32::try_from(index).unwrap_or(i32::MAX);
+    tracker.step(frames, index, measured).map(|torques| _ = black_box(torques))
 }
 
 fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
@@ -331,7 +334,7 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]; FRAMES]
         black_box(aligned_targets(black_box([now, next, after]), DT_S, &mut targets).is_ok());
     });
     count::<N>("backward_differences", |run| {
-        black_box(measured.follow(black_box(&frames[run]), DT_S).is_ok());
+        black_box(measured.update_poses(black_box(&frames[run]), DT_S).is_ok());
     });
 }
 
@@ -351,15 +354,14 @@ fn others<const N: usize>(
     });
 
     let settings = ObserverSettings::extended_state(1.0 / DT_S, DT_S).map_err(|_| "no observer")?;
-    let mut observer =
-        Observer::<N, { DELAY_MOST + 1 }>::new(settings, &JointStates::rest(tree), 0)
-            .map_err(|_| "no observer")?;
+    let mut observer = Observer::<N, ROOM>::new(settings, &JointStates::rest(tree), 0)
+        .map_err(|_| "no observer")?;
     let mut targets = JointTargets::rest(tree);
     let (commands, torques) = ([Twist::ZERO; N], [Limited::default(); N]);
     count::<N>("observer", |run| {
         black_box(observer.observe(tree, &frames[run]).is_ok());
         observer.compensate(&mut targets);
-        observer.sent(black_box(&commands), &torques);
+        observer.record_commands(black_box(&commands), &torques);
     });
 
     let limit = TorqueLimit::new(5.0, 10.0).map_err(|_| "no limit")?;
@@ -389,12 +391,9 @@ fn enlarge(poses: &mut [Transform]) {
 fn controller<const N: usize>(
     tree: &Tree<N>,
     method: Method<N>,
-    implicit: bool,
 ) -> Result<Controller<N>, &'static str> {
     // The paper's gain.
-    let gains = Gains::critically_damped(200.0)
-        .and_then(|gains| if implicit { gains.implicit(DT_S) } else { Ok(gains) })
-        .map_err(|_| "no such gains")?;
+    let gains = Gains::critically_damped(200.0).map_err(|_| "no such gains")?;
     Controller::new(tree.clone(), gains, method)
         .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
         .map_err(|_| "no such controller")
@@ -418,9 +417,11 @@ fn ticks_of_core<const N: usize>(
     ] {
         let frame = |index: usize| &frames[index][..];
         let first = [LAG_FRAMES, LAG_FRAMES + 1].map(frame);
-        let (controller, workspace) = (controller(tree, method, false)?, Workspace::resolving());
+        let (controller, workspace) = (controller(tree, method)?, Workspace::resolving());
         let mut rig = Rig::new(controller, workspace, first).map_err(|_| "a frame is refused")?;
-        count_tick::<N>(name, |run| core_tick(&mut rig, frame(run + LAG_FRAMES + 2), frame(run)))?;
+        count_tick::<N, _>(name, |run| {
+            core_tick(&mut rig, frame(run + LAG_FRAMES + 2), frame(run))
+        })?;
     }
     Ok(())
 }
@@ -443,11 +444,17 @@ fn ticks_of_boards<const N: usize>(
         Ok::<(), &'static str>(())
     })?;
     let show = Show::parse(&bytes[..length]).map_err(|_| "the show is not valid")?;
-    let world = App::new(show, controller(tree, Method::World, false)?);
-    let recommended = App::new(show, controller(tree, Method::World, true)?)
-        .with(Recommended::new(&show, tree, 0).map_err(|_| "not to be recommended")?);
-    for (name, mut app) in [("board_world", world), ("board_recommended", recommended)] {
-        count_tick::<N>(name, |run| app_tick(&mut app, run, &frames[run]))?;
+    let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
+    for (name, method) in
+        [("board_world", MethodName::World), ("board_recommended", MethodName::Recommended)]
+    {
+        let settings = Settings { method, ..Settings::default() };
+        let mut tracker = Tracker::new(tree.clone(), &settings, timing)
+            .map_err(|_| "there is no such tracker")?;
+        let mut performance = ShowFrames::new(show);
+        count_tick::<N, _>(name, |run| {
+            board_tick(&mut tracker, &mut performance, run, &frames[run])
+        })?;
     }
     Ok(())
 }
@@ -463,9 +470,9 @@ fn types<const N: usize>() {
         ("Workspace_resolving", size_of::<Workspace<N, N>>()),
         ("ManifoldProjection", size_of::<ManifoldProjection<N>>()),
         ("ProjectionWorkspace", size_of::<ProjectionWorkspace<N>>()),
-        ("Observer", size_of::<Observer<N, { DELAY_MOST + 1 }>>()),
-        ("Recommended", size_of::<Recommended<N>>()),
-        ("App", size_of::<App<'_, N>>()),
+        ("Observer", size_of::<Observer<N, ROOM>>()),
+        ("Tracker", size_of::<Tracker<N, ROOM>>()),
+        ("ShowFrames", size_of::<ShowFrames<'_, N>>()),
     ] {
         hprintln!("type={} bodies={} bytes={}", name, N, bytes);
     }

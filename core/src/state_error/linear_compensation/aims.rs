@@ -26,7 +26,7 @@ pub enum Aim {
     /// from where the desired figure has them least.
     Children(BodySet),
     /// A point fixed in the body, in body axes of the desired figure, m: (0, 0, d) in the paper.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Point(Vec3),
 }
 

@@ -24,7 +24,7 @@ use crate::state::BodyState;
 )]
 pub struct Compensation {
     /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub beta: f32,
     /// The derivative of the compensating rotation.
     pub rate_term: RateTerm,
@@ -85,8 +85,8 @@ pub enum AimStatus {
     /// The child sits (all children sit) almost at the body's origin, the direction is noise: World Space
     /// Error.
     ZeroAim,
-    /// The goal is so far away that f32 does not have what is computed of the distance (its square; for several children
-    /// the fourth power), or no number: World Space Error.
+    /// The goal is so far away that f32 does not have what is computed of the distance (its square; for several
+    /// children the fourth power), or no number: World Space Error.
     NotFinite,
 }
 

@@ -1,10 +1,10 @@
 //! Skinned characters in glTF 2.0: `.glb`, and `.gltf` with its buffers in itself or in files beside it.
 //!
-//! Joints are those of the skins that a mesh has, in the order of the first skin. A joint's parent is the nearest joint
-//! above it, whatever nodes are between; joints that have only another node above them in common get that one as their
-//! root. They stand in the pose of the skin's `inverseBindMatrices`, placed and sized as the scene has its first
-//! root joint; without these matrices, as the scene has them. A mesh without a skin belongs to the joint that it hangs on, and
-//! not to the character if it hangs on none. Morph targets are left at zero.
+//! Joints are those of the skins that a mesh has, in the order of the first skin. A joint's parent is the nearest
+//! joint above it, whatever nodes are between; joints that have only another node above them in common get that one
+//! as their root. They stand in the pose of the skin's `inverseBindMatrices`, placed and sized as the scene has its
+//! first root joint; without these matrices, as the scene has them. A mesh without a skin belongs to the joint that
+//! it hangs on, and not to the character if it hangs on none. Morph targets are left at zero.
 
 mod accessor;
 mod buffers;

@@ -226,7 +226,7 @@ proptest! {
         check(geno(&bytes));
     }
 
-    /// The size is all that tells such a file: one that is cut off is none.
+    /// Only its size identifies such a file: one that is cut off is none.
     #[test]
     fn a_cut_geno_bin_is_refused(at in 0..326_usize) {
         prop_assert!(geno(&geno_bin()[..at]).is_err());

@@ -1,6 +1,7 @@
 use super::*;
 
-/// A base with an arm, the outer joint first: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter turn.
+/// A base with an arm, the outer joint first: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter
+/// turn.
 const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base"/><link name="upper"/><link name="lower"><inertial><mass value="1"/></inertial></link>

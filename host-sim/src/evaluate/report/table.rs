@@ -7,8 +7,8 @@ use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use super::super::paper::{self, Kind};
 use super::super::{Errors, Evaluation, FigureResult, MethodName, MethodResult};
 
-/// All tables, each with its heading and the error that is weighted by importance as the last column: first every figure's numbers divided by Local's (the paper's tables 1
-/// and 2), then the numbers themselves (3 and 4).
+/// All tables, each with its heading and the error that is weighted by importance as the last column: first every
+/// figure's numbers divided by Local's (the paper's tables 1 and 2), then the numbers themselves (3 and 4).
 pub fn tables(evaluation: &Evaluation) -> String {
     let mut out = String::new();
     let write = |out: &mut String, text: std::fmt::Arguments<'_>| {

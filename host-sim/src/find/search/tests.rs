@@ -50,7 +50,8 @@ fn subject() -> Subject {
     Subject::Sway
 }
 
-/// The moments told without any of the search's means: places in order of their distance, those near a better one left out.
+/// The moments told without any of the search's means: places in order of their distance, those near a better one
+/// left out.
 fn told(search: &Search<'_>, limits: Limits) -> Vec<Moment> {
     let mut workspace = Workspace::new();
     let all: Vec<Moment> = search

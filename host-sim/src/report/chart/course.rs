@@ -69,10 +69,10 @@ pub(in crate::report) fn course(
     )
 }
 
-/// More points than this cannot be told apart at a chart's width.
+/// More points than this cannot be distinguished at a chart's width.
 const POINTS: usize = 250;
 
-/// Middles of the stretches in seconds and their errors, neighbours joined to what can be told apart.
+/// Middles of the stretches in seconds and their errors, neighbours joined to what can be distinguished.
 fn points(course: &Course, dt_s: f64, quantity: Quantity, statistic: Statistic) -> Vec<(f64, f64)> {
     let joined = course.stretches().len().div_ceil(POINTS).max(1);
     let seconds_each = course.steps_each() as f64 * dt_s;

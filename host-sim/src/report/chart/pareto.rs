@@ -23,7 +23,7 @@ pub(in crate::report) struct ParetoChart {
     pub(in crate::report) spots: Vec<Spot>,
     /// Spots of one method that differ in one value, joined.
     pub(in crate::report) joined: Vec<Joined>,
-    /// What the spots are held against.
+    /// What the spots are compared with.
     pub(in crate::report) references: Vec<Reference>,
 }
 
@@ -47,7 +47,7 @@ pub(in crate::report) struct Joined {
     pub(in crate::report) means: Vec<Means>,
 }
 
-/// A curve that results are held against, and its name in the key.
+/// A curve that results are compared with, and its name in the key.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::report) struct Reference {
     pub(in crate::report) name: &'static str,
@@ -126,7 +126,7 @@ impl ParetoChart {
     }
 
     /// Texts beside spots and references, in this order, so that the spots have the better places. Spots that
-    /// cannot be told apart share one.
+    /// cannot be distinguished share one.
     fn labels(&self, frame: Frame, at: impl Fn(&Means) -> (f64, f64)) -> Vec<Label> {
         let mut texts: Vec<(String, (f64, f64))> = Vec::new();
         for spot in &self.spots {

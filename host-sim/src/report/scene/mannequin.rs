@@ -86,7 +86,7 @@ pub fn side_view_rad(points: &[DVec3]) -> f64 {
     libm::atan2(side.x, side.z) + turn
 }
 
-/// What a skeleton tells about the mannequin's shape.
+/// What a skeleton says of the mannequin's shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mannequin {
     /// Ends of head, hands and feet in their bodies' frames, in metres.

@@ -48,25 +48,16 @@ pub struct Stage<'a> {
 }
 
 /// A part in the picture.
-struct Drawn {
-    ends: [Circle; 2],
-    depth_m: f64,
+pub(super) struct Drawn {
+    pub(super) ends: [Circle; 2],
+    pub(super) depth_m: f64,
 }
 
 impl Stage<'_> {
     /// Stage, shadows and figures, as the content of an SVG.
     pub fn draw(&self) -> Markup {
-        let desired = self.parts(self.desired.0, self.desired.1);
-        let measured = self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH);
-        // From the farthest to the nearest; a part of one figure stays with that of the other, so that the
-        // two never hide each other by accident.
-        let others = (TRUNK..PARTS.len()).map(|part| part..part + 1);
-        let mut groups: Vec<Range<usize>> = std::iter::once(0..TRUNK).chain(others).collect();
-        let depth_m = |group: &Range<usize>| {
-            let both = desired[group.clone()].iter().chain(&measured[group.clone()]);
-            both.map(|part| part.depth_m).sum::<f64>() / group.len() as f64
-        };
-        groups.sort_by(|a, b| depth_m(b).total_cmp(&depth_m(a)));
+        let (desired, measured) = self.figures();
+        let groups = Self::order(&desired, &measured);
         html! {
             (self.backdrop())
             path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
@@ -93,8 +84,29 @@ impl Stage<'_> {
         }
     }
 
+    /// The parts of both figures.
+    pub(super) fn figures(&self) -> (Vec<Drawn>, Vec<Drawn>) {
+        (
+            self.parts(self.desired.0, self.desired.1),
+            self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH),
+        )
+    }
+
+    /// Parts from the farthest to the nearest. A part of one figure stays with that of the other, so that the two
+    /// never hide each other by accident.
+    pub(super) fn order(desired: &[Drawn], measured: &[Drawn]) -> Vec<Range<usize>> {
+        let others = (TRUNK..PARTS.len()).map(|part| part..part + 1);
+        let mut groups: Vec<Range<usize>> = std::iter::once(0..TRUNK).chain(others).collect();
+        let depth_m = |group: &Range<usize>| {
+            let both = desired[group.clone()].iter().chain(&measured[group.clone()]);
+            both.map(|part| part.depth_m).sum::<f64>() / group.len() as f64
+        };
+        groups.sort_by(|a, b| depth_m(b).total_cmp(&depth_m(a)));
+        groups
+    }
+
     /// The stage without anyone on it.
-    fn backdrop(&self) -> Markup {
+    pub(in crate::report) fn backdrop(&self) -> Markup {
         let clip = format!("{}-stage", self.id);
         html! {
             clipPath id=(clip) {
@@ -118,8 +130,7 @@ impl Stage<'_> {
 
     /// Circles that cover both figures.
     fn drawn(&self) -> Vec<Circle> {
-        let desired = self.parts(self.desired.0, self.desired.1);
-        let measured = self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH);
+        let (desired, measured) = self.figures();
         let along = |part: &Drawn| {
             let [a, b] = part.ends;
             [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| Circle {
@@ -153,9 +164,10 @@ impl Stage<'_> {
         let length = libm::sqrt(dx * dx + dy * dy).max(1e-6);
         let (nx, ny) = (dy / length, -dx / length);
         // The side that the light comes from; from a part that points at it, the middle of both.
-        let towards_light = -0.45 * nx - 0.89 * ny;
+        let [light_x, light_y] = LIGHT;
+        let towards_light = light_x * nx + light_y * ny;
         let (nx, ny) = if length < 0.5 * a.r.max(b.r) {
-            (-0.45, -0.89)
+            (light_x, light_y)
         } else if towards_light < 0.0 {
             (-nx, -ny)
         } else {
@@ -203,7 +215,7 @@ impl Stage<'_> {
 
     /// The figure's shadow under a light from straight above, as one path: where parts overlap it is not
     /// darker.
-    fn shadow(&self, points: &Points, girth: f64) -> String {
+    pub(super) fn shadow(&self, points: &Points, girth: f64) -> String {
         let below = |point_m: DVec3, radius_m: f64| {
             let seen = self.camera.project(DVec3::new(point_m.x, self.ground_m, point_m.z));
             Circle { x: seen.x, y: seen.y, r: radius_m * girth * seen.scale * 0.55 }
@@ -219,6 +231,9 @@ impl Stage<'_> {
             .collect()
     }
 }
+
+/// Towards the light in the picture, y down: above, a little to the left.
+pub(super) const LIGHT: [f64; 2] = [-0.45, -0.89];
 
 /// From the lit side to the dark one.
 pub const WHITE: [&str; 3] = ["#ffffff", "#e4e8ee", "#98a2b0"];

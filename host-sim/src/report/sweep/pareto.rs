@@ -25,7 +25,7 @@ pub(in crate::report) struct Fronts {
 
 /// Whether a parameter is how a figure is controlled, and not what is controlled.
 fn is_control(parameter: &Column<String>) -> bool {
-    parameter.name.starts_with("controller.") && parameter.name != "controller.root"
+    parameter.name.starts_with("controller.")
 }
 
 impl Sweep {
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn without_methods_and_weights_there_is_no_front() {
-        let text = "dimensions.scale,controller.root,all_angular_mean_deg,all_linear_mean_cm\n\
+        let text = "dimensions.scale,root,all_angular_mean_deg,all_linear_mean_cm\n\
             1.0,driven,1,1\n1.1,driven,1,2\n1.0,fixed,1,1\n1.1,fixed,1,2\n";
         assert_eq!(sweep(text).fronts(), []);
     }

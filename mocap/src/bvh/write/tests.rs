@@ -135,7 +135,8 @@ Frame Time: 0.0083333333
 
 #[test]
 fn angles_go_on_through_the_lock_and_beyond_half_a_turn() {
-    // The middle angle goes up through a quarter turn while the others stay: told another way, they would jump by half a turn.
+    // The middle angle goes up through a quarter turn while the others stay: told another way, they would jump by
+    // half a turn.
     let steps = 400;
     let at = |k: i32| f64::from(k) / f64::from(steps);
     let turns = (0..=steps).map(|k| {

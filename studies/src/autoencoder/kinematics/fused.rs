@@ -1,4 +1,4 @@
-//! Forward kinematics as one operation, its gradient worked out by hand: one sweep outwards, one sweep inwards.
+//! Forward kinematics as one operation, its gradient derived by hand: one sweep outwards, one sweep inwards.
 
 use candle_core::{CpuStorage, CustomOp1, Error, Layout, Result, Shape, Tensor};
 use glam::{Mat3, Vec3};

@@ -16,7 +16,7 @@ use super::classes::{ClassesError, Labelled, TwoClasses};
 /// What to try.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// What is told apart.
+    /// The classes.
     pub classes: &'a TwoClasses,
     /// How poses are seen.
     pub rig: &'a SpatialRig,
@@ -45,7 +45,7 @@ impl Leave {
     pub const ALL: [Self; 2] = [Self::Sequence, Self::Group];
 }
 
-/// How much of a draw was told right.
+/// How much of a draw was classified correctly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
     /// Of all poses.
@@ -56,12 +56,12 @@ pub struct Rates {
     pub sequences: f64,
 }
 
-/// How many poses of a sequence were told right, over all draws it was in.
+/// How many poses of a sequence were classified correctly, over all draws it was in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Tally {
-    /// How many were told.
+    /// How many were classified.
     pub poses: usize,
-    /// How many were told right.
+    /// How many were classified correctly.
     pub right: usize,
 }
 
@@ -120,7 +120,7 @@ impl Plan<'_> {
 }
 
 /// Draws sequences of both classes again and again, and tells every pose's class by its nearest neighbour in the other
-/// sequences of the draw; `progress` is told of pairs of poses.
+/// sequences of the draw; `progress` is called for pairs of poses.
 ///
 /// # Errors
 /// [`ClassesError`] if there are too few sequences, or a pose cannot be compared.
@@ -160,7 +160,8 @@ fn draw(plan: &Plan<'_>, number: u64) -> Vec<usize> {
     drawn
 }
 
-/// How many poses of each sequence of a draw have a nearest neighbour of their class. What has none is not told right.
+/// How many poses of each sequence of a draw have a nearest neighbour of their class. What has none is not classified
+/// correctly.
 fn tell(classes: &TwoClasses, nearest: &Nearest, draw: &[usize], leave: Leave) -> Vec<Tally> {
     let of_sequence = |own: &usize| {
         let Labelled { class, group, frames, .. } = &classes.sequences[*own];

@@ -1,4 +1,5 @@
-//! How near poses come to sequences: all that a classifier by nearest neighbours asks, once for any choice of sequences.
+//! How near poses come to sequences: all that a classifier by nearest neighbours asks, once for any choice of
+//! sequences.
 
 use rayon::prelude::*;
 
@@ -15,11 +16,11 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Between the poses of all sequences; `done` is told of pairs of poses. Pairs of sequences in parallel, the same bits
-    /// for any number of threads.
+    /// Between the poses of all sequences; `done` is called for pairs of poses. Pairs of sequences in parallel, the
+    /// same bits for any number of threads.
     ///
-    /// A line that cannot be the shortest, because the way straight through space is not, is not walked: exact but for the
-    /// rounding of f32 in which a straight line may look shorter than it is.
+    /// A line that cannot be the shortest, because the way straight through space is not, is not walked: exact but
+    /// for the rounding of f32 in which a straight line may look shorter than it is.
     pub fn new(
         measuring: &Measuring<'_>,
         poses: &[Vec<MeasuredPose>],

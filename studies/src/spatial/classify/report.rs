@@ -30,7 +30,7 @@ impl Outcome {
         Summary::of(&self.draws.iter().map(rate).collect::<Vec<_>>())
     }
 
-    /// The share of poses told right of each group of a class.
+    /// The share of poses classified correctly of each group of a class.
     pub(crate) fn of_groups<'a>(
         &self,
         classes: &'a TwoClasses,
@@ -116,7 +116,7 @@ fn rates(plan: &Plan<'_>, study: &Study, leave: Leave, costs: &[Cost]) -> comfy_
     table(&header, rows)
 }
 
-/// What comes of calling everything what most poses are.
+/// The result of calling everything what most poses are.
 fn one_class(plan: &Plan<'_>, study: &Study) -> Vec<String> {
     let larger: Vec<[f64; 3]> = study
         .draws
@@ -194,7 +194,8 @@ fn groups(plan: &Plan<'_>, study: &Study) -> comfy_table::Table {
     table(&header, rows)
 }
 
-/// Everything as JSON: what was set, what was drawn, rates of every draw and every sequence, and costs if there are any.
+/// Everything as JSON: what was set, what was drawn, rates of every draw and every sequence, and costs if there are
+/// any.
 pub fn json(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> Value {
     let outcomes: Vec<Value> = study
         .outcomes

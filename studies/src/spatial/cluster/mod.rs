@@ -18,7 +18,7 @@ use super::medoid_shift;
 /// What to try.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// What is told apart.
+    /// The classes.
     pub classes: &'a TwoClasses,
     /// How poses are seen.
     pub rig: &'a SpatialRig,
@@ -58,7 +58,7 @@ pub enum Pairing {
     Cut,
     /// One of each class, both of one group, cut.
     OneGroup,
-    /// Two of the first class, of two groups, cut: what is told apart here is not a class.
+    /// Two of the first class, of two groups, cut: what differs here is not a class.
     OneClass,
 }
 
@@ -130,7 +130,8 @@ impl Pair {
     }
 }
 
-/// Draws pairs of sequences, and makes two clusters of the poses of each by every measure; `progress` is told of pairs.
+/// Draws pairs of sequences, and makes two clusters of the poses of each by every measure; `progress` is called for
+/// pairs.
 ///
 /// # Errors
 /// [`ClassesError`] if there is no sequence of a class, or a pose cannot be compared.

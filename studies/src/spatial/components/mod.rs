@@ -1,7 +1,8 @@
-//! How few dimensions motion needs under a measure: classical multidimensional scaling, and Isomap, of a recording's frames.
+//! How few dimensions motion needs under a measure: classical multidimensional scaling, and Isomap, of a recording's
+//! frames.
 //!
-//! Their figure 4 embeds two people's walks; over many recordings they give the share of the first component, with a mode
-//! of 40 % under the angle metric and of 80 % under the geodesic line.
+//! Their figure 4 embeds two people's walks; over many recordings they give the share of the first component, with a
+//! mode of 40 % under the angle metric and of 80 % under the geodesic line.
 
 mod report;
 
@@ -133,8 +134,8 @@ impl Plan<'_> {
     }
 }
 
-/// Embeds both walks, and works out the components of all recordings, in parallel; `done` is told of every measure of each. The
-/// same result for any number of threads.
+/// Embeds both walks, and computes the components of all recordings, in parallel; `done` is called for every measure
+/// of each. The same result for any number of threads.
 ///
 /// # Errors
 /// [`Error`] of the first recording that cannot be compared.

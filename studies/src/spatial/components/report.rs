@@ -186,7 +186,7 @@ fn percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.1}", 100.0 * share))
 }
 
-/// As fine as a mode can be told.
+/// The resolution of a mode.
 fn whole_percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.0}", 100.0 * share))
 }

@@ -1,4 +1,4 @@
-//! Straight lines between poses, in several coordinates: what a geodesic is held against.
+//! Straight lines between poses, in several coordinates: what a geodesic is compared with.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 

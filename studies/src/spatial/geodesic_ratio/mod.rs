@@ -197,7 +197,7 @@ impl Plan<'_> {
     }
 }
 
-/// Tries all conditions, pairs in parallel; `done` is told of every pair. The same for any number of threads.
+/// Tries all conditions, pairs in parallel; `done` is called for every pair. The same for any number of threads.
 ///
 /// # Errors
 /// [`Error`] if the skeleton has not the root.

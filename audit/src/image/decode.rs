@@ -1,0 +1,43 @@
+//! What reads bytes and numbers from outside.
+
+use core::hint::black_box;
+
+use sinew_core::control::Limited;
+use sinew_core::coordinates::nearest_turn;
+use sinew_core::{Body, JointKind, Transform, Wrench};
+use sinew_firmware::show::{self, Show};
+
+use super::{N, desired, measured, slice, slice_mut, tree};
+
+#[inline(never)]
+pub(crate) fn show() {
+    let Ok(show) = Show::parse(slice()) else { return };
+    let show = black_box(show);
+    show.frame(black_box(0), slice_mut());
+    black_box((show.body_count(), show.frame_count(), show.dt_s()));
+    black_box(&show.tree::<N>());
+    let frames: &[&[Transform]] = slice();
+    let sink = |bytes: &[u8]| black_box(if bytes.is_empty() { Err(()) } else { Ok(()) });
+    black_box(&show::write(slice::<Body>(), black_box(1.0), frames.iter().copied(), sink));
+}
+
+#[inline(never)]
+pub(crate) fn coordinates() {
+    let joint = black_box(JointKind::Free);
+    black_box(&joint.validate());
+    black_box(&joint.state(black_box(Transform::IDENTITY), slice(), slice()));
+    black_box((joint.degrees_of_freedom(), joint.coordinate_count()));
+    let tree = tree();
+    black_box((tree.coordinate_count(), tree.degrees_of_freedom()));
+    black_box((tree.coordinates(black_box(1)), tree.freedoms(black_box(1))));
+    let (mut states, mut targets) = (measured(), desired());
+    black_box(&states.set_coordinates(&tree, slice(), slice()));
+    black_box(&states.coordinates(&tree, slice_mut(), slice_mut()));
+    black_box(&targets.set_coordinates(&tree, slice(), slice(), slice()));
+    black_box(&targets.coordinates(&tree, slice_mut(), slice_mut(), slice_mut()));
+    black_box(&tree.accelerations(slice(), slice(), slice_mut()));
+    black_box(&tree.efforts(slice(), slice::<Wrench>(), slice_mut()));
+    black_box(&tree.efforts(slice(), slice::<Limited<Wrench>>(), slice_mut()));
+    black_box(&tree.wrenches(slice(), slice(), slice_mut()));
+    black_box(nearest_turn(black_box(1.0), black_box(2.0)));
+}

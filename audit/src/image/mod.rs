@@ -1,0 +1,103 @@
+//! Image for `cargo xtask audit`: all that a board's program may call of the library, linked but never run.
+//!
+//! Every input is hidden from the compiler, so that no check can be left out for a value that happens to stand here. A
+//! panic that could be reached calls a function that does not exist, and the image does not link. `cargo xtask audit`
+//! says where, and reads from the image what else must not be in it.
+
+mod construct;
+mod decode;
+#[cfg(feature = "faults")]
+mod faults;
+mod kernels;
+mod targets;
+mod tick;
+
+use core::hint::black_box;
+
+use cortex_m_rt::entry;
+use sinew_core::control::Gains;
+use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
+
+/// Bodies of the figure, as the boards have it.
+const N: usize = 18;
+
+/// Calls every part of the audit, which `cargo xtask audit` finds by their names.
+#[entry]
+fn main() -> ! {
+    loop {
+        decode::show();
+        decode::coordinates();
+        construct::trees();
+        construct::controllers();
+        construct::projections();
+        construct::observers();
+        construct::importance();
+        construct::pose_space();
+        targets::trajectories();
+        targets::differences();
+        tick::controller();
+        tick::controller_of_little_room();
+        tick::tracker();
+        tick::replay();
+        tick::parity();
+        kernels::kinematics();
+        kernels::state_errors();
+        kernels::dynamics();
+        kernels::elementary();
+        #[cfg(feature = "faults")]
+        {
+            faults::index();
+            faults::double();
+            faults::fused();
+            faults::text();
+            faults::recursion();
+            faults::pointer();
+        }
+    }
+}
+
+/// A slice of unknown length and content.
+fn slice<T>() -> &'static [T] {
+    black_box(&[])
+}
+
+/// A slice of unknown length and content that can be written to.
+fn slice_mut<T>() -> &'static mut [T] {
+    black_box(&mut [])
+}
+
+fn body() -> Body {
+    black_box(Body {
+        parent: None,
+        joint: JointKind::Spherical,
+        placement: Transform::IDENTITY,
+        inertia: Inertia::default(),
+    })
+}
+
+fn tree() -> Tree<N> {
+    black_box(Tree::new())
+}
+
+fn gains() -> Option<Gains> {
+    black_box(Gains::critically_damped(black_box(1.0)).ok())
+}
+
+fn measured() -> JointStates<N> {
+    black_box(JointStates::rest(&tree()))
+}
+
+fn desired() -> JointTargets<N> {
+    black_box(JointTargets::rest(&tree()))
+}
+
+#[expect(unsafe_code, reason = "nothing is behind it that could be unsafe")]
+unsafe extern "C" {
+    /// Nobody has it: what needs it does not link.
+    safe fn a_panic_can_be_reached() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    a_panic_can_be_reached()
+}

@@ -1,0 +1,182 @@
+//! What each degree of freedom is asked for, split into the parts that a drive may use.
+
+use core::f32::consts::TAU;
+use core::mem;
+
+use super::error::{CoordinatesError, check_count};
+use super::tree::in_joint;
+use crate::control::{ControlLaw, LimitReason};
+use crate::controller::{Controller, Workspace};
+use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
+use crate::math;
+use crate::state::JointState;
+use crate::transform::Wrench;
+use crate::tree::Body;
+
+/// What one degree of freedom is asked for: where to be, and the effort in two parts.
+///
+/// A drive takes the parts that its servo can use: with current control the whole [`Self::effort`]; with position
+/// control the target, and the feed-forward effort over the servo's own stiffness, but no feedback, which would close
+/// a second loop round the servo's; with neither, the target alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct DofCommand {
+    /// Target position. Revolute and universal joints: angle in rad, in [-π, π] (see [`nearest_turn`]). Prismatic
+    /// ones: displacement in m. Spherical ones: a component of the rotation vector of the desired pose in the joint
+    /// frame, rad. Free ones: that, then a component of the position in the joint frame, m.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
+    pub position: f32,
+    /// Target velocity along the joint's axis, rad/s or m/s. Of spherical and free joints a component in desired body
+    /// axes, which is not the derivative of the rotation vector.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
+    pub velocity: f32,
+    /// What the desired acceleration takes at the measured state, gravity and external wrenches among it, within the
+    /// joint's limit; N m or N. Zero with the law of PD alone.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
+    pub feedforward_effort: f32,
+    /// The rest of the effort that the tick gave, after limits: what corrects the error; N m or N.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
+    pub feedback_effort: f32,
+    /// What limited the effort of the joint, if anything did. With [`LimitReason::NotFinite`] and
+    /// [`LimitReason::NoRoom`] both efforts are zero.
+    pub limited: Option<LimitReason>,
+}
+
+impl DofCommand {
+    /// Feed-forward and feedback together: the effort that the tick gave, within all limits. N m or N.
+    pub fn effort(&self) -> f32 {
+        self.feedforward_effort + self.feedback_effort
+    }
+}
+
+/// The same angle with as many whole turns as bring it next to another, rad.
+///
+/// Poses do not count turns, so target angles are in [-π, π]. A servo whose range goes beyond takes the one
+/// next to the middle of its range; one that turns without end, the one next to what its encoder reads.
+///
+/// ```
+/// use sinew_core::{coordinates::nearest_turn, math::PI};
+/// // A range from 0 to 270 degrees.
+/// let (target, middle) = (-2.0, 0.75 * PI);
+/// assert!((nearest_turn(target, middle) - (2.0 * PI - 2.0)).abs() < 1e-6);
+/// ```
+pub fn nearest_turn(angle_rad: f32, to_rad: f32) -> f32 {
+    angle_rad + math::round((to_rad - angle_rad) / TAU) * TAU
+}
+
+impl<const N: usize> Controller<N> {
+    /// What each degree of freedom is asked for, after a tick with the same targets, measurements, external wrenches
+    /// and workspace; its torques may have been through a [`supply`](crate::supply) since. O(n), about a tick: only for
+    /// drives that cannot do with [`Tree::efforts`](crate::Tree::efforts) alone.
+    ///
+    /// Feed-forward is inverse dynamics of the targets' accelerations (what an observer has added among them), whatever
+    /// the method.
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements are of another tree, or `out`
+    /// has not one item for each degree of freedom.
+    ///
+    /// ```
+    /// use sinew_core::coordinates::DofCommand;
+    /// use sinew_core::{Controller, JointStates, JointTargets, Workspace};
+    /// use sinew_core::{control::Gains, glam::Vec3, state_error::Method};
+    /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
+    /// # let inertia = Inertia {
+    /// #     mass_kg: 2.0,
+    /// #     center_of_mass_m: Vec3::X * 0.5,
+    /// #     rotational_kg_m2: RotationalInertia::default(),
+    /// # };
+    /// # let joint = JointKind::Revolute { axis: Vec3::Z };
+    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
+    /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
+    /// targets.set_coordinates(&tree, &[0.25], &[0.0], &[0.0])?;
+    /// let controller = Controller::new(tree, Gains::new(100.0, 20.0)?, Method::Local)?;
+    /// let mut workspace = Workspace::new();
+    /// controller.tick(&mut targets, &measured, &[], &mut workspace);
+    /// let mut commands = [DofCommand::default()];
+    /// controller.dof_commands(&targets, &measured, &[], &mut workspace, &mut commands)?;
+    /// // 2 kg on a level arm of 0.5 m weigh 9.81 N m; 0.25 rad times 100/s² times 0.5 kg m² are 12.5 N m.
+    /// let [arm] = commands;
+    /// assert!((arm.position - 0.25).abs() < 1e-6);
+    /// assert!((arm.feedforward_effort - 9.81).abs() < 1e-4);
+    /// assert!((arm.feedback_effort - 12.5).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn dof_commands<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &JointStates<N>,
+        external: &[Wrench],
+        workspace: &mut Workspace<N, R>,
+        out: &mut [DofCommand],
+    ) -> Result<(), CoordinatesError> {
+        let tree = self.tree();
+        for joints in [targets.states(), measured.as_slice()] {
+            check_count("joints", tree.len(), joints.len())?;
+        }
+        check_count("out", tree.degrees_of_freedom(), out.len())?;
+        let mut feedforward = [Wrench::ZERO; N];
+        if self.law() == ControlLaw::InverseDynamics {
+            self.feedforward_wrenches(targets, measured, external, workspace, &mut feedforward);
+        }
+        let mut rest = out;
+        for ((body, (desired, measured)), (torque, feedforward)) in tree
+            .bodies()
+            .iter()
+            .zip(targets.states().iter().zip(measured.as_slice()))
+            .zip(workspace.torques().iter().zip(feedforward))
+        {
+            let count = body.joint.degrees_of_freedom();
+            let (of_joint, behind) =
+                mem::take(&mut rest).split_at_mut_checked(count).unwrap_or_default();
+            rest = behind;
+            let nothing =
+                matches!(torque.reason, Some(LimitReason::NotFinite | LimitReason::NoRoom));
+            let feedforward = if nothing { Wrench::ZERO } else { feedforward };
+            let [mut velocity, mut effort, mut of_model] = [[0.0; 6]; 3];
+            let of_desired = body.rotation_in_joint(desired.pose.rotation);
+            let of_measured = body.rotation_in_joint(measured.pose.rotation);
+            body.joint.components(of_desired, desired.velocity, &mut velocity);
+            body.joint.components(of_measured, torque.value.as_twist(), &mut effort);
+            body.joint.components(of_measured, feedforward.as_twist(), &mut of_model);
+            let numbers =
+                position(body, desired).into_iter().zip(velocity).zip(effort).zip(of_model);
+            for (slot, (((position, velocity), effort), feedforward_effort)) in
+                of_joint.iter_mut().zip(numbers)
+            {
+                *slot = DofCommand {
+                    position,
+                    velocity,
+                    feedforward_effort,
+                    feedback_effort: effort - feedforward_effort,
+                    limited: torque.reason,
+                };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The target position of each degree of freedom; the rest is zero.
+fn position(body: &Body, desired: &JointState) -> [f32; 6] {
+    let in_joint = in_joint(body, &desired.pose);
+    match body.joint {
+        JointKind::Spherical | JointKind::Free => {
+            let [a, b, c] = math::log(in_joint.rotation).to_array();
+            let [x, y, z] = in_joint.translation_m.to_array();
+            [a, b, c, x, y, z]
+        }
+        joint => {
+            let [a, b] = joint.along(&in_joint);
+            [a, b, 0.0, 0.0, 0.0, 0.0]
+        }
+    }
+}

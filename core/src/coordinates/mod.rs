@@ -1,0 +1,59 @@
+//! Joint coordinates: the numbers that servos and encoders have, for all joints of a tree.
+//!
+//! Inside, the core works with transforms ([`JointState`](crate::JointState)). A rig is driven by numbers: positions
+//! `q`, speeds `qd`, accelerations `qdd`, and efforts. Each is one slice, body after body in regular numbering.
+//!
+//! | joint | `q` | `qd`, `qdd` and efforts |
+//! | --- | --- | --- |
+//! | fixed | | |
+//! | revolute | angle, rad | rad/s, rad/s², N m |
+//! | prismatic | displacement, m | m/s, m/s², N |
+//! | universal | both angles, rad | two of a revolute joint's |
+//! | spherical | unit quaternion x y z w of the body in the joint frame | three about x, y, z of the body |
+//! | free | that quaternion, then the position x y z in the joint frame, m | three about, then three along x, y, z of the body |
+//!
+//! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
+//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). Where a body's numbers are in them is told by
+//! [`Tree::coordinates`](crate::Tree::coordinates) and [`Tree::freedoms`](crate::Tree::freedoms).
+//!
+//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured),
+//!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
+//! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
+//!   [`Controller::dof_commands`](crate::Controller::dof_commands): target, feed-forward and feedback for each degree
+//!   of freedom.
+//! - **Back**: `coordinates` of states and targets, [`Tree::accelerations`](crate::Tree::accelerations) of commands,
+//!   [`Tree::wrenches`](crate::Tree::wrenches) of efforts.
+//!
+//! All are O(n), allocate nothing, and refuse what does not fit by name ([`CoordinatesError`]).
+//!
+//! The speeds of a spherical or free joint are components in body axes, not derivatives of its quaternion. The
+//! linear accelerations of a free joint are the second derivative of its position, turned to body axes: with
+//! `ω × v` more than the derivative of its linear speeds.
+//!
+//! ```
+//! use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
+//! let body = |parent, joint| {
+//!     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default() }
+//! };
+//! let knee = JointKind::Revolute { axis: Vec3::X };
+//! let leg = Tree::<2>::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), knee)])?;
+//! assert_eq!((leg.coordinate_count(), leg.degrees_of_freedom()), (5, 4));
+//! assert_eq!((leg.coordinates(1), leg.freedoms(1)), (4..5, 3..4));
+//!
+//! let mut measured = JointStates::rest(&leg);
+//! measured.set_coordinates(&leg, &[0.0, 0.0, 0.0, 1.0, 0.5], &[0.0, 0.0, 0.0, 2.0])?;
+//! assert_eq!(measured.as_slice()[1].velocity.angular, Vec3::X * 2.0);
+//! let refused = measured.set_coordinates(&leg, &[0.0, 0.0, 0.0, 1.0, f32::NAN], &[0.0; 4]);
+//! let message = refused.expect_err("the knee has no such angle").to_string();
+//! assert_eq!(message, "q[4], of joint 1, is NaN; it must be a number from -1e6 to 1e6");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod dof_command;
+mod error;
+mod joint;
+mod tree;
+
+pub use dof_command::{DofCommand, nearest_turn};
+pub use error::CoordinatesError;
+pub use joint::JointCoordinatesError;

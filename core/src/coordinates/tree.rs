@@ -1,0 +1,323 @@
+//! Coordinates of all joints of a tree, in and out.
+
+use core::mem;
+use core::ops::Range;
+
+use super::error::{CoordinatesError, check_count, check_numbers};
+use super::joint::squared_length_off_unit;
+use crate::dynamics::degrees_of_freedom;
+use crate::joint::JointKind;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
+use crate::state::JointState;
+use crate::transform::{Transform, Twist, Wrench};
+use crate::tree::{Body, Tree};
+
+impl<const N: usize> Tree<N> {
+    /// How many numbers `q` has (nq): a ball joint has four for three degrees of freedom. O(n).
+    pub fn coordinate_count(&self) -> usize {
+        count(self.bodies(), JointKind::coordinate_count)
+    }
+
+    /// Number of degrees of freedom of all joints together: how many numbers `qd`, `qdd` and efforts have (nv). O(n).
+    pub fn degrees_of_freedom(&self) -> usize {
+        degrees_of_freedom(self.bodies())
+    }
+
+    /// Where the numbers of a body's joint are in `q`; an empty range at the end if there is no such body. O(n): ask
+    /// once.
+    pub fn coordinates(&self, body: usize) -> Range<usize> {
+        range(self.bodies(), body, JointKind::coordinate_count)
+    }
+
+    /// Where the numbers of a body's joint are in `qd`, `qdd` and efforts; an empty range at the end if there is no
+    /// such body. O(n): ask once.
+    pub fn freedoms(&self, body: usize) -> Range<usize> {
+        range(self.bodies(), body, JointKind::degrees_of_freedom)
+    }
+
+    /// Accelerations along the degrees of freedom, of accelerations of joints in body axes
+    /// ([`Workspace::commands`](crate::Workspace::commands),
+    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)): `Sᵀ` of each. `joints`: their states. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
+    pub fn accelerations(
+        &self,
+        joints: &[JointState],
+        twists: &[Twist],
+        qdd: &mut [f32],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = self.bodies();
+        check_count("joints", bodies.len(), joints.len())?;
+        check_count("twists", bodies.len(), twists.len())?;
+        check_count("qdd", self.degrees_of_freedom(), qdd.len())?;
+        write_components(bodies, joints, twists.iter().copied(), qdd);
+        Ok(())
+    }
+
+    /// Efforts along the degrees of freedom (N m, N), of wrenches on bodies in body axes, such as a tick's torques:
+    /// `Sᵀ` of each. `joints`: their measured states. The power is the same: `effort · qd = wrench · twist`. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, Wrench, glam::Vec3};
+    /// # let (parent, placement) = (None, Transform::IDENTITY);
+    /// # let joint = JointKind::Revolute { axis: Vec3::X };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// let tree = Tree::<1>::from_bodies(&[knee])?;
+    /// let measured = JointStates::rest(&tree);
+    /// let wrench = Wrench::new(Vec3::new(3.0, 1.0, 0.0), Vec3::ZERO);
+    /// let mut effort = [0.0];
+    /// tree.efforts(measured.as_slice(), &[wrench], &mut effort)?;
+    /// assert_eq!(effort, [3.0]);
+    /// // The way back has no part of what the bearings carry.
+    /// let mut of_drive = [Wrench::ZERO];
+    /// tree.wrenches(measured.as_slice(), &effort, &mut of_drive)?;
+    /// assert_eq!(of_drive, [Wrench::new(Vec3::X * 3.0, Vec3::ZERO)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn efforts<W: AsRef<Wrench>>(
+        &self,
+        joints: &[JointState],
+        wrenches: &[W],
+        efforts: &mut [f32],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = self.bodies();
+        check_count("joints", bodies.len(), joints.len())?;
+        check_count("wrenches", bodies.len(), wrenches.len())?;
+        check_count("efforts", self.degrees_of_freedom(), efforts.len())?;
+        let as_twists = wrenches.iter().map(|wrench| wrench.as_ref().as_twist());
+        write_components(bodies, joints, as_twists, efforts);
+        Ok(())
+    }
+
+    /// Wrenches on bodies, in body axes, of efforts along the degrees of freedom: `S` times each. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, or an effort is not a number
+    /// from -1e6 to 1e6.
+    pub fn wrenches(
+        &self,
+        joints: &[JointState],
+        efforts: &[f32],
+        wrenches: &mut [Wrench],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = self.bodies();
+        check_count("joints", bodies.len(), joints.len())?;
+        check_count("wrenches", bodies.len(), wrenches.len())?;
+        check_numbers("efforts", bodies, JointKind::degrees_of_freedom, efforts)?;
+        let mut rest = efforts;
+        for ((body, joint), slot) in bodies.iter().zip(joints).zip(wrenches) {
+            let of_joint = take(&mut rest, body.joint.degrees_of_freedom());
+            let in_joint = body.rotation_in_joint(joint.pose.rotation);
+            let Twist { angular, linear } = body.joint.twist_along(in_joint, of_joint);
+            *slot = Wrench::new(angular, linear);
+        }
+        Ok(())
+    }
+}
+
+impl<const N: usize> JointStates<N> {
+    /// Sets all joints by their positions and speeds, as encoders give them (see
+    /// [`coordinates`](crate::coordinates)). O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError`], and nothing is changed, if a slice or the states do not fit the tree, a number is not
+    /// one from -1e6 to 1e6, or a quaternion is not unit.
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
+    /// # let (parent, placement) = (None, Transform::IDENTITY);
+    /// # let joint = JointKind::Prismatic { axis: Vec3::X };
+    /// # let slide = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// let tree = Tree::<1>::from_bodies(&[slide])?;
+    /// let mut measured = JointStates::rest(&tree);
+    /// measured.set_coordinates(&tree, &[0.25], &[2.0])?;
+    /// assert_eq!(measured.as_slice()[0].pose.translation_m, Vec3::X * 0.25);
+    /// let (mut q, mut qd) = ([0.0], [0.0]);
+    /// measured.coordinates(&tree, &mut q, &mut qd)?;
+    /// assert_eq!((q, qd), ([0.25], [2.0]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_coordinates(
+        &mut self,
+        tree: &Tree<N>,
+        q: &[f32],
+        qd: &[f32],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = tree.bodies();
+        check_count("joints", bodies.len(), self.as_slice().len())?;
+        check_state(bodies, q, qd)?;
+        for_each_state(bodies, q, qd, |joint, _, state, _| {
+            // A joint that is there: counted above.
+            let _ = self.put(joint, state);
+        });
+        Ok(())
+    }
+
+    /// The positions and speeds of all joints. Angles are in [-π, π]; of a pose that the joint cannot take, those of
+    /// the nearest that it can. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`], and nothing is written, if a slice or the states do not fit the tree.
+    pub fn coordinates(
+        &self,
+        tree: &Tree<N>,
+        q: &mut [f32],
+        qd: &mut [f32],
+    ) -> Result<(), CoordinatesError> {
+        write_state(tree, self.as_slice(), q, qd)
+    }
+}
+
+impl<const N: usize> JointTargets<N> {
+    /// Sets all joints by their positions, speeds and accelerations (see [`coordinates`](crate::coordinates)). O(n).
+    ///
+    /// The accelerations are the derivatives of the speeds (but for linear ones of a free joint, see there); what
+    /// the axes of a universal joint add by moving is added here.
+    ///
+    /// # Errors
+    /// [`CoordinatesError`], and nothing is changed, if a slice or the targets do not fit the tree, a number is not
+    /// one from -1e6 to 1e6, or a quaternion is not unit.
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, JointTargets, Transform, Tree, glam::Vec3};
+    /// # let (parent, placement) = (None, Transform::IDENTITY);
+    /// # let joint = JointKind::Revolute { axis: Vec3::Z };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// let tree = Tree::<1>::from_bodies(&[knee])?;
+    /// let mut targets = JointTargets::rest(&tree);
+    /// targets.set_coordinates(&tree, &[0.5], &[1.0], &[-4.0])?;
+    /// assert_eq!(targets.accelerations()[0].angular, Vec3::Z * -4.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn set_coordinates(
+        &mut self,
+        tree: &Tree<N>,
+        q: &[f32],
+        qd: &[f32],
+        qdd: &[f32],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = tree.bodies();
+        check_count("joints", bodies.len(), self.states().len())?;
+        check_state(bodies, q, qd)?;
+        check_numbers("qdd", bodies, JointKind::degrees_of_freedom, qdd)?;
+        let mut rest = qdd;
+        for_each_state(bodies, q, qd, |joint, body, state, in_joint| {
+            let of_joint = take(&mut rest, body.joint.degrees_of_freedom());
+            let bias = body.joint.bias_acceleration(in_joint, state.velocity);
+            let acceleration = body.joint.twist_along(in_joint, of_joint) + bias;
+            // A joint that is there: counted above.
+            let _ = self.put(joint, state, acceleration);
+        });
+        Ok(())
+    }
+
+    /// The positions, speeds and accelerations of all joints, as [`JointStates::coordinates`] gives them. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`], and nothing is written, if a slice or the targets do not fit the tree.
+    pub fn coordinates(
+        &self,
+        tree: &Tree<N>,
+        q: &mut [f32],
+        qd: &mut [f32],
+        qdd: &mut [f32],
+    ) -> Result<(), CoordinatesError> {
+        check_count("qdd", tree.degrees_of_freedom(), qdd.len())?;
+        write_state(tree, self.states(), q, qd)?;
+        tree.accelerations(self.states(), self.accelerations(), qdd)
+    }
+}
+
+fn count(bodies: &[Body], of_joint: impl Fn(JointKind) -> usize) -> usize {
+    bodies.iter().map(|body| of_joint(body.joint)).fold(0, usize::saturating_add)
+}
+
+fn range(bodies: &[Body], body: usize, of_joint: impl Fn(JointKind) -> usize) -> Range<usize> {
+    let (before, from) = bodies.split_at_checked(body).unwrap_or((bodies, &[]));
+    let start = count(before, &of_joint);
+    start..start.saturating_add(from.first().map_or(0, |body| of_joint(body.joint)))
+}
+
+/// Refuses positions and speeds that are no state of the tree.
+fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
+    check_numbers("q", bodies, JointKind::coordinate_count, q)?;
+    check_numbers("qd", bodies, JointKind::degrees_of_freedom, qd)?;
+    let mut rest = q;
+    for (joint, body) in bodies.iter().enumerate() {
+        let index = q.len().saturating_sub(rest.len());
+        let of_joint = take(&mut rest, body.joint.coordinate_count());
+        if let Some(squared) = squared_length_off_unit(of_joint) {
+            return Err(CoordinatesError::NotUnit { joint, index, squared });
+        }
+    }
+    Ok(())
+}
+
+/// Calls `set` with every joint, its body, its state, and the body's rotation in the joint frame. For what
+/// [`check_state`] has passed.
+fn for_each_state(
+    bodies: &[Body],
+    mut q: &[f32],
+    mut qd: &[f32],
+    mut set: impl FnMut(usize, &Body, JointState, glam::Quat),
+) {
+    for (joint, body) in bodies.iter().enumerate() {
+        let position = take(&mut q, body.joint.coordinate_count());
+        let speed = take(&mut qd, body.joint.degrees_of_freedom());
+        let state = body.joint.state_at(body.placement, position, speed);
+        set(joint, body, state, body.rotation_in_joint(state.pose.rotation));
+    }
+}
+
+/// Writes positions and speeds of states.
+fn write_state<const N: usize>(
+    tree: &Tree<N>,
+    joints: &[JointState],
+    mut q: &mut [f32],
+    qd: &mut [f32],
+) -> Result<(), CoordinatesError> {
+    let bodies = tree.bodies();
+    check_count("joints", bodies.len(), joints.len())?;
+    check_count("q", tree.coordinate_count(), q.len())?;
+    check_count("qd", tree.degrees_of_freedom(), qd.len())?;
+    for (body, joint) in bodies.iter().zip(joints) {
+        let count = body.joint.coordinate_count();
+        let (of_joint, rest) = mem::take(&mut q).split_at_mut_checked(count).unwrap_or_default();
+        body.joint.write_position(&in_joint(body, &joint.pose), of_joint);
+        q = rest;
+    }
+    write_components(bodies, joints, joints.iter().map(|joint| joint.velocity), qd);
+    Ok(())
+}
+
+/// Writes `Sᵀ` of a six-vector of each joint. For slices that fit.
+fn write_components(
+    bodies: &[Body],
+    joints: &[JointState],
+    twists: impl Iterator<Item = Twist>,
+    mut out: &mut [f32],
+) {
+    for ((body, joint), twist) in bodies.iter().zip(joints).zip(twists) {
+        let count = body.joint.degrees_of_freedom();
+        let (of_joint, rest) = mem::take(&mut out).split_at_mut_checked(count).unwrap_or_default();
+        body.joint.components(body.rotation_in_joint(joint.pose.rotation), twist, of_joint);
+        out = rest;
+    }
+}
+
+/// A pose in the parent's frame, in the joint frame.
+pub(super) fn in_joint(body: &Body, pose: &Transform) -> Transform {
+    body.placement.inverse() * *pose
+}
+
+/// The first `count` numbers, which are then left out of `rest`.
+fn take<'a>(rest: &mut &'a [f32], count: usize) -> &'a [f32] {
+    let (first, behind) = rest.split_at_checked(count).unwrap_or_default();
+    *rest = behind;
+    first
+}

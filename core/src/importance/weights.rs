@@ -1,0 +1,46 @@
+//! Weights of joints while they are summed.
+
+use heapless::Vec;
+
+use super::sum::Sum;
+use super::{Importance, ImportanceError};
+use crate::fixed;
+
+/// A sum for each joint, which becomes its weight.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Weights<const N: usize> {
+    sums: Vec<Sum, N>,
+}
+
+impl<const N: usize> Weights<N> {
+    /// So many joints with the same weight to begin with.
+    ///
+    /// # Errors
+    /// [`ImportanceError::Base`] if that is negative or not finite.
+    pub(super) fn new(count: usize, base: f32) -> Result<Self, ImportanceError> {
+        if base >= 0.0 && base.is_finite() {
+            let sums = (0..count).map(|_| Sum::from(base));
+            Ok(Self { sums: fixed::collect(sums) })
+        } else {
+            Err(ImportanceError::Base { value: base })
+        }
+    }
+
+    pub(super) fn add(&mut self, joint: usize, term: f32) {
+        if let Some(sum) = self.sums.get_mut(joint) {
+            sum.add(term);
+        }
+    }
+
+    pub(super) fn get(&self, joint: usize) -> f32 {
+        self.sums.get(joint).map_or(0.0, |sum| sum.value())
+    }
+
+    /// # Errors
+    /// As [`Importance::new`].
+    pub(super) fn importance(&self) -> Result<Importance<N>, ImportanceError> {
+        let weights: Vec<f32, N> = fixed::collect(self.sums.iter().map(|sum| sum.value()));
+        Importance::new(&weights)
+    }
+}

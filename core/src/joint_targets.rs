@@ -1,0 +1,152 @@
+//! Targets of all joints of a tree: the entrance of what is wanted.
+
+use heapless::Vec;
+
+use crate::fixed;
+use crate::joint_states::JointStates;
+use crate::kinematics;
+use crate::state::{BodyState, JointState, StateInputError};
+use crate::transform::Twist;
+use crate::tree::Tree;
+
+/// Where all joints of a tree should be, how fast, and with what acceleration.
+///
+/// An entrance like [`JointStates`].
+///
+/// ```
+/// use sinew_core::{JointState, JointTargets, Twist, StateInputError, glam::Vec3};
+/// # use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
+/// # let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// # let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// let tree = Tree::<1>::from_bodies(&[head])?;
+/// let mut targets = JointTargets::rest(&tree);
+/// let turning = JointState { velocity: Twist::new(Vec3::Y, Vec3::ZERO), ..JointState::default() };
+/// targets.set(0, turning, Twist::new(Vec3::Y * 4.0, Vec3::ZERO))?;
+/// assert_eq!(targets.accelerations()[0].angular.y, 4.0);
+/// assert_eq!(targets.set(1, turning, Twist::ZERO), Err(StateInputError::NoSuchJoint));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct JointTargets<const N: usize> {
+    states: Vec<JointState, N>,
+    accelerations: Vec<Twist, N>,
+    /// The world states of the bodies that follow from `states`, for a tree of the shape `known_for`.
+    bodies: Vec<BodyState, N>,
+    known_for: Option<u32>,
+}
+
+/// Equal if the joints' targets are: the bodies' follow from them.
+impl<const N: usize> PartialEq for JointTargets<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.states == other.states && self.accelerations == other.accelerations
+    }
+}
+
+impl<const N: usize> JointTargets<N> {
+    /// All joints of `tree` at rest in its zero pose.
+    pub fn rest(tree: &Tree<N>) -> Self {
+        let at_rest = JointStates::rest(tree);
+        let states: Vec<JointState, N> = fixed::collect(at_rest.as_slice().iter().copied());
+        let accelerations = fixed::collect(states.iter().map(|_| Twist::ZERO));
+        let bodies = fixed::collect(states.iter().map(|_| BodyState::WORLD));
+        Self { states, accelerations, bodies, known_for: None }
+    }
+
+    /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
+    /// body axes: its angular part the derivative of the components of the angular velocity, its linear
+    /// part the second derivative of the position in the parent's frame, turned to body axes.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there is no such joint, a number is not finite or
+    /// the rotation not unit.
+    pub fn set(
+        &mut self,
+        joint: usize,
+        state: JointState,
+        acceleration: Twist,
+    ) -> Result<(), StateInputError> {
+        state.check()?;
+        if !acceleration.is_finite() {
+            return Err(StateInputError::NonFinite);
+        }
+        self.put(joint, state, acceleration)
+    }
+
+    /// Sets state and acceleration of one joint to what is known to be finite, with a rotation that [`check_pose`]
+    /// has passed.
+    #[inline]
+    pub(crate) fn put(
+        &mut self,
+        joint: usize,
+        state: JointState,
+        acceleration: Twist,
+    ) -> Result<(), StateInputError> {
+        let (Some(slot), Some(acceleration_slot)) =
+            (self.states.get_mut(joint), self.accelerations.get_mut(joint))
+        else {
+            return Err(StateInputError::NoSuchJoint);
+        };
+        *slot = state.with_unit_rotation();
+        *acceleration_slot = acceleration;
+        self.known_for = None;
+        Ok(())
+    }
+
+    /// Sets only the velocity of one joint, relative to the parent, in (desired) body axes: zero for a
+    /// performance that gives poses alone.
+    ///
+    /// # Errors
+    /// [`StateInputError`], and nothing is changed, if there is no such joint or a number is not finite.
+    pub fn set_velocity(&mut self, joint: usize, velocity: Twist) -> Result<(), StateInputError> {
+        if !velocity.is_finite() {
+            return Err(StateInputError::NonFinite);
+        }
+        let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
+        slot.velocity = velocity;
+        self.known_for = None;
+        Ok(())
+    }
+
+    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
+    /// in a tree, which count as known from here on. Finite, and with unit rotations.
+    pub(crate) fn whole(
+        &mut self,
+        tree: &Tree<N>,
+    ) -> (&mut [JointState], &mut [Twist], &mut [BodyState]) {
+        self.known_for = (self.states.len() == tree.len()).then_some(tree.shape());
+        (&mut self.states, &mut self.accelerations, &mut self.bodies)
+    }
+
+    /// Finds the world states of the bodies of a tree from those of the joints, if they are not known yet.
+    pub(crate) fn complete(&mut self, tree: &Tree<N>) {
+        if self.known_for != Some(tree.shape()) {
+            kinematics::body_states(tree.bodies(), &self.states, &mut self.bodies);
+            self.known_for = Some(tree.shape());
+        }
+    }
+
+    /// World states of the bodies after [`Self::complete`].
+    pub(crate) fn bodies(&self) -> &[BodyState] {
+        &self.bodies
+    }
+
+    /// Adds to the acceleration of one joint what is finite of a sum.
+    pub(crate) fn add_acceleration(&mut self, joint: usize, more: Twist) {
+        if let Some(slot) = self.accelerations.get_mut(joint) {
+            let sum = *slot + more;
+            if sum.is_finite() {
+                *slot = sum;
+            }
+        }
+    }
+
+    /// The desired states by joint.
+    pub fn states(&self) -> &[JointState] {
+        &self.states
+    }
+
+    /// The desired accelerations by joint, see [`Self::set`].
+    pub fn accelerations(&self) -> &[Twist] {
+        &self.accelerations
+    }
+}

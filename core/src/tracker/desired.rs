@@ -1,0 +1,271 @@
+//! The desired side: from frames to targets.
+
+use crate::forward_differences::ForwardDifferences;
+use crate::joint_targets::JointTargets;
+use crate::kinematics::of_parent;
+use crate::pose_step::rate;
+use crate::projection::{ManifoldProjection, ProjectionWorkspace};
+use crate::state::{BodyState, StateInputError};
+use crate::trajectory::{aligned_targets, forward_targets, live_targets};
+use crate::transform::{Transform, Twist};
+use crate::tree::Tree;
+use crate::{fixed, math};
+
+use super::error::InputError;
+use super::frames::{Frame, FrameSource};
+use super::names::{DesiredVelocity, Differences};
+
+/// Takes frames as the rig can perform them, and their differences.
+#[derive(Debug)]
+pub(super) struct Desired<const N: usize> {
+    differences: Differences,
+    velocity: DesiredVelocity,
+    dt_s: f32,
+    /// How many frames the targets are ahead of the tick: at the state that its torques meet.
+    latency: i32,
+    projection: Option<(ManifoldProjection<N>, ProjectionWorkspace<N>)>,
+    /// Remembers frames by itself, and is used alone where the velocities are those of bodies.
+    of_bodies: ForwardDifferences<N>,
+    /// The joints' poses in the last three frames, from the slot `oldest` on.
+    window: [[Transform; N]; 3],
+    oldest: usize,
+    /// Whether frames are coordinates, of which nothing is remembered.
+    exact: bool,
+    /// The number of the last frame that was taken; none before the first.
+    newest: Option<i32>,
+    targets: JointTargets<N>,
+}
+
+impl<const N: usize> Desired<N> {
+    pub(super) fn new(
+        tree: &Tree<N>,
+        dt_s: f32,
+        latency: i32,
+        (differences, velocity): (Differences, DesiredVelocity),
+        projection: Option<ManifoldProjection<N>>,
+    ) -> Self {
+        Self {
+            differences,
+            velocity,
+            dt_s,
+            latency,
+            projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
+            of_bodies: ForwardDifferences::new(),
+            window: [[Transform::IDENTITY; N]; 3],
+            oldest: 0,
+            exact: false,
+            newest: None,
+            targets: JointTargets::rest(tree),
+        }
+    }
+
+    pub(super) fn targets(&self) -> &JointTargets<N> {
+        &self.targets
+    }
+
+    pub(super) fn targets_mut(&mut self) -> &mut JointTargets<N> {
+        &mut self.targets
+    }
+
+    /// Puts another projection in the place of the one there is, if there is one.
+    pub(super) fn replace_projection<E>(
+        &mut self,
+        replace: impl FnOnce(&ManifoldProjection<N>) -> Result<ManifoldProjection<N>, E>,
+    ) -> Result<(), E> {
+        if let Some((projection, _)) = &mut self.projection {
+            *projection = replace(projection)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the velocities are those of bodies by forward differences.
+    fn differences_bodies(&self) -> bool {
+        self.differences == Differences::Forward && self.velocity == DesiredVelocity::Bodies
+    }
+
+    /// The frame that the torques of a tick meet.
+    fn met_by(&self, index: i32) -> i32 {
+        index.saturating_add(self.latency)
+    }
+
+    /// The farthest frame that differences for it need.
+    fn newest_of(&self, index: i32) -> i32 {
+        self.met_by(index).saturating_add(self.differences.frames_ahead())
+    }
+
+    /// Takes the frames that lead to those of tick `index`: after it the tick takes one, as each does that follows.
+    // Not within its caller, whose frame on the stack every tick would pay for.
+    #[inline(never)]
+    pub(super) fn begin(
+        &mut self,
+        tree: &Tree<N>,
+        frames: &mut impl FrameSource,
+        index: i32,
+    ) -> Result<(), InputError> {
+        self.exact = matches!(frames.frame(self.met_by(index)), Frame::Coordinates { .. });
+        if self.exact {
+            return Ok(());
+        }
+        let newest = self.newest_of(index);
+        self.newest = None;
+        let dt_s = self.dt_s;
+        for back in [3, 2, 1] {
+            let frame = frames.frame(newest.saturating_sub(back));
+            if self.differences_bodies() {
+                let [slot, ..] = &mut self.window;
+                let joints = performed(&mut self.projection, tree, frame, slot)?;
+                match back {
+                    2 => self.of_bodies.restart(tree, dt_s, joints)?,
+                    1 => self.of_bodies.advance(tree, joints, &mut self.targets)?,
+                    // The first one is for the projection, which goes on from frame to frame.
+                    _ => {}
+                }
+            } else {
+                self.take_in(tree, frame)?;
+            }
+        }
+        self.newest = Some(newest.saturating_sub(1));
+        Ok(())
+    }
+
+    /// The targets of tick `index`. From one tick to the next it takes one frame, after a jump four.
+    pub(super) fn follow(
+        &mut self,
+        tree: &Tree<N>,
+        frames: &mut impl FrameSource,
+        index: i32,
+    ) -> Result<(), InputError> {
+        if self.exact {
+            return self.take_exactly(tree, frames.frame(self.met_by(index)));
+        }
+        let newest = self.newest_of(index);
+        if self.newest.and_then(|newest| newest.checked_add(1)) != Some(newest) {
+            self.begin(tree, frames, index)?;
+            if self.exact {
+                return self.take_exactly(tree, frames.frame(self.met_by(index)));
+            }
+        }
+        // Begins anew if the frame is refused.
+        self.newest = None;
+        let frame = frames.frame(newest);
+        if self.differences_bodies() {
+            let [slot, ..] = &mut self.window;
+            let joints = performed(&mut self.projection, tree, frame, slot)?;
+            self.of_bodies.advance(tree, joints, &mut self.targets)?;
+        } else {
+            self.difference(tree, frame)?;
+        }
+        self.newest = Some(newest);
+        Ok(())
+    }
+
+    /// The targets that a frame of coordinates tells.
+    #[inline(never)]
+    fn take_exactly(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
+        let Frame::Coordinates { q, qd, qdd } = frame else { return Err(InputError::Kind) };
+        Ok(self.targets.set_coordinates(tree, q, qd, qdd)?)
+    }
+
+    /// The targets where the window's frames are differenced.
+    #[inline(never)]
+    fn difference(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
+        let replaced = match (self.differences, self.velocity) {
+            (Differences::Forward, DesiredVelocity::Zero) => Some([Twist::ZERO; N]),
+            (Differences::Forward, DesiredVelocity::Backward) => Some(self.backward(tree)?),
+            _ => None,
+        };
+        self.take_in(tree, frame)?;
+        let window = in_order(&self.window, self.oldest)
+            .map(|joints| joints.get(..tree.len()).unwrap_or_default());
+        let (dt_s, targets) = (self.dt_s, &mut self.targets);
+        match self.differences {
+            Differences::Forward => forward_targets(window, dt_s, targets),
+            Differences::Aligned => aligned_targets(window, dt_s, targets),
+            Differences::Live => live_targets(window, dt_s, targets),
+        }?;
+        for (joint, velocity) in replaced.iter().flatten().enumerate().take(tree.len()) {
+            targets.set_velocity(joint, *velocity)?;
+        }
+        Ok(())
+    }
+
+    /// Velocities of the joints, in body axes, that go with backward differences of the bodies' world poses. Before the
+    /// next frame is taken the window begins one before the tick's.
+    fn backward(&self, tree: &Tree<N>) -> Result<[Twist; N], StateInputError> {
+        let rate_hz = rate(self.dt_s)?;
+        let [before, now, _] = in_order(&self.window, self.oldest);
+        let (mut bodies_before, mut bodies) = ([Transform::IDENTITY; N], [BodyState::WORLD; N]);
+        let mut velocities = [Twist::ZERO; N];
+        for (index, (body, (before, now))) in
+            tree.bodies().iter().zip(before.iter().zip(now)).enumerate()
+        {
+            let before = *of_parent(body, &bodies_before, &Transform::IDENTITY) * *before;
+            let parent = *of_parent(body, &bodies, &BodyState::WORLD);
+            let pose = parent.pose * *now;
+            let turn = math::turn_in_world(before.rotation, pose.rotation);
+            let velocity = Twist {
+                angular: math::log(turn) * rate_hz,
+                linear: (pose.translation_m - before.translation_m) * rate_hz,
+            };
+            let state = BodyState { pose, velocity };
+            if let (Some(slot_before), Some(slot), Some(out)) =
+                (bodies_before.get_mut(index), bodies.get_mut(index), velocities.get_mut(index))
+            {
+                (*slot_before, *slot) = (before, state);
+                *out = state.velocity_from(&parent);
+            }
+        }
+        Ok(velocities)
+    }
+
+    /// Puts a frame into the window, as the rig can perform it, in the place of the oldest.
+    fn take_in(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
+        let [a, b, c] = &mut self.window;
+        let (slot, next) = match self.oldest {
+            0 => (a, 1),
+            1 => (b, 2),
+            _ => (c, 0),
+        };
+        match &mut self.projection {
+            Some(_) => {
+                performed(&mut self.projection, tree, frame, slot)?;
+            }
+            None => fixed::copy(joints_of(frame, tree)?, slot),
+        }
+        self.oldest = next;
+        Ok(())
+    }
+}
+
+/// The frames of a window, from its oldest on.
+fn in_order<T>([a, b, c]: &[T; 3], oldest: usize) -> [&T; 3] {
+    match oldest {
+        0 => [a, b, c],
+        1 => [b, c, a],
+        _ => [c, a, b],
+    }
+}
+
+/// A frame's poses, by joint.
+fn joints_of<'f, const N: usize>(
+    frame: Frame<'f>,
+    tree: &Tree<N>,
+) -> Result<&'f [Transform], InputError> {
+    let Frame::Poses(poses) = frame else { return Err(InputError::Kind) };
+    Ok(poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?)
+}
+
+/// A frame as the rig can perform it: itself, or projected on the rig's own poses in `slot`.
+fn performed<'f, const N: usize>(
+    projection: &mut Option<(ManifoldProjection<N>, ProjectionWorkspace<N>)>,
+    tree: &Tree<N>,
+    frame: Frame<'f>,
+    slot: &'f mut [Transform; N],
+) -> Result<&'f [Transform], InputError> {
+    let joints = joints_of(frame, tree)?;
+    let Some((projection, workspace)) = projection else { return Ok(joints) };
+    let nearest = slot.get_mut(..tree.len()).unwrap_or_default();
+    // The counts are right: only a pose can be refused.
+    projection.project(tree, joints, workspace, nearest).map_err(|_| StateInputError::NonFinite)?;
+    Ok(nearest)
+}

@@ -1,0 +1,138 @@
+//! Why there is no tracker.
+
+use core::fmt;
+
+use super::settings::SettingError;
+use crate::control::GainsError;
+use crate::controller::ControllerError;
+use crate::coordinates::CoordinatesError;
+use crate::importance::{ImportanceError, RestPoseError};
+use crate::observer::ObserverError;
+use crate::projection::ProjectionError;
+use crate::state::StateInputError;
+use crate::state_error::ReferencesError;
+
+/// Why a frame or a reading was refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum InputError {
+    /// A pose.
+    Pose(StateInputError),
+    /// Coordinates.
+    Coordinates(CoordinatesError),
+    /// A frame is of another kind than those that the tracker began with.
+    Kind,
+}
+
+impl From<StateInputError> for InputError {
+    fn from(error: StateInputError) -> Self {
+        Self::Pose(error)
+    }
+}
+
+impl From<CoordinatesError> for InputError {
+    fn from(error: CoordinatesError) -> Self {
+        Self::Coordinates(error)
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pose(error) => error.fmt(f),
+            Self::Coordinates(error) => error.fmt(f),
+            Self::Kind => f.write_str(
+                "it is of another kind than the frames before: poses, or coordinates; begin anew with another source",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for InputError {}
+
+/// Why a tick has no torques.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StepError {
+    /// A frame of the performance was refused.
+    Frame(InputError),
+    /// The reading was refused.
+    Measured(InputError),
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frame(error) => write!(f, "a frame of the performance: {error}"),
+            Self::Measured(error) => write!(f, "the measured joints: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for StepError {}
+
+/// Why a tracker cannot be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TrackerError {
+    /// A setting cannot be.
+    Setting(SettingError),
+    /// The gains cannot be used.
+    Gains(GainsError),
+    /// The bodies that others are seen from cannot be.
+    References(ReferencesError),
+    /// The controller.
+    Controller(ControllerError),
+    /// The projection.
+    Projection(ProjectionError),
+    /// The observer.
+    Observer(ObserverError),
+    /// The rig's rest pose cannot be weighed.
+    RestPose(RestPoseError),
+    /// The rig's joints have no importance.
+    Importance(ImportanceError),
+    /// The latency and the tick together take longer than [`LATE_MOST_S`](super::LATE_MOST_S).
+    TooLate,
+}
+
+macro_rules! from {
+    ($($error:ident => $variant:ident),* $(,)?) => {
+        $(impl From<$error> for TrackerError {
+            fn from(error: $error) -> Self {
+                Self::$variant(error)
+            }
+        })*
+    };
+}
+
+from! {
+    SettingError => Setting,
+    GainsError => Gains,
+    ReferencesError => References,
+    ControllerError => Controller,
+    ProjectionError => Projection,
+    ObserverError => Observer,
+    RestPoseError => RestPose,
+    ImportanceError => Importance,
+}
+
+impl fmt::Display for TrackerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Setting(error) => error.fmt(f),
+            Self::Gains(error) => error.fmt(f),
+            Self::References(error) => error.fmt(f),
+            Self::Controller(error) => error.fmt(f),
+            Self::Projection(error) => error.fmt(f),
+            Self::Observer(error) => error.fmt(f),
+            Self::RestPose(error) => error.fmt(f),
+            Self::Importance(error) => error.fmt(f),
+            Self::TooLate => f.write_str(
+                "the latency and the tick together must not take longer than 10 ms: more ticks a second, or another setting",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for TrackerError {}

@@ -1,0 +1,151 @@
+//! The measured side: from readings to the state that torques meet.
+
+use crate::control::Limited;
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
+use crate::observer::{Observer, ObserverError, ObserverSettings};
+use crate::state::StateInputError;
+use crate::transform::{Transform, Twist, Wrench};
+use crate::tree::Tree;
+
+use super::error::InputError;
+use super::frames::Measured;
+
+/// The state of the rig: backward differences of readings, or an observer's, which begins with them.
+#[derive(Debug)]
+pub(super) struct Estimate<const N: usize, const D: usize> {
+    dt_s: f32,
+    /// The last reading that was accepted, with speeds by differences or as told.
+    differenced: JointStates<N>,
+    /// Ticks since the last reading that was accepted; zero before any was.
+    age_ticks: u16,
+    observer: Option<Observer<N, D>>,
+    /// Whether the observer knows the last reading, and the command that followed.
+    observing: bool,
+    cancel: bool,
+}
+
+impl<const N: usize, const D: usize> Estimate<N, D> {
+    pub(super) fn new(
+        tree: &Tree<N>,
+        dt_s: f32,
+        settings: Option<ObserverSettings>,
+        cancel: bool,
+        latency_ticks: usize,
+    ) -> Result<Self, ObserverError> {
+        let differenced = JointStates::rest(tree);
+        let observer = match settings {
+            Some(settings) => Some(Observer::new(settings, &differenced, latency_ticks)?),
+            None => None,
+        };
+        Ok(Self { dt_s, differenced, age_ticks: 0, observer, observing: false, cancel })
+    }
+
+    /// Takes a reading as that of a rig at rest, one tick before the next.
+    pub(super) fn begin(&mut self, measured: &[Transform]) -> Result<(), StateInputError> {
+        self.differenced.set_at_rest(measured)?;
+        self.age_ticks = 1;
+        self.observing = false;
+        Ok(())
+    }
+
+    /// Takes the reading of a tick. The first one counts as at rest, if it has no speeds: where the rig stood before is
+    /// not known.
+    pub(super) fn observe(
+        &mut self,
+        tree: &Tree<N>,
+        measured: Measured<'_>,
+    ) -> Result<(), InputError> {
+        let age_ticks = self.age_ticks;
+        // Ages before the reading is looked at: one that is refused has taken its tick all the same.
+        self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
+        match measured {
+            Measured::Poses(poses) => {
+                let poses = poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?;
+                self.observe_poses(tree, poses, age_ticks)?;
+            }
+            Measured::Coordinates { q, qd } => self.observe_coordinates(tree, q, qd, age_ticks)?,
+        }
+        self.age_ticks = 1;
+        Ok(())
+    }
+
+    fn observe_poses(
+        &mut self,
+        tree: &Tree<N>,
+        poses: &[Transform],
+        age_ticks: u16,
+    ) -> Result<(), StateInputError> {
+        match &mut self.observer {
+            Some(observer) if self.observing && age_ticks == 1 => {
+                observer.observe(tree, poses)?;
+                // In case that the next reading is refused.
+                self.differenced.set_at_rest(poses)?;
+            }
+            // Commands in between are not known: after a gap the observer begins anew from differences.
+            _ => {
+                match age_ticks {
+                    0 => self.differenced.set_at_rest(poses)?,
+                    _ => self.differenced.update_poses(poses, self.dt_s * f32::from(age_ticks))?,
+                }
+                self.restart();
+            }
+        }
+        Ok(())
+    }
+
+    // Not within its caller, whose frame on the stack rigs without coordinates would pay for.
+    #[inline(never)]
+    fn observe_coordinates(
+        &mut self,
+        tree: &Tree<N>,
+        q: &[f32],
+        qd: &[f32],
+        age_ticks: u16,
+    ) -> Result<(), InputError> {
+        self.differenced.set_coordinates(tree, q, qd)?;
+        match &mut self.observer {
+            Some(observer) if self.observing && age_ticks == 1 => {
+                let mut poses = [Transform::IDENTITY; N];
+                for (pose, state) in poses.iter_mut().zip(self.differenced.as_slice()) {
+                    *pose = state.pose;
+                }
+                observer.observe(tree, poses.get(..tree.len()).unwrap_or_default())?;
+            }
+            _ => self.restart(),
+        }
+        Ok(())
+    }
+
+    /// Lets the observer, if there is one, begin anew from what was read.
+    fn restart(&mut self) {
+        if let Some(observer) = &mut self.observer {
+            observer.restart(&self.differenced);
+            self.observing = true;
+        }
+    }
+
+    /// Notes that nothing was commanded in this tick: the observer begins anew.
+    pub(super) fn interrupt(&mut self) {
+        self.observing = false;
+    }
+
+    /// The state that torques of this tick meet, as far as it is known.
+    pub(super) fn states(&self) -> &JointStates<N> {
+        self.observer.as_ref().map_or(&self.differenced, Observer::states)
+    }
+
+    /// Takes off the targets what the observer has learnt of disturbances, if it is to.
+    pub(super) fn compensate(&self, targets: &mut JointTargets<N>) {
+        if let Some(observer) = self.observer.as_ref().filter(|_| self.cancel) {
+            observer.compensate(targets);
+        }
+    }
+
+    /// Notes what the joints were commanded.
+    pub(super) fn commanded(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
+        if let Some(observer) = &mut self.observer {
+            observer.record_commands(commands, torques);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Where frames come from.
+
+use crate::transform::Transform;
+
+/// One frame of a performance: where the rig should be at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Frame<'a> {
+    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
+    /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
+    Poses(&'a [Transform]),
+    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. Needs neither
+    /// projection nor differences.
+    Coordinates {
+        /// Positions of the joints, nq numbers.
+        q: &'a [f32],
+        /// Speeds along the degrees of freedom, nv numbers.
+        qd: &'a [f32],
+        /// Accelerations along the degrees of freedom, nv numbers.
+        qdd: &'a [f32],
+    },
+}
+
+/// What the sensors of the joints told in a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Measured<'a> {
+    /// Poses of all joints, each in its parent's frame. Velocities are backward differences.
+    Poses(&'a [Transform]),
+    /// Coordinates and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates speeds of its own,
+    /// and takes those told only to begin with.
+    Coordinates {
+        /// Positions of the joints, nq numbers.
+        q: &'a [f32],
+        /// Speeds along the degrees of freedom, nv numbers.
+        qd: &'a [f32],
+    },
+}
+
+impl<'a> From<&'a [Transform]> for Measured<'a> {
+    fn from(poses: &'a [Transform]) -> Self {
+        Self::Poses(poses)
+    }
+}
+
+impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
+    fn from(poses: &'a [Transform; K]) -> Self {
+        Self::Poses(poses)
+    }
+}
+
+/// Where frames come from: a baked show, a clip, a live stream, a pose that is held.
+///
+/// A [`Tracker`](super::Tracker) asks for frames by number and never knows how they are stored. All frames of a source are
+/// of one kind; before a source of the other kind, [`begin`](super::Tracker::begin) anew.
+///
+/// ```
+/// use sinew_core::Transform;
+/// use sinew_core::tracker::{Frame, FrameSource};
+/// /// Holds one pose for ever.
+/// struct Hold([Transform; 1]);
+///
+/// impl FrameSource for Hold {
+///     fn frame(&mut self, _index: i32) -> Frame<'_> {
+///         Frame::Poses(&self.0)
+///     }
+/// }
+/// # assert_eq!(Hold([Transform::IDENTITY]).frame(3), Frame::Poses(&[Transform::IDENTITY]));
+/// ```
+pub trait FrameSource {
+    /// The frame of that number. Negative ones lie before the performance: see [`before_the_first`]. Beyond the end, the
+    /// last one is held.
+    fn frame(&mut self, index: i32) -> Frame<'_>;
+}
+
+impl<S: FrameSource + ?Sized> FrameSource for &mut S {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        (**self).frame(index)
+    }
+}
+
+/// A pose so many frames before the first: a performance moves on into its first frame as it does out of it, so that it
+/// begins with the velocity of its first step.
+///
+/// ```
+/// use sinew_core::{Transform, glam::Vec3, tracker::before_the_first};
+/// let [first, second] = [1.0, 3.0].map(|x| Transform::from_translation(Vec3::X * x));
+/// assert_eq!(before_the_first(&first, &second, 2).translation_m.x, -3.0);
+/// ```
+pub fn before_the_first(first: &Transform, second: &Transform, frames: u32) -> Transform {
+    // Few: as many as differences look back, and latencies are long.
+    #[expect(clippy::cast_precision_loss, reason = "a small number")]
+    let frames = frames as f32;
+    crate::trajectory::interpolate(first, second, -frames)
+}

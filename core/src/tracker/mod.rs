@@ -1,0 +1,294 @@
+//! From frames and readings to torques in one call: the whole composition, the same on boards and in simulators.
+//!
+//! ```text
+//! frames ── (manifold projection) ── differences ───────┐
+//!                                                       ├── Controller ── (supply) ──> torques
+//! readings ── backward differences, or an observer ─────┘                    │
+//!                          ▲                                                 │
+//!                          └──────────────── commanded accelerations ────────┘
+//! ```
+
+mod desired;
+mod error;
+mod estimate;
+mod frames;
+mod names;
+mod settings;
+
+use crate::body_weight::BodyWeight;
+use crate::control::{Limited, TorqueLimit};
+use crate::controller::{Controller, ControllerError, Workspace};
+use crate::coordinates::{CoordinatesError, DofCommand};
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
+use crate::projection::{JointRange, ProjectionError};
+use crate::state_error::StateError;
+use crate::supply::TorqueSupply;
+use crate::transform::{Transform, Wrench};
+use crate::tree::Tree;
+
+use desired::Desired;
+use estimate::Estimate;
+
+pub use error::{InputError, StepError, TrackerError};
+pub use frames::{Frame, FrameSource, Measured, before_the_first};
+pub use names::{
+    AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
+};
+pub use settings::{
+    BANDWIDTH_RAD_S, LATE_MOST_S, ObserverChoice, ProjectionSettings, ROTATION_M, ResolvedSettings,
+    SettingError, Settings, Timing,
+};
+
+/// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
+///
+/// `D` is the room of the observer, one more than the longest latency in ticks; `R` that for resolved acceleration, `N` or
+/// 0. All memory is in here: put it in a static.
+///
+/// ```
+/// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
+/// use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
+/// use sinew_core::{glam::Vec3, math};
+/// let head = Body {
+///     parent: None,
+///     joint: JointKind::Revolute { axis: Vec3::Y },
+///     placement: Transform::IDENTITY,
+///     inertia: Inertia {
+///         mass_kg: 0.4,
+///         center_of_mass_m: Vec3::Y * 0.1,
+///         rotational_kg_m2: RotationalInertia::diagonal(1e-3, 1e-3, 1e-3),
+///     },
+/// };
+/// /// A head that shakes.
+/// struct Shake([Transform; 1]);
+///
+/// impl FrameSource for Shake {
+///     fn frame(&mut self, index: i32) -> Frame<'_> {
+///         let angle_rad = 0.5 * math::sin(0.02 * index as f32);
+///         self.0 = [Transform::new(math::exp(Vec3::Y * angle_rad), Vec3::ZERO)];
+///         Frame::Poses(&self.0)
+///     }
+/// }
+///
+/// let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
+/// let tree = Tree::<1>::from_bodies(&[head])?;
+/// let mut tracker = Tracker::<1, 8>::new(tree, &Settings::recommended(), timing)?;
+/// let mut show = Shake([Transform::IDENTITY]);
+/// for tick in 0..100 {
+///     // What the sensors of the joints say goes in, and torques for their drives come out.
+///     let measured = [Transform::IDENTITY];
+///     let torques = tracker.step(&mut show, tick, &measured)?;
+///     assert_eq!(torques.len(), 1);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Tracker<const N: usize, const D: usize = 1, const R: usize = 0> {
+    controller: Controller<N>,
+    desired: Desired<N>,
+    estimate: Estimate<N, D>,
+    supply: Option<TorqueSupply<N>>,
+    sharing: Sharing,
+    workspace: Workspace<N, R>,
+}
+
+impl<const N: usize, const D: usize> Tracker<N, D> {
+    /// A tracker of a rig, for all methods but resolved acceleration. O(n).
+    ///
+    /// # Errors
+    /// [`TrackerError`] if a setting cannot be, not on this rig, or the latency is longer than `D` - 1.
+    pub fn new(tree: Tree<N>, settings: &Settings, timing: Timing) -> Result<Self, TrackerError> {
+        Self::with_workspace(tree, settings, timing, Workspace::new())
+    }
+}
+
+impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
+    /// The same with a workspace of its own: resolved acceleration needs [`Workspace::resolving`].
+    ///
+    /// # Errors
+    /// As [`Tracker::new`].
+    pub fn with_workspace(
+        tree: Tree<N>,
+        settings: &Settings,
+        timing: Timing,
+        workspace: Workspace<N, R>,
+    ) -> Result<Self, TrackerError> {
+        let Timing { dt_s, latency_ticks } = timing;
+        let controller = settings.controller(tree, dt_s)?;
+        let (tree, effective) = (controller.tree(), settings.effective());
+        // Who does not look ahead acts as if there were no latency.
+        let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
+        let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
+        let differences = (effective.differences, effective.desired_velocity);
+        Ok(Self {
+            desired: Desired::new(tree, dt_s, ahead, differences, settings.projection(tree)?),
+            estimate: Estimate::new(
+                tree,
+                dt_s,
+                settings.observer(dt_s)?,
+                effective.observer.cancel,
+                latency_ticks,
+            )?,
+            supply: None,
+            sharing: effective.sharing,
+            controller,
+            workspace,
+        })
+    }
+
+    /// The same with a torque limit for each joint.
+    ///
+    /// # Errors
+    /// [`ControllerError`] as [`Controller::with_limits`].
+    pub fn with_limits(self, limits: &[TorqueLimit]) -> Result<Self, ControllerError> {
+        Ok(Self { controller: self.controller.with_limits(limits)?, ..self })
+    }
+
+    /// The same in another field of gravity, m/s², world axes. Default: 9.81 m/s² along -y.
+    ///
+    /// # Errors
+    /// [`ControllerError`] as [`Controller::with_gravity`].
+    pub fn with_gravity(self, gravity_m_s2: glam::Vec3) -> Result<Self, ControllerError> {
+        Ok(Self { controller: self.controller.with_gravity(gravity_m_s2)?, ..self })
+    }
+
+    /// The same with drives that share a supply, by the rule of [`Settings::sharing`]. It must be made of this rig.
+    #[must_use]
+    pub fn with_supply(self, supply: TorqueSupply<N>) -> Self {
+        Self { supply: Some(supply), ..self }
+    }
+
+    /// The same with a range for each joint: the projection, if there is one, has no target outside of them.
+    ///
+    /// # Errors
+    /// [`ProjectionError`] if there is not a range for each joint, or one does not fit its joint.
+    pub fn with_ranges(mut self, ranges: &[JointRange]) -> Result<Self, ProjectionError> {
+        let tree = self.controller.tree();
+        self.desired
+            .replace_projection(|projection| projection.clone().with_ranges(tree, ranges))?;
+        Ok(self)
+    }
+
+    /// The same with other weights in the projection, if there is one, such as
+    /// [`BodyWeights::by_importance`](crate::projection::BodyWeights::by_importance).
+    ///
+    /// # Errors
+    /// [`ProjectionError`] if the weights are not the rig's.
+    pub fn with_weights(mut self, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
+        let tree = self.controller.tree();
+        self.desired
+            .replace_projection(|projection| projection.clone().with_weights(tree, weights))?;
+        Ok(self)
+    }
+
+    /// Takes the frames that lead to those of tick `index`, and a reading that counts as that of a rig at rest one tick
+    /// before it: where the rig stood before is not known.
+    ///
+    /// A tick that has not been begun with does this itself, from its own reading. It takes as long as some twenty ticks
+    /// where the projection has to find its first pose.
+    ///
+    /// # Errors
+    /// [`StepError`] if a frame or the reading is refused: begin again.
+    pub fn begin(
+        &mut self,
+        frames: &mut impl FrameSource,
+        index: i32,
+        measured: &[Transform],
+    ) -> Result<(), StepError> {
+        self.desired.begin(self.controller.tree(), frames, index).map_err(StepError::Frame)?;
+        self.estimate.begin(measured).map_err(|error| StepError::Measured(error.into()))
+    }
+
+    /// One tick: torques for frame `index`, from what the joints' sensors tell now. O(n).
+    ///
+    /// The torques are wrenches by joint, as [`Controller::tick`] gives them; [`Self::dof_commands`] and
+    /// [`Tree::efforts`] tell what they come to for each degree of freedom. After ticks that were left out or refused it
+    /// goes on from differences over the time that has passed. From one frame to the next one frame is taken, after a jump
+    /// four.
+    ///
+    /// # Errors
+    /// [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose rotation is not
+    /// unit. There are no torques then, and the servos must be held safe.
+    pub fn step<'m>(
+        &mut self,
+        frames: &mut impl FrameSource,
+        index: i32,
+        measured: impl Into<Measured<'m>>,
+    ) -> Result<&[Limited<Wrench>], StepError> {
+        let tree = self.controller.tree();
+        let of_frame = self.desired.follow(tree, frames, index);
+        // The reading is kept, whatever became of the frame.
+        self.estimate.observe(tree, measured.into()).map_err(StepError::Measured)?;
+        if let Err(error) = of_frame {
+            self.estimate.interrupt();
+            return Err(StepError::Frame(error));
+        }
+        let (targets, w) = (self.desired.targets_mut(), &mut self.workspace);
+        self.estimate.compensate(targets);
+        let states = self.estimate.states();
+        self.controller.tick(targets, states, &[], w);
+        let count = tree.len();
+        if let Some(supply) = &self.supply {
+            share(&self.controller, supply, self.sharing, states, w);
+        }
+        let torques = w.torques().get(..count).unwrap_or_default();
+        self.estimate.commanded(w.commands(), torques);
+        Ok(torques)
+    }
+
+    /// What each degree of freedom is asked for after a tick: target, feed-forward and feedback effort, and what limited
+    /// it. See [`Controller::dof_commands`]. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    pub fn dof_commands(&mut self, out: &mut [DofCommand]) -> Result<(), CoordinatesError> {
+        let (targets, states) = (self.desired.targets(), self.estimate.states());
+        self.controller.dof_commands(targets, states, &[], &mut self.workspace, out)
+    }
+
+    /// The rig's controller.
+    pub fn controller(&self) -> &Controller<N> {
+        &self.controller
+    }
+
+    /// The targets of the last tick.
+    pub fn targets(&self) -> &JointTargets<N> {
+        self.desired.targets()
+    }
+
+    /// The state that the torques of the last tick go by: as measured, or with an observer that which they will meet.
+    pub fn states(&self) -> &JointStates<N> {
+        self.estimate.states()
+    }
+
+    /// What the last tick left: commands, torques.
+    pub fn workspace(&self) -> &Workspace<N, R> {
+        &self.workspace
+    }
+
+    /// State errors of the last tick, see [`Controller::errors`].
+    pub fn errors(&mut self, out: &mut [StateError]) {
+        let states = self.estimate.states();
+        self.controller.errors(self.desired.targets_mut(), states, &mut self.workspace, out);
+    }
+}
+
+/// Cuts what the last tick asked for to what there is.
+// Not within the tick, whose frame on the stack every rig would pay for.
+#[inline(never)]
+fn share<const N: usize, const R: usize>(
+    controller: &Controller<N>,
+    supply: &TorqueSupply<N>,
+    sharing: Sharing,
+    states: &JointStates<N>,
+    w: &mut Workspace<N, R>,
+) {
+    let count = controller.tree().len();
+    if sharing == Sharing::Accelerations && supply.supply_nm().is_finite() {
+        let mut carried = [Wrench::ZERO; N];
+        controller.bias_wrenches(states, &[], w, &mut carried);
+        supply.share_acceleration(w.torques_mut().get_mut(..count).unwrap_or_default(), &carried);
+    } else {
+        supply.share(w.torques_mut().get_mut(..count).unwrap_or_default());
+    }
+}

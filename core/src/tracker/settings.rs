@@ -1,0 +1,489 @@
+//! The settings of a tracker: one value that files, boards and simulators share.
+
+use core::fmt;
+
+use crate::body_weight::{BodyWeight, BodyWeights};
+use crate::control::{ControlLaw, Gains};
+use crate::controller::Controller;
+use crate::dynamics::{OuterJoints, reflected_inertia};
+use crate::importance::{RestPose, descendants_length};
+use crate::joint_states::JointStates;
+use crate::observer::ObserverSettings;
+use crate::projection::{DEFAULT_SWEEPS, ManifoldProjection, ProjectionError};
+use crate::state_error::{Aims, Compensation, Method, RateTerm, References};
+use crate::tree::Tree;
+
+use super::error::TrackerError;
+use super::names::{
+    AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
+};
+
+/// What a turn counts against a distance in the projection, as it is recommended: 1 rad as much as half a metre.
+pub const ROTATION_M: f32 = 0.5;
+
+/// Bandwidth of the recommended observer, where a tick is not longer than one over it.
+pub const BANDWIDTH_RAD_S: f32 = 100.0;
+
+/// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended setting:
+/// beyond, no rig stood in simulation whose masses were off by 15 % and whose sensors had 12 bits.
+pub const LATE_MOST_S: f32 = 0.010;
+
+/// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.
+const IMPORTANCE_BASE_M: f32 = 0.1;
+const IMPORTANCE_DISCOUNT: f32 = 0.9;
+
+/// How a rig is made to follow its performance. Default: the Local Space Error of the paper, with its gains.
+///
+/// With the feature `serde` it is read from a file, and every key may be left out. `B` is how a body is named: by its
+/// number here, by a name where people write.
+///
+/// ```
+/// use sinew_core::tracker::{MethodName, Settings};
+/// let settings = Settings { kp: 100.0, ..Settings::recommended() };
+/// assert_eq!(settings.method, MethodName::Recommended);
+/// settings.check()?;
+/// let error = Settings::<usize> { kp: f32::NAN, ..Settings::default() }.check().unwrap_err();
+/// assert_eq!(error.to_string(), "kp: expected a finite number above 0, found NaN");
+/// # Ok::<(), sinew_core::tracker::SettingError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct Settings<B: Default = usize> {
+    /// How the state error is measured.
+    pub method: MethodName,
+    /// The body that its descendants are seen from, for `accumulated`; all others are seen from the world.
+    pub reference: B,
+    /// Weight β of Linear Compensation: 0 is World Space Error, 1 the paper's.
+    pub beta: f32,
+    /// The derivative of the compensating rotation.
+    pub rate_term: RateTerm,
+    /// What a body of several children aims at in Linear Compensation.
+    pub aim: AimName,
+    /// The manifold projection, for the methods that have it.
+    pub projection: ProjectionSettings,
+    /// What resolved acceleration weighs where not every body can have its acceleration.
+    pub resolved: ResolvedSettings,
+    /// How the state is estimated from what the sensors tell.
+    pub observer: ObserverChoice,
+    /// Which frames desired velocities and accelerations are differences of.
+    pub differences: Differences,
+    /// Where the desired velocities come from, for forward differences.
+    pub desired_velocity: DesiredVelocity,
+    /// How the error becomes a torque.
+    #[cfg_attr(feature = "serde", serde(with = "super::names::law"))]
+    pub law: ControlLaw,
+    /// How the joints share a supply that all drives have together, see [`Tracker::with_supply`](super::Tracker::with_supply).
+    pub sharing: Sharing,
+    /// What the gains of `pd` are multiplied with, joint by joint.
+    pub gains: GainsName,
+    /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
+    pub kp: f32,
+    /// Whether the gains are those of stable PD: applied to the state one period ahead.
+    pub implicit: bool,
+}
+
+impl<B: Default> Default for Settings<B> {
+    fn default() -> Self {
+        Self {
+            method: MethodName::Local,
+            reference: B::default(),
+            beta: 1.0,
+            rate_term: RateTerm::Corrected,
+            aim: AimName::HeaviestChild,
+            projection: ProjectionSettings::default(),
+            resolved: ResolvedSettings::default(),
+            observer: ObserverChoice::default(),
+            differences: Differences::Forward,
+            desired_velocity: DesiredVelocity::Bodies,
+            law: ControlLaw::InverseDynamics,
+            sharing: Sharing::Alike,
+            gains: GainsName::Uniform,
+            kp: 200.0,
+            implicit: false,
+        }
+    }
+}
+
+/// How the rig's pose nearest to the performance's is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct ProjectionSettings {
+    /// What a turn counts against a distance: 1 rad as much as this many metres.
+    pub rotation_m: f32,
+    /// How that is shared among the bodies.
+    pub weights: WeightsName,
+    /// Whether the root stays where the performance has it.
+    pub root_held: bool,
+    /// Gauss-Newton steps for each frame.
+    pub sweeps: u8,
+    /// Whether the bodies' errors are fed by resolved acceleration instead of to their own joints.
+    pub resolved: bool,
+}
+
+impl Default for ProjectionSettings {
+    fn default() -> Self {
+        Self {
+            rotation_m: ROTATION_M,
+            weights: WeightsName::Uniform,
+            root_held: false,
+            sweeps: DEFAULT_SWEEPS,
+            resolved: false,
+        }
+    }
+}
+
+/// How the state is estimated from what the sensors tell.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct ObserverChoice {
+    /// Bandwidth of an extended state observer; 0 for backward differences.
+    pub bandwidth_rad_s: f32,
+    /// Whether the disturbance that it learns is cancelled.
+    pub cancel: bool,
+    /// Whether the latency is known: commands are made for the state that they will meet.
+    pub predict: bool,
+}
+
+/// What resolved acceleration weighs where not every body can have its acceleration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+pub struct ResolvedSettings {
+    /// What the acceleration of a body's joint counts, in m/s²; 0: only that of the root.
+    pub position: f32,
+    /// What an angular acceleration counts against it: 1 rad/s² as much as so many m/s².
+    pub rotation_m: f32,
+}
+
+impl Default for ResolvedSettings {
+    fn default() -> Self {
+        Self { position: 0.0, rotation_m: 1.0 }
+    }
+}
+
+/// When a tracker acts: its period, and how late its torques are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Timing {
+    /// Time from one tick, and from one frame, to the next, in s.
+    pub dt_s: f32,
+    /// Ticks from a measurement to the tick that its torque acts in, beyond the tick itself. Looked ahead over with
+    /// [`ObserverChoice::predict`].
+    pub latency_ticks: usize,
+}
+
+impl<B: Default + Copy> Settings<B> {
+    /// The setting for real rigs: manifold projection on aligned targets, implicit gains, and an observer that cancels
+    /// what the model has wrong and looks ahead over the latency.
+    #[must_use]
+    pub fn recommended() -> Self {
+        Self { method: MethodName::Recommended, ..Self::default() }
+    }
+
+    /// The same with the method [`MethodName::Recommended`] spelled out: the settings that it stands for. Gains and the
+    /// projection's weights stay.
+    #[must_use]
+    pub fn effective(self) -> Self {
+        if self.method != MethodName::Recommended {
+            return self;
+        }
+        Self {
+            method: MethodName::ManifoldProjection,
+            differences: Differences::Aligned,
+            observer: ObserverChoice {
+                bandwidth_rad_s: BANDWIDTH_RAD_S,
+                cancel: true,
+                predict: true,
+            },
+            implicit: true,
+            ..self
+        }
+    }
+
+    /// The same with the reference body named in another way.
+    pub fn named<C: Default>(self, name: impl FnOnce(B) -> C) -> Settings<C> {
+        let Self {
+            method,
+            reference,
+            beta,
+            rate_term,
+            aim,
+            projection,
+            resolved,
+            observer,
+            differences,
+            desired_velocity,
+            law,
+            sharing,
+            gains,
+            kp,
+            implicit,
+        } = self;
+        Settings {
+            method,
+            reference: name(reference),
+            beta,
+            rate_term,
+            aim,
+            projection,
+            resolved,
+            observer,
+            differences,
+            desired_velocity,
+            law,
+            sharing,
+            gains,
+            kp,
+            implicit,
+        }
+    }
+
+    /// Checks every value; NaN is refused.
+    ///
+    /// # Errors
+    /// [`SettingError`] names the key.
+    pub fn check(&self) -> Result<(), SettingError> {
+        let Self { beta, kp, law, gains, projection, resolved, implicit, observer, .. } =
+            self.effective();
+        let pd = law == ControlLaw::ProportionalDerivative;
+        let value = |key, expected, value| Err(SettingError::Value { key, expected, value });
+        let length = "a length from 0.01 to 100 m";
+        if gains != GainsName::Uniform && !pd {
+            return Err(SettingError::GainsWithoutPd);
+        }
+        if pd && (observer.predict || observer.bandwidth_rad_s > 0.0) {
+            return Err(SettingError::ObserverWithoutDynamics);
+        }
+        if implicit && pd && gains == GainsName::Uniform {
+            return Err(SettingError::ImplicitWithoutInertia);
+        }
+        if !(0.0..=2.0).contains(&beta) {
+            return value("beta", "a weight from 0 to 2", beta);
+        }
+        if !(0.01..=100.0).contains(&projection.rotation_m) {
+            return value("projection.rotation_m", length, projection.rotation_m);
+        }
+        let heaviest = 1e4 * resolved.rotation_m * resolved.rotation_m;
+        if resolved.position != 0.0 && !(1e-6..=heaviest).contains(&resolved.position) {
+            let expected = "0, or a weight from 1e-6 to 1e4 times the square of rotation_m";
+            return value("resolved.position", expected, resolved.position);
+        }
+        if !(0.01..=100.0).contains(&resolved.rotation_m) {
+            return value("resolved.rotation_m", length, resolved.rotation_m);
+        }
+        if !(0.0..=1000.0).contains(&observer.bandwidth_rad_s) {
+            let expected = "a bandwidth from 0 to 1000 rad/s";
+            return value("observer.bandwidth_rad_s", expected, observer.bandwidth_rad_s);
+        }
+        if observer.cancel && observer.bandwidth_rad_s <= 0.0 {
+            let expected =
+                "a bandwidth above 0 rad/s: without an observer there is nothing to cancel";
+            return value("observer.bandwidth_rad_s", expected, observer.bandwidth_rad_s);
+        }
+        if projection.sweeps == 0 {
+            return value("projection.sweeps", "a number from 1 to 255", 0.0);
+        }
+        if !(kp > 0.0 && kp.is_finite()) {
+            return value("kp", "a finite number above 0", kp);
+        }
+        Ok(())
+    }
+}
+
+impl Settings {
+    /// The controller of a rig that acts once in `dt_s` seconds. O(n).
+    ///
+    /// # Errors
+    /// [`TrackerError`] if a setting cannot be, or not on this rig.
+    pub fn controller<const N: usize>(
+        &self,
+        tree: Tree<N>,
+        dt_s: f32,
+    ) -> Result<Controller<N>, TrackerError> {
+        self.check()?;
+        let settings = self.effective();
+        let method = settings.state_error(&tree)?;
+        let outer = match settings.gains {
+            GainsName::Uniform => None,
+            GainsName::CompositeInertia => Some(OuterJoints::Locked),
+            GainsName::ArticulatedInertia => Some(OuterJoints::Free),
+        };
+        let inertias =
+            outer.map(|outer| reflected_inertia(&tree, &JointStates::rest(&tree), outer));
+        let gains = Gains::critically_damped(settings.kp)?;
+        let gains = if settings.implicit { gains.implicit(dt_s)? } else { gains };
+        let controller = Controller::new(tree, gains, method)?;
+        Ok(match inertias {
+            Some(inertias) => controller.with_pd_of_inertia(&inertias)?,
+            None => controller.with_law(settings.law)?,
+        })
+    }
+
+    /// The method of the state error, for a rig.
+    fn state_error<const N: usize>(&self, tree: &Tree<N>) -> Result<Method<N>, TrackerError> {
+        Ok(match self.method {
+            MethodName::Local => Method::Local,
+            MethodName::World => Method::World,
+            MethodName::ManifoldProjection | MethodName::Recommended
+                if !self.projection.resolved =>
+            {
+                Method::World
+            }
+            MethodName::ManifoldProjection
+            | MethodName::Recommended
+            | MethodName::ResolvedAcceleration => {
+                Method::ResolvedAcceleration { weights: self.resolved.weights(tree)? }
+            }
+            MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
+            MethodName::Accumulated => {
+                let seen_from: [_; N] = core::array::from_fn(|body| {
+                    tree.is_ancestor(self.reference, body).then_some(self.reference)
+                });
+                let seen_from = seen_from.get(..tree.len()).unwrap_or_default();
+                Method::Accumulated(References::new(tree, seen_from)?)
+            }
+            MethodName::LinearCompensation => Method::LinearCompensation {
+                aims: match self.aim {
+                    AimName::HeaviestChild => Aims::heaviest_child(tree),
+                    AimName::AllChildren => Aims::all_children(tree),
+                },
+                settings: Compensation { beta: self.beta, rate_term: self.rate_term },
+            },
+        })
+    }
+
+    /// The projection of the performance's poses on the rig's, if the method has one. O(n).
+    ///
+    /// # Errors
+    /// [`TrackerError`] if the weights cannot be, or not on this rig.
+    pub fn projection<const N: usize>(
+        &self,
+        tree: &Tree<N>,
+    ) -> Result<Option<ManifoldProjection<N>>, TrackerError> {
+        if self.effective().method != MethodName::ManifoldProjection {
+            return Ok(None);
+        }
+        let ProjectionSettings { rotation_m, root_held, sweeps, .. } = self.projection;
+        let weights = match self.projection.weights {
+            WeightsName::Uniform => {
+                let weights = [BodyWeight::new(1.0, rotation_m); N];
+                BodyWeights::new(tree, weights.get(..tree.len()).unwrap_or_default())
+            }
+            WeightsName::Lengths => {
+                let rest_pose = RestPose::of_tree(tree)?;
+                let importance =
+                    descendants_length(&rest_pose, IMPORTANCE_BASE_M, IMPORTANCE_DISCOUNT)?;
+                BodyWeights::by_importance(tree, rotation_m, &importance)
+            }
+        };
+        let weights = weights.map_err(ProjectionError::Weights)?;
+        let projection = ManifoldProjection::new(tree, weights.as_slice())?.with_sweeps(sweeps);
+        Ok(Some(if root_held { projection.with_root_held() } else { projection }))
+    }
+
+    /// The observer of the state, if there is one.
+    pub(super) fn observer(&self, dt_s: f32) -> Result<Option<ObserverSettings>, TrackerError> {
+        let ObserverChoice { mut bandwidth_rad_s, predict, .. } = self.effective().observer;
+        if self.method == MethodName::Recommended {
+            // An observer cannot be faster than its ticks.
+            bandwidth_rad_s = bandwidth_rad_s.min(1.0 / dt_s);
+        }
+        Ok(if bandwidth_rad_s > 0.0 {
+            Some(ObserverSettings::extended_state(bandwidth_rad_s, dt_s)?)
+        } else if predict {
+            Some(ObserverSettings::differences(dt_s)?)
+        } else {
+            None
+        })
+    }
+}
+
+impl ResolvedSettings {
+    fn weights<const N: usize>(self, tree: &Tree<N>) -> Result<BodyWeights<N>, TrackerError> {
+        if self.position <= 0.0 {
+            return Ok(BodyWeights::rotations(tree));
+        }
+        let weights = [BodyWeight::new(self.position, self.rotation_m); N];
+        let weights = weights.get(..tree.len()).unwrap_or_default();
+        Ok(BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?)
+    }
+}
+
+impl Timing {
+    /// Refuses what no real rig stands in the recommended setting: a torque that ends later than [`LATE_MOST_S`] after
+    /// its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
+    ///
+    /// # Errors
+    /// [`TrackerError::TooLate`].
+    pub fn check_recommended(self) -> Result<(), TrackerError> {
+        let ticks = u16::try_from(self.latency_ticks).unwrap_or(u16::MAX);
+        // A thousandth takes up the rounding of the period. Written so that NaN fails.
+        if (f32::from(ticks) + 1.0) * self.dt_s <= LATE_MOST_S * 1.001 {
+            Ok(())
+        } else {
+            Err(TrackerError::TooLate)
+        }
+    }
+}
+
+/// Why a setting cannot be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SettingError {
+    /// An observer of accelerations for a law that commands none.
+    ObserverWithoutDynamics,
+    /// Gains of joints for a law that knows their inertia itself.
+    GainsWithoutPd,
+    /// Gains of a period for a law that has no unit of inertia.
+    ImplicitWithoutInertia,
+    /// A value out of its range.
+    Value {
+        /// The key, dotted.
+        key: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: f32,
+    },
+}
+
+impl fmt::Display for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ObserverWithoutDynamics => f.write_str(
+                "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
+            ),
+            Self::GainsWithoutPd => {
+                f.write_str("gains: expected \"uniform\", but with controller.law = \"pd\"")
+            }
+            Self::ImplicitWithoutInertia => f.write_str(
+                "implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia",
+            ),
+            Self::Value { key, expected, value } => {
+                write!(f, "{key}: expected {expected}, found {value}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingError {}

@@ -1,0 +1,199 @@
+//! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
+//!
+//! A run is a show, a method, and the joints' poses as they were measured in each tick; the machine answers with what it
+//! computed on the way to its torques. The evaluation writes down both as it goes. A program reads one run from its
+//! standard input and writes the answer to its standard output: `host.rs` on a host, `image.rs` on an emulated board.
+//!
+//! # Format of a run
+//! All numbers little-endian; `f32` as IEEE 754.
+//!
+//! | bytes | what |
+//! | --- | --- |
+//! | u32 | method, an index of [`MethodName::ALL`] |
+//! | u32 | ticks t |
+//! | u32 | length s of the show in bytes |
+//! | s | the show, see [`sinew_firmware::show`] |
+//! | n x 28 | by body its joint's pose as it was measured a tick before the first: rotation xyzw, then translation in m |
+//! | t x n x 28 | the same for each tick |
+//!
+//! The answer is per tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.
+
+use sinew_core::glam::{Quat, Vec3};
+use sinew_core::state_error::StateError;
+use sinew_core::tracker::{MethodName, Timing, Tracker};
+use sinew_core::{Transform, Twist, Workspace};
+use sinew_firmware::frames::ShowFrames;
+use sinew_firmware::show::Show;
+
+use crate::replay::{components, settings};
+
+const POSE: [&str; 7] = [
+    "rotation x",
+    "rotation y",
+    "rotation z",
+    "rotation w",
+    "translation x",
+    "translation y",
+    "translation z",
+];
+const MOTION: [&str; 6] =
+    ["angular x", "angular y", "angular z", "linear x", "linear y", "linear z"];
+const ERROR: [&str; 12] = [
+    "angular x",
+    "angular y",
+    "angular z",
+    "linear x",
+    "linear y",
+    "linear z",
+    "angular rate x",
+    "angular rate y",
+    "angular rate z",
+    "linear rate x",
+    "linear rate y",
+    "linear rate z",
+];
+const WRENCH: [&str; 6] = ["moment x", "moment y", "moment z", "force x", "force y", "force z"];
+
+/// What is compared of a tick, in the order in which it is computed, and the components of each.
+pub const QUANTITIES: [(&str, &[&str]); 8] = [
+    ("desired pose", &POSE),
+    ("desired velocity", &MOTION),
+    ("desired acceleration", &MOTION),
+    ("measured pose", &POSE),
+    ("measured velocity", &MOTION),
+    ("state error", &ERROR),
+    ("command", &MOTION),
+    ("torque", &WRENCH),
+];
+
+/// Numbers of one body in a tick.
+pub const NUMBERS: usize = {
+    let mut sum = 0;
+    let mut index = 0;
+    while index < QUANTITIES.len() {
+        sum += QUANTITIES[index].1.len();
+        index += 1;
+    }
+    sum
+};
+
+/// Makes a run of a rig of at most `N` bodies: `read` fills its slice with the run's next bytes, `write` takes the
+/// answer's next. The show is kept in `buffer`.
+///
+/// # Errors
+/// What `read` and `write` return, or what is wrong with the run.
+pub fn perform<const N: usize>(
+    buffer: &mut [u8],
+    mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
+    mut write: impl FnMut(&[u8]) -> Result<(), &'static str>,
+) -> Result<(), &'static str> {
+    let mut count = || {
+        let mut bytes = [0; 4];
+        read(&mut bytes)?;
+        usize::try_from(u32::from_le_bytes(bytes)).map_err(|_| "a count is too large")
+    };
+    let (method, ticks, length) = (count()?, count()?, count()?);
+    let method = *MethodName::ALL.get(method).ok_or("there is no such method")?;
+    let show = buffer.get_mut(..length).ok_or("the show is longer than the buffer")?;
+    read(show)?;
+    let show = Show::parse(show).map_err(|_| "the show is not valid")?;
+    let tree = show.tree::<N>().map_err(|_| "the show's rig is not usable")?;
+    let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+    let (settings, workspace) = (settings(method), Workspace::<N, N>::resolving());
+    let mut tracker = Tracker::<N, 1, N>::with_workspace(tree, &settings, timing, workspace)
+        .map_err(|_| "there is no such tracker")?;
+    let mut frames = ShowFrames::<N>::new(show);
+    let bodies = show.body_count();
+    let mut reading = |measured: &mut [Transform; N]| {
+        for pose in measured.iter_mut().take(bodies) {
+            let mut bytes = [0; 28];
+            read(&mut bytes)?;
+            *pose = pose_of(&bytes);
+        }
+        Ok(())
+    };
+    let (mut measured, mut answer) = ([Transform::IDENTITY; N], [[0; TICK_BYTES]; N]);
+    reading(&mut measured)?;
+    let before = measured.get(..bodies).unwrap_or_default();
+    tracker.begin(&mut frames, 0, before).map_err(|_| "the beginning was refused")?;
+    for tick in 0..ticks {
+        reading(&mut measured)?;
+        let tick = i32::try_from(tick).map_err(|_| "there are too many ticks")?;
+        let measured = measured.get(..bodies).unwrap_or_default();
+        tracker.step(&mut frames, tick, measured).map_err(|_| "a tick was refused")?;
+        write(tick_bytes(&mut tracker, &mut answer))?;
+    }
+    Ok(())
+}
+
+/// Bytes of one body in the answer of a tick.
+pub const TICK_BYTES: usize = NUMBERS * 4;
+
+/// The answer of a tracker's last tick.
+pub fn tick_bytes<'a, const N: usize, const D: usize, const R: usize>(
+    tracker: &mut Tracker<N, D, R>,
+    out: &'a mut [[u8; TICK_BYTES]; N],
+) -> &'a [u8] {
+    let bodies = tracker.controller().tree().len();
+    let mut errors = [StateError::ZERO; N];
+    tracker.errors(&mut errors);
+    let bytes = out.as_flattened_mut();
+    for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(tracker, &errors)) {
+        slot.copy_from_slice(&number.to_le_bytes());
+    }
+    bytes.get(..bodies * TICK_BYTES).unwrap_or_default()
+}
+
+/// A pose as a run has it.
+pub fn pose_bytes(pose: &Transform) -> [u8; 28] {
+    let mut bytes = [0; 28];
+    for (slot, number) in bytes.chunks_exact_mut(4).zip(pose_numbers(pose)) {
+        slot.copy_from_slice(&number.to_le_bytes());
+    }
+    bytes
+}
+
+fn pose_of(bytes: &[u8; 28]) -> Transform {
+    let mut n = [0.0; 7];
+    for (number, bytes) in n.iter_mut().zip(bytes.as_chunks().0) {
+        *number = f32::from_le_bytes(*bytes);
+    }
+    let [x, y, z, w, right, up, back] = n;
+    Transform::new(Quat::from_xyzw(x, y, z, w), Vec3::new(right, up, back))
+}
+
+/// All numbers of the last tick, in the order of [`QUANTITIES`].
+fn numbers<const N: usize, const D: usize, const R: usize>(
+    tracker: &Tracker<N, D, R>,
+    errors: &[StateError],
+) -> impl Iterator<Item = f32> {
+    let (targets, w) = (tracker.targets(), tracker.workspace());
+    let states = tracker.states().as_slice();
+    let (desired, bodies) = (targets.states(), states.len());
+    desired
+        .iter()
+        .flat_map(|state| pose_numbers(&state.pose))
+        .chain(desired.iter().flat_map(|state| motion_numbers(&state.velocity)))
+        .chain(targets.accelerations().iter().flat_map(motion_numbers))
+        .chain(states.iter().flat_map(|state| pose_numbers(&state.pose)))
+        .chain(states.iter().flat_map(|state| motion_numbers(&state.velocity)))
+        .chain(errors.iter().take(bodies).flat_map(error_numbers))
+        .chain(w.commands().iter().take(bodies).flat_map(motion_numbers))
+        .chain(w.torques().iter().take(bodies).flat_map(|torque| components(&torque.value)))
+}
+
+fn pose_numbers(pose: &Transform) -> [f32; 7] {
+    let (Quat { x, y, z, w }, t) = (pose.rotation, pose.translation_m);
+    [x, y, z, w, t.x, t.y, t.z]
+}
+
+fn motion_numbers(motion: &Twist) -> [f32; 6] {
+    let (a, l) = (motion.angular, motion.linear);
+    [a.x, a.y, a.z, l.x, l.y, l.z]
+}
+
+fn error_numbers(error: &StateError) -> [f32; 12] {
+    let (a, l) = (error.angular_rad, error.linear_m);
+    let (b, m) = (error.angular_rate_rad_s, error.linear_rate_m_s);
+    [a.x, a.y, a.z, l.x, l.y, l.z, b.x, b.y, b.z, m.x, m.y, m.z]
+}

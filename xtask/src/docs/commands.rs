@@ -1,0 +1,148 @@
+//! Commands in the documentation, compared with the programs themselves.
+
+use std::process::{Command, Output};
+use std::{env, io};
+
+use anyhow::Result;
+
+use super::Fault;
+use super::cargo::Workspace;
+use super::page::Page;
+use crate::step;
+
+/// Programs of ours, by the packages that have them.
+const PROGRAMS: [(&str, &str); 2] = [("sinew-sim", "sinew"), ("sinew-studies", "sinew-studies")];
+
+pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
+    let workspace = Workspace::read()?;
+    // With a test beside them, the programs are built of the very crates that the tests are: nothing is built twice.
+    let programs = PROGRAMS.iter().flat_map(|(_, program)| ["--bin", program]);
+    let mut build = step::cargo();
+    build.args(["build", "--locked", "--workspace", "--test", "parity"]).args(programs);
+    step::run("build the programs of the commands", &mut build)?;
+    let mut faults = Vec::new();
+    for page in pages {
+        for (line, command) in &page.commands {
+            let wrong = calls(command).iter().find_map(|call| fault(call, &workspace));
+            faults.extend(wrong.map(|what| Fault {
+                path: page.path.clone(),
+                line: *line,
+                what: format!("`{}`: {what}", command.trim()),
+            }));
+        }
+    }
+    Ok(faults)
+}
+
+/// A program that is called, and its arguments.
+#[derive(Debug, PartialEq)]
+enum Call {
+    /// One of ours.
+    Program(&'static str, Vec<String>),
+    Xtask(Vec<String>),
+    /// With its options.
+    Cargo(Vec<String>),
+    /// Quotes that do not end.
+    NoCommand,
+}
+
+/// What a line of a shell calls, of the programs that can be checked.
+fn calls(line: &str) -> Vec<Call> {
+    let Some(words) = shlex::split(line) else { return vec![Call::NoCommand] };
+    words
+        .split(|word| ["|", "&&", ";", "do", "done"].contains(&word.as_str()))
+        .flat_map(|words| {
+            let is_variable = |word: &&String| word.contains('=') && !word.starts_with('-');
+            call(&words[words.iter().take_while(is_variable).count()..])
+        })
+        .collect()
+}
+
+fn call(words: &[String]) -> Vec<Call> {
+    let of_package = |package: &str| PROGRAMS.iter().find(|(name, _)| *name == package);
+    let (program, rest) = match words.split_first() {
+        Some((program, rest)) => (program.as_str(), rest),
+        None => return Vec::new(),
+    };
+    if let Some((_, program)) = PROGRAMS.iter().find(|(_, name)| *name == program) {
+        return vec![Call::Program(program, rest.to_vec())];
+    }
+    let ("cargo", Some((command, rest))) = (program, rest.split_first()) else { return Vec::new() };
+    if command == "xtask" {
+        return vec![Call::Xtask(rest.to_vec())];
+    }
+    let dashes = rest.iter().position(|word| word == "--").unwrap_or(rest.len());
+    let (options, arguments) = (&rest[..dashes], rest.get(dashes + 1..).unwrap_or_default());
+    let mut calls = vec![Call::Cargo(options.to_vec())];
+    if command == "run" && !options.iter().any(|option| option == "--example" || option == "--bin")
+    {
+        let package = options.iter().skip_while(|option| *option != "-p").nth(1);
+        let program = of_package(package.map_or("sinew-sim", String::as_str));
+        calls.extend(program.map(|(_, name)| Call::Program(name, arguments.to_vec())));
+    }
+    calls
+}
+
+fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
+    match call {
+        Call::NoCommand => Some("its quotes do not end".into()),
+        Call::Cargo(options) => workspace.fault(options),
+        Call::Xtask(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            crate::action(&words).is_none().then(|| "xtask has no such command".into())
+        }
+        Call::Program(name, arguments) => match parsed(name, arguments) {
+            Ok(output) if output.status.success() => None,
+            Ok(output) => {
+                let text = String::from_utf8_lossy(&output.stderr);
+                Some(text.lines().next().unwrap_or("refused").to_owned())
+            }
+            Err(error) => Some(format!("{name}: {error}")),
+        },
+    }
+}
+
+/// Lets a program of ours, which lies beside this one, read its arguments.
+fn parsed(name: &str, arguments: &[String]) -> io::Result<Output> {
+    let program = env::current_exe()?.with_file_name(format!("{name}{}", env::consts::EXE_SUFFIX));
+    Command::new(program).args(arguments).arg("--parse-only").output()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<String> {
+        text.split_whitespace().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn our_programs_are_found_in_what_a_shell_reads() {
+        let program = |name, arguments: &str| Call::Program(name, words(arguments));
+        assert_eq!(
+            calls("sinew find a/ --like b # what it does"),
+            [program("sinew", "find a/ --like b")]
+        );
+        assert_eq!(
+            calls("SINEW_DATA=path cargo run --release -p sinew-studies -- mds --quick"),
+            [
+                Call::Cargo(words("--release -p sinew-studies")),
+                program("sinew-studies", "mds --quick")
+            ]
+        );
+        assert_eq!(
+            calls("cargo run --release"),
+            [Call::Cargo(words("--release")), program("sinew", "")]
+        );
+        assert_eq!(
+            calls("cargo run -p sinew-core --example six_joints"),
+            [Call::Cargo(words("-p sinew-core --example six_joints"))]
+        );
+        assert_eq!(
+            calls("cargo xtask budget --accept && git diff"),
+            [Call::Xtask(words("budget --accept"))]
+        );
+        assert_eq!(calls("for clip in *.bvh; do"), []);
+        assert_eq!(calls("sinew 'find"), [Call::NoCommand]);
+    }
+}

@@ -1,0 +1,51 @@
+//! The book: built from `docs/`, and held to what it says.
+
+mod book;
+mod cargo;
+mod commands;
+mod links;
+mod page;
+mod width;
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::step;
+use page::Page;
+
+/// What is wrong, and in which line of which file.
+struct Fault {
+    path: PathBuf,
+    line: usize,
+    what: String,
+}
+
+/// Checks every page of the repository, then builds the book.
+pub(crate) fn run() -> Result<()> {
+    eprintln!("\n== documentation: links, commands, width");
+    let pages = pages()?;
+    let mut faults = links::check(&pages);
+    faults.extend(book::check(&pages));
+    faults.extend(commands::check(&pages)?);
+    faults.extend(width::check(&pages)?);
+    for Fault { path, line, what } in &faults {
+        eprintln!("   {}:{line}: {what}", path.display());
+    }
+    ensure!(faults.is_empty(), "the documentation has {} faults, see above", faults.len());
+    book::build(&pages)
+}
+
+/// All Markdown files that are no one's output.
+fn pages() -> Result<Vec<Page>> {
+    files("*.md")?.into_iter().map(Page::read).collect()
+}
+
+/// The repository's files of a pattern, new ones too.
+fn files(pattern: &str) -> Result<Vec<PathBuf>> {
+    let listed =
+        ["ls-files", "--cached", "--others", "--exclude-standard", "--deduplicate", pattern];
+    let list = step::output(step::command("git").args(listed)).context("`git ls-files` failed")?;
+    // A file that was moved is listed until that is committed.
+    Ok(list.lines().map(PathBuf::from).filter(|path| step::root().join(path).is_file()).collect())
+}

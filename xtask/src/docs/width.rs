@@ -1,0 +1,44 @@
+//! Lines that are too wide to read: prose of pages, and comments of programs.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+
+use super::page::Page;
+use super::{Fault, files};
+use crate::step;
+
+/// Columns of the widest line. Tables, code and addresses may be wider.
+const WIDEST: usize = 120;
+
+pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
+    let mut faults = Vec::new();
+    for page in pages {
+        for (number, (line, is_prose)) in (1..).zip(&page.lines) {
+            if *is_prose {
+                faults.extend(fault(&page.path, number, line));
+            }
+        }
+    }
+    for path in files("*.rs")? {
+        let text = fs::read_to_string(step::root().join(&path))
+            .with_context(|| path.display().to_string())?;
+        let comments = (1..).zip(text.lines()).filter(|(_, line)| {
+            let line = line.trim_start();
+            // Rows of a table in a comment.
+            line.starts_with("//") && !line.trim_start_matches(['/', '!', ' ']).starts_with('|')
+        });
+        for (number, line) in comments {
+            faults.extend(fault(&path, number, line));
+        }
+    }
+    Ok(faults)
+}
+
+fn fault(path: &PathBuf, line: usize, text: &str) -> Option<Fault> {
+    let columns = text.chars().count();
+    let is_too_wide = columns > WIDEST && !text.contains("](") && !text.contains("://");
+    let what = format!("{columns} columns, at most {WIDEST}");
+    is_too_wide.then(|| Fault { path: path.clone(), line, what })
+}

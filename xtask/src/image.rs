@@ -1,0 +1,77 @@
+//! Images: the workspace's programs that run without an operating system.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+use sinew_image::{BOARDS, Board};
+
+use crate::{arm, audit, budget, firmware, parity, step};
+
+/// A program of a package.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Image {
+    pub(crate) package: &'static str,
+    pub(crate) name: &'static str,
+    /// What it needs of the package's features.
+    pub(crate) feature: Option<&'static str>,
+}
+
+impl Image {
+    /// The image of a board.
+    pub(crate) const fn of(board: Board) -> Self {
+        Self { package: board.name, name: board.name, feature: None }
+    }
+
+    /// A cargo command for it: `cargo VERB --bin NAME ..`.
+    pub(crate) fn cargo(self, verb: &str) -> Result<Command> {
+        self.cargo_for(arm::TARGET, verb)
+    }
+
+    /// The same for another Arm target.
+    pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Result<Command> {
+        let mut command = arm::toolchain_for(target)?.cargo_for(target, verb);
+        command.args(["--package", self.package, "--bin", self.name, "--profile", "firmware"]);
+        if let Some(feature) = self.feature {
+            command.args(["--features", feature]);
+        }
+        Ok(command)
+    }
+
+    /// Where it comes to lie.
+    pub(crate) fn path(self) -> PathBuf {
+        self.path_for(arm::TARGET)
+    }
+
+    /// The same of another Arm target.
+    pub(crate) fn path_for(self, target: &str) -> PathBuf {
+        path_of(target, self.name)
+    }
+}
+
+/// Where the image of a name comes to lie.
+pub(crate) fn path_of(target: &str, name: &str) -> PathBuf {
+    arm::target_dir().join(target).join("firmware").join(name)
+}
+
+/// Lints all images as the host's crates are.
+pub(crate) fn lint() -> Result<()> {
+    if arm::toolchain()? == arm::Toolchain::Debian {
+        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
+        return Ok(());
+    }
+    let clippy = |image: Image, mut command: Command| {
+        let title = format!("clippy of {}", image.name);
+        step::run(&title, command.args(["--", "--deny", "warnings"]))
+    };
+    for &board in BOARDS {
+        let image = Image::of(board);
+        let mut command = image.cargo("clippy")?;
+        command.env("SINEW_SHOW", firmware::baked(board));
+        clippy(image, command)?;
+    }
+    for image in [budget::KERNELS, budget::CORE_ALONE, audit::WITH_FAULTS, parity::IMAGE] {
+        clippy(image, image.cargo("clippy")?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! What other projects may use: whether it can be published, and whether the oldest compiler that it names builds it.
+
+use std::fs;
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+use crate::step;
+
+/// Folders of the crates that are published. A crate comes after those that it needs.
+const FOLDERS: [&str; 2] = ["fpu", "core"];
+
+/// What is read of a manifest.
+#[derive(Deserialize)]
+struct Manifest {
+    package: Package,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+struct Package {
+    name: String,
+    rust_version: String,
+}
+
+/// Packs all of them, and builds each from nothing but its package.
+pub(crate) fn run() -> Result<()> {
+    let packages = FOLDERS.iter().map(|folder| read(folder)).collect::<Result<Vec<Package>>>()?;
+    let mut pack = step::cargo();
+    // What is not committed yet is packed, too: this is a check, not a release.
+    pack.args(["package", "--locked", "--allow-dirty"]);
+    for package in &packages {
+        pack.args(["--package", &package.name]);
+    }
+    step::run("packages for crates.io", &mut pack)?;
+
+    let toolchains = step::output(step::command("rustup").args(["toolchain", "list"]));
+    let toolchains = toolchains.unwrap_or_default();
+    for Package { name, rust_version } in &packages {
+        let installed = toolchains.lines().find(|line| {
+            line.starts_with(&format!("{rust_version}."))
+                || line.starts_with(&format!("{rust_version}-"))
+        });
+        let Some(toolchain) = installed.and_then(|line| line.split_whitespace().next()) else {
+            eprintln!(
+                "\n{name} is not built with Rust {rust_version}: `rustup toolchain install {rust_version}` first."
+            );
+            continue;
+        };
+        step::run(
+            &format!("{name} with Rust {rust_version}, the oldest that it names"),
+            step::command("rustup")
+                .args(["run", toolchain, "cargo", "check", "--locked", "--all-features"])
+                // A folder of its own, or the other compiler would build everything anew.
+                .args(["--package", name, "--target-dir", "target/oldest"])
+                .env_remove("RUSTC"),
+        )?;
+    }
+    Ok(())
+}
+
+fn read(folder: &str) -> Result<Package> {
+    let path = step::root().join(folder).join("Cargo.toml");
+    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let manifest: Manifest = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    Ok(manifest.package)
+}
