@@ -97,7 +97,8 @@ impl Rig {
     /// A rig of joints in regular numbering, the root being left out: where it is and how it is turned counts for
     /// nothing.
     ///
-    /// # Errors [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a
+    /// # Errors
+    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a
     /// parent does not come first.
     pub fn new(given: &[RigJoint]) -> Result<Self, RigError> {
         let expected = given.len();

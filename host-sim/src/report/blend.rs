@@ -65,7 +65,8 @@ pub fn check(path: &Path) -> io::Result<()> {
 
 /// Draws a blend, as SVG, or as PNG if the file is named so.
 ///
-/// # Errors What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
+/// # Errors
+/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
 /// cannot be drawn.
 pub fn write(path: &Path, drawing: &Drawing<'_>) -> io::Result<()> {
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidInput, error);

@@ -9,7 +9,8 @@ use super::{alone, png};
 
 /// Whether a picture can be written under that name, before any work is done for it.
 ///
-/// # Errors [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`, [`io::ErrorKind::NotFound`] if its
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`, [`io::ErrorKind::NotFound`] if its
 /// folder is not there.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();

@@ -42,7 +42,8 @@ pub fn check(path: &Path) -> io::Result<()> {
 /// Draws the query and what was found, as SVG, or as PNG if the file is named so. Of a pose: the query, then the
 /// moments; of a clip: a row of poses for the query and for each moment.
 ///
-/// # Errors What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
+/// # Errors
+/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
 /// cannot be drawn.
 pub fn write(
     path: &Path,

@@ -75,7 +75,8 @@ impl SpatialRig {
     /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the
     /// skeleton's root.
     ///
-    /// # Errors [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is
+    /// # Errors
+    /// [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is
     /// not finite or longer than 100 m.
     pub fn new(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
         let start = match root {

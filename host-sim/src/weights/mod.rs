@@ -118,7 +118,8 @@ pub struct Weighing {
 
 /// Weighs the joints of a character.
 ///
-/// # Errors [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no
+/// # Errors
+/// [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no
 /// sense, the radii do not fit it, or it has no mesh with a surface to weigh it by.
 pub fn weigh(
     character: &Character,

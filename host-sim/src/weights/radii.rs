@@ -40,7 +40,8 @@ const LENGTH_MIN_M: f64 = 1e-6;
 impl Radii {
     /// Radius of the bone that ends in each joint, in m; 0 for the root and for bones without length.
     ///
-    /// # Errors [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file
+    /// # Errors
+    /// [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file
     /// that the character lacks, and a bone of the character that the file lacks.
     pub fn of(&self, character: &Character) -> Result<Vec<f64>, Error> {
         match self {

@@ -66,7 +66,7 @@ fn path(figure: &str, part: &Drawn) -> String {
     let mut path = String::new();
     write!(
         path,
-        r##"<path class="part" fill="url(#{figure}-{lit})" transform="translate({:.1} {:.1})rotate({:.1})scale({:.1})" d="{}"/>"##,
+        r#"<path class="part" fill="url(#{figure}-{lit})" transform="translate({:.1} {:.1})rotate({:.1})scale({:.1})" d="{}"/>"#,
         a.x,
         a.y,
         turn_rad.to_degrees(),
