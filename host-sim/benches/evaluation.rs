@@ -12,9 +12,10 @@ use clap::ValueEnum as _;
 use cpu_time::ProcessTime;
 use glam::{DMat3, DVec3};
 use peak_alloc::PeakAlloc;
+use sinew_sim::builtin;
 use sinew_sim::evaluate::{MethodName, Protocol, evaluate, run, steps_of_all};
-use sinew_sim::figure::{BODIES, BODY_COUNT, MassProperties};
-use sinew_sim::mocap::{self, FigureMotion, Settings, builtin};
+use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion, MassProperties};
+use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::plant::{
     Drive, Mechanism, MovingPose, PlantBody, PlantKind, PlantSettings, Pose, Root,
 };
@@ -27,7 +28,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 fn main() {
     let motions: Vec<FigureMotion> = builtin::clips()
         .into_iter()
-        .map(|clip| mocap::prepare(clip, &Settings::default()).expect("a built-in clip").0)
+        .map(|clip| pipeline::prepare(clip, &Settings::default()).expect("a built-in clip").0)
         .collect();
     plants(&motions);
     threads(&motions);

@@ -15,8 +15,9 @@ use argmin::solver::quasinewton::LBFGS;
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::JointKind;
 use sinew_core::projection::JointRange;
+use sinew_mocap::Skeleton;
+use sinew_sim::builtin;
 use sinew_sim::geodesic::{self, JointPosition, Options, Rig, RigJoint};
-use sinew_sim::mocap::{Skeleton, builtin};
 
 /// Steps of a curve, as in the paper.
 const STEPS: usize = 10;
@@ -125,7 +126,7 @@ fn pairs(count: usize) -> Result<Vec<Pair>, Box<dyn Error>> {
 
 impl Pair {
     fn new(skeleton: &Skeleton, from: Vec<DVec3>, to: Vec<DVec3>) -> Result<Self, Box<dyn Error>> {
-        let joint = |joint: &sinew_sim::mocap::SkeletonJoint| RigJoint {
+        let joint = |joint: &sinew_mocap::SkeletonJoint| RigJoint {
             parent: joint.parent,
             kind: JointKind::Spherical,
             rotation: DQuat::IDENTITY,

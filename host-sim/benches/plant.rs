@@ -8,8 +8,9 @@ use std::hint::black_box;
 use clap::ValueEnum as _;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use sinew_sim::figure::{BODIES, BODY_COUNT, BodyModel};
-use sinew_sim::mocap::{self, FigureMotion, Settings, builtin};
+use sinew_sim::builtin;
+use sinew_sim::figure::{BODIES, BODY_COUNT, BodyModel, FigureMotion};
+use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::plant::{
     Drive, Mechanism, MovingPose, PlantBody, PlantKind, PlantSettings, Pose, Root,
 };
@@ -18,7 +19,7 @@ const STEPS: u32 = 100;
 
 fn steps(criterion: &mut Criterion) {
     let clip = builtin::clips().swap_remove(0);
-    let (motion, _) = mocap::prepare(clip, &Settings::default()).expect("a built-in clip");
+    let (motion, _) = pipeline::prepare(clip, &Settings::default()).expect("a built-in clip");
     let (mechanism, start) = at_rest(&motion);
     let torque = DVec3::new(0.01, 0.02, -0.01);
     let drive = Drive { root_force_n: DVec3::Y * 700.0, torque_nm: vec![torque; BODY_COUNT] };

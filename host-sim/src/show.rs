@@ -5,8 +5,7 @@ use std::convert::Infallible;
 use sinew_core::{Transform, TreeError};
 use sinew_firmware::show;
 
-use crate::figure::{BODY_COUNT, BodyModel, Root};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
 
 /// Bakes the first `frames` frames of a clip (all, if it has fewer) for a figure, in the format of
 /// [`sinew_firmware::show`].

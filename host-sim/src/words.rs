@@ -38,7 +38,7 @@ pub(crate) fn in_words(error: &impl Display) -> String {
 #[cfg(test)]
 mod tests {
     use crate::evaluate::Setup;
-    use crate::mocap::mapping::Mapping;
+    use crate::figure::Mapping;
 
     #[test]
     fn nobody_is_asked_for_a_type() {

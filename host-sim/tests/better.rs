@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use sinew_core::tracker::Differences;
 use sinew_sim::evaluate::rig::{as_built, median, trial};
 use sinew_sim::evaluate::{Errors, MethodName, Protocol, Setup, evaluate};
-use sinew_sim::figure::Dimensions;
-use sinew_sim::mocap::{FigureMotion, Settings, pipeline, prepare};
+use sinew_sim::figure::{Dimensions, FigureMotion};
+use sinew_sim::pipeline::{self, Settings, prepare};
 use sinew_sim::plant::PlantKind;
 
 fn fight(settings: &Settings) -> Vec<FigureMotion> {
     let data = std::env::var_os("SINEW_DATA").expect("SINEW_DATA is set");
-    let files = pipeline::expand(&[PathBuf::from(data).join("cmu/fight")]).unwrap();
+    let files = sinew_mocap::files::expand(&[PathBuf::from(data).join("cmu/fight")]).unwrap();
     let motion = |file| prepare(pipeline::load(file, settings).unwrap(), settings).unwrap().0;
     files.iter().map(motion).collect()
 }

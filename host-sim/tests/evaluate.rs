@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use sinew_sim::builtin;
 use sinew_sim::evaluate::{Errors, Evaluation, MethodName, Protocol, evaluate};
-use sinew_sim::mocap::{Settings, builtin, load_paths, prepare};
+use sinew_sim::pipeline::{Settings, load_paths, prepare};
 
-fn evaluation(clips: Vec<sinew_sim::mocap::Clip>) -> Evaluation {
+fn evaluation(clips: Vec<sinew_mocap::Recording>) -> Evaluation {
     let settings = Settings::default();
     let motions: Vec<_> =
         clips.into_iter().map(|clip| prepare(clip, &settings).expect("a sound clip").0).collect();

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use sinew_sim::mocap::{Settings, builtin, bvh, gaps, pipeline};
+use sinew_mocap::{bvh, gaps};
+use sinew_sim::builtin;
+use sinew_sim::pipeline::{self, Settings};
 
 /// The first built-in clips as BVH files in the folder `clips`, and their names.
 fn clips(folder: &Path, count: usize) -> Vec<String> {
@@ -14,7 +16,8 @@ fn clips(folder: &Path, count: usize) -> Vec<String> {
         .into_iter()
         .take(count)
         .map(|clip| {
-            let (clip, _) = gaps::fill(clip, 0.5).expect("short gaps");
+            let frame_time_s = clip.frame_time_s.expect("a rate");
+            let (clip, _) = gaps::fill(clip, frame_time_s, 0.5).expect("short gaps");
             let file = folder.join("clips").join(format!("{}.bvh", clip.name));
             bvh::write(&file, &clip, 1.0).expect("a clip that can be written");
             clip.name
@@ -139,7 +142,9 @@ fn a_blend_is_a_file_that_is_read_again() {
     assert!((number("blend_s") - 0.5).abs() < 1e-9);
     let read = |file: &str| {
         let path = folder.path().join(file);
-        pipeline::recorded(&pipeline::ClipFile::new(&path), &Settings::default()).expect("a clip").0
+        pipeline::load_clip(&sinew_mocap::files::ClipFile::new(&path), &Settings::default())
+            .expect("a clip")
+            .0
     };
     let (joined, first) = (read("joined.bvh"), read(&a));
     assert_eq!(joined.clip.frames.len() as u64, told["frames"].as_u64().unwrap());

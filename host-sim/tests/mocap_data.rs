@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use glam::{DQuat, DVec3, EulerRot};
-use sinew_sim::figure::{BODIES, BODY_COUNT};
-use sinew_sim::mocap::deepmimic::skeleton;
-use sinew_sim::mocap::flips::Flips;
-use sinew_sim::mocap::mapping::{self, Binding};
-use sinew_sim::mocap::{
-    Clip, FigureMotion, GaplessClip, Notice, Settings, bvh, gaps, load_paths, prepare, tpose,
-};
+use sinew_mocap::deepmimic::skeleton;
+use sinew_mocap::flips::Flips;
+use sinew_mocap::gaps::Filled;
+use sinew_mocap::{Clip, Recording, bvh, gaps};
+use sinew_sim::figure::mapping::{self, Binding};
+use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
+use sinew_sim::pipeline::{Notice, Settings, load_paths, prepare, tpose};
 
 /// One line of an `index.csv`.
 struct Entry {
@@ -56,7 +56,7 @@ fn entries() -> Vec<Entry> {
 }
 
 /// Reads the file and binds the mapping that its skeleton chooses.
-fn read(entry: &Entry) -> (Clip, &'static str, Binding) {
+fn read(entry: &Entry) -> (Recording, &'static str, Binding) {
     let motion = bvh::read(&entry.file).expect("a BVH motion");
     let mapping = mapping::choose(&motion.skeleton).expect("a known skeleton");
     assert!(
@@ -64,13 +64,20 @@ fn read(entry: &Entry) -> (Clip, &'static str, Binding) {
         "{}",
         entry.file.display()
     );
-    let clip = motion.into_clip(mapping).expect("BVH tells its rate");
+    let clip = motion.in_metres(mapping.metres_per_unit);
     let binding = Binding::new(mapping, &clip.skeleton).expect("all joints of the mapping");
     (clip, &mapping.name, binding)
 }
 
+/// The recording in metres, at its own rate or else its mapping's. It must have no gaps.
+fn gapless(recording: Recording) -> (Clip, Filled) {
+    let mapping = mapping::choose(&recording.skeleton).expect("a known skeleton");
+    let frame_time_s = mapping.frame_time_s(&recording).expect("a rate");
+    gaps::fill(recording.in_metres(mapping.metres_per_unit), frame_time_s, 0.0).expect("no gaps")
+}
+
 /// From the lowest to the highest joint or end site of frame 0.
-fn height_m(clip: &GaplessClip) -> f64 {
+fn height_m(clip: &Clip) -> f64 {
     let world = clip.world_poses(0);
     let heights_m = clip.skeleton.joints.iter().zip(&world).flat_map(|(joint, pose)| {
         let ends = joint.end_sites_m.iter().map(|end| pose.position_m + pose.rotation * *end);
@@ -90,10 +97,10 @@ fn every_file_reads_as_its_index_says() {
         // The index counts two trials as cgspeed-mb that carry that skeleton under ASF names.
         assert_eq!(mapping.trim_end_matches("_asf"), entry.skeleton, "{name}");
         assert_eq!(clip.frames.len(), entry.frames, "{name}");
+        assert_eq!(tpose::is_inserted(&clip, &binding), entry.t_pose, "{name}");
+        let (clip, filled) = gapless(clip);
         // The index has the rates as the files round them: 59.999 for 60 Hz.
         assert!((clip.rate_hz() / entry.rate_hz - 1.0).abs() < 1e-4, "{name}: {}", clip.rate_hz());
-        assert_eq!(tpose::is_inserted(&clip, &binding), entry.t_pose, "{name}");
-        let (clip, filled) = gaps::fill(clip, 0.0).expect("BVH has no gaps");
         assert_eq!(filled.gaps, [], "{name}");
         // Where the T-pose was cut off a cgspeed file, the index still has the T-pose's height.
         if entry.t_pose || !entry.skeleton.starts_with("cgspeed") {
@@ -110,7 +117,7 @@ fn the_figure_stands_where_the_recording_does() {
     let legs = 12..BODY_COUNT;
     for entry in entries() {
         let (clip, mapping, binding) = read(&entry);
-        let clip = gaps::fill(clip, 0.0).expect("BVH has no gaps").0;
+        let clip = gapless(clip).0;
         let worst_m = binding.worst_distance_m(&clip, &binding.map(&clip));
         // Only asfamc folds a joint with a bone (Spine1, 0.125 m) into a body that others hang on:
         // up to 20 degrees of bending there move neck and arms, 41 mm at the most.
@@ -219,7 +226,7 @@ fn geno_stands_in_his_bind_pose() {
         let clip = load_paths(&[data().join("geno").join(file)], &settings).expect("a clip");
         let clip = clip.into_iter().next().expect("a clip");
         assert_eq!((clip.frames.len(), clip.skeleton.joints.len()), (2, 75));
-        let full = gaps::fill(clip.clone(), 0.0).expect("BVH has no gaps").0;
+        let full = gapless(clip.clone()).0;
         // 1.65 m from toe to HeadEnd, say those who gave the data.
         assert!((height_m(&full) - 1.65).abs() < 0.01, "{file}: {} m", height_m(&full));
         let (motion, notices) = prepare(clip, &settings).expect("a motion");
@@ -286,7 +293,7 @@ fn about_fixed_axes(angles_deg: [f64; 3], sequence: [usize; 3]) -> DQuat {
 /// The motion in the form of CMU's originals: an ASF and an AMC, every bone about axes of its own.
 ///
 /// Written from the formats' definition alone, with none of the reader's code.
-fn as_asf_and_amc(clip: &GaplessClip, units_per_metre: f64) -> (String, String) {
+fn as_asf_and_amc(clip: &Clip, units_per_metre: f64) -> (String, String) {
     use std::fmt::Write as _;
     const SEQUENCES: [(&str, [usize; 3]); 3] =
         [("XYZ", [0, 1, 2]), ("ZYX", [2, 1, 0]), ("YZX", [1, 2, 0])];
@@ -360,7 +367,7 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
     let settings = Settings::default();
     let bvh = data().join("cmu/fight/135_06.bvh");
     let clip = load_paths(&[bvh], &settings).expect("a clip").remove(0);
-    let mut full = gaps::fill(clip.clone(), 0.0).expect("BVH has no gaps").0;
+    let mut full = gapless(clip).0;
     full.frames.truncate(600);
     let (asf, amc) = as_asf_and_amc(&full, 0.45 / 0.0254);
 
@@ -369,13 +376,13 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
     std::fs::write(folder.path().join("135_06.amc"), amc).expect("written");
     let read = load_paths(&[folder.path().to_path_buf()], &settings).expect("a clip").remove(0);
     assert_eq!((read.name.as_str(), read.frames.len()), ("135_06", 600));
-    assert!((read.rate_hz() - 120.0).abs() < 1e-9);
     let (_, notices) = prepare(read.clone(), &settings).expect("a motion");
     assert_eq!(
         notices[0].to_string(),
         "taken as 120 Hz, the mapping's `rate_hz`: the recording does not tell its rate"
     );
-    let read = gaps::fill(read, 0.0).expect("no gaps").0;
+    let read = gapless(read).0;
+    assert!((read.rate_hz() - 120.0).abs() < 1e-9);
     // Nine decimals in a degree and in a unit of 56 mm; a chain of ten joints 2 m long.
     let bound_m = 10.0 * (0.5e-9_f64.to_radians() * 2.0 + 1e-9 * 0.056);
     for frame in 0..600 {
@@ -468,7 +475,7 @@ fn flips_are_found_where_they_are_and_nowhere_else() {
     let flips_of = |files: &[&str]| -> Vec<(String, Option<Flips>)> {
         let paths: Vec<PathBuf> = files.iter().map(|file| data().join(file)).collect();
         let clips = load_paths(&paths, &settings).expect("clips");
-        let flips = |clip: Clip| {
+        let flips = |clip: Recording| {
             let (motion, notices) = prepare(clip, &settings).expect("a motion");
             let flips = notices.into_iter().find_map(|notice| match notice {
                 Notice::JointFlips(flips) => Some(flips),

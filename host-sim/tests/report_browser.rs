@@ -7,9 +7,11 @@ use std::time::Duration;
 use headless_chrome::protocol::cdp::types::Event;
 use headless_chrome::protocol::cdp::{Emulation, Log, Network, Runtime};
 use headless_chrome::{Browser, LaunchOptions, Tab};
+use sinew_sim::builtin;
 use sinew_sim::evaluate::optimum::optimum;
 use sinew_sim::evaluate::{Protocol, evaluate};
-use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
+use sinew_sim::figure::FigureMotion;
+use sinew_sim::pipeline::{Settings, prepare};
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 
 /// A clip's name that would be taken for markup, were it not escaped.

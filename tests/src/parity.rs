@@ -8,8 +8,7 @@ use std::process::Command;
 
 use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, perform, pose_bytes, tick_bytes};
 use sinew_sim::evaluate::{MethodName, Protocol, track};
-use sinew_sim::figure::{BODIES, BODY_COUNT};
-use sinew_sim::mocap::FigureMotion;
+use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
 
 /// A run of the evaluation: a clip, tracked by a figure of a scale with a method.

@@ -8,9 +8,10 @@ use std::env;
 
 use rayon::prelude::*;
 use sinew_parity::run::NUMBERS;
+use sinew_sim::builtin;
 use sinew_sim::evaluate::MethodName;
-use sinew_sim::figure::BODIES;
-use sinew_sim::mocap::{FigureMotion, Settings, builtin, prepare};
+use sinew_sim::figure::{BODIES, FigureMotion};
+use sinew_sim::pipeline::{Settings, prepare};
 use sinew_tests::parity::{Difference, Machine, Run};
 
 const SCALES: [f64; 2] = [1.0, 1.1];

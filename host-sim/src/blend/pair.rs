@@ -3,26 +3,25 @@
 use glam::{DQuat, DVec3};
 use sinew_core::JointKind;
 use sinew_core::projection::JointRange;
+use sinew_mocap::resample::resample;
+use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
 use crate::find::{Mismatch, same_joints};
 use crate::geodesic::{JointPosition, Rig, RigError, RigJoint};
-use crate::mocap::pipeline::{carried, carrier};
-use crate::mocap::resample::resample;
-use crate::mocap::{GaplessClip, JointSample, Skeleton};
 
 /// Two clips on the skeleton of the first, at its rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
     /// The first.
-    pub a: GaplessClip,
+    pub a: Clip,
     /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes
     /// through space is made as much larger as its legs are.
-    pub b: GaplessClip,
+    pub b: Clip,
     /// The factor of that.
     pub scale: f64,
-    /// The joint that carries the body.
-    pub(super) carrier: usize,
-    /// What it carries, itself first, and which joints of the skeleton these are.
+    /// The joint that moves the body through space.
+    pub(super) root: usize,
+    /// All that hang on it, itself first, and which joints of the skeleton these are.
     pub(super) body: Skeleton,
     pub(super) joints: Vec<usize>,
     pub(super) rig: Rig,
@@ -44,21 +43,21 @@ impl Pair {
     ///
     /// # Errors
     /// [`PairError::Mismatch`] if their joints are not the same; [`PairError::Rig`] if bones are not finite.
-    pub fn new(a: GaplessClip, b: &GaplessClip) -> Result<Self, PairError> {
+    pub fn new(a: Clip, b: &Clip) -> Result<Self, PairError> {
         let order = same_joints(&a.skeleton, &b.skeleton)?;
         let of_b = resample(b, a.rate_hz());
-        let (root_a, root_b) = (carrier(&[&a]), carrier(&[b]));
+        let (root_a, root_b) = (moving_root(&[&a]), moving_root(&[b]));
         // If either moves its root, that carries both.
-        let carrier = if order[root_a] == root_b { root_a } else { 0 };
-        let (body, joints) = carried(&a.skeleton, carrier);
-        let (of_a, other) = (legs_m(&body), legs_m(&carried(&b.skeleton, order[carrier]).0));
+        let root = if order[root_a] == root_b { root_a } else { 0 };
+        let (body, joints) = a.skeleton.subtree(root);
+        let (of_a, other) = (legs_m(&body), legs_m(&b.skeleton.subtree(order[root]).0));
         let scale = if of_a > 0.0 && other > 0.0 { of_a / other } else { 1.0 };
         let frame = |samples: &Vec<JointSample>| -> Vec<JointSample> {
             let joints = a.skeleton.joints.iter().zip(&order).enumerate();
             joints
                 .map(|(index, (joint, place))| {
                     let JointSample { rotation, position_m } = samples[*place];
-                    let position_m = if index == carrier {
+                    let position_m = if index == root {
                         position_m * scale
                     } else {
                         position_m - b.skeleton.joints[*place].offset_m + joint.offset_m
@@ -68,9 +67,9 @@ impl Pair {
                 .collect()
         };
         let frames = of_b.frames.iter().map(frame).collect();
-        let b = GaplessClip { skeleton: a.skeleton.clone(), frames, ..of_b };
+        let b = Clip { skeleton: a.skeleton.clone(), frames, ..of_b };
         let rig = rig(&body)?;
-        Ok(Self { a, b, scale, carrier, body, joints, rig })
+        Ok(Self { a, b, scale, root, body, joints, rig })
     }
 
     /// The skeleton's part that poses are compared on.

@@ -1,9 +1,8 @@
 use glam::{DQuat, DVec3};
+use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint, forward_kinematics};
 
 use super::*;
 use crate::geodesic::{Options, solve};
-use crate::mocap::clip::forward_kinematics;
-use crate::mocap::{GaplessClip, JointSample, Skeleton, SkeletonJoint};
 
 /// A leg and an arm on a trunk.
 fn skeleton(size: f64) -> Skeleton {
@@ -26,7 +25,7 @@ fn skeleton(size: f64) -> Skeleton {
 }
 
 /// A motion that swings all joints and walks on, turned by `heading` and out of step by `phase`.
-fn motion(size: f64, heading: f64, phase: f64, rate_hz: f64, frames: usize) -> GaplessClip {
+fn motion(size: f64, heading: f64, phase: f64, rate_hz: f64, frames: usize) -> Clip {
     let skeleton = skeleton(size);
     let frame = |k: usize| {
         let t = k as f64 / rate_hz;
@@ -44,7 +43,7 @@ fn motion(size: f64, heading: f64, phase: f64, rate_hz: f64, frames: usize) -> G
         samples[0].rotation = turn * samples[0].rotation;
         samples
     };
-    GaplessClip {
+    Clip {
         name: format!("{heading}"),
         frames: (0..frames).map(frame).collect(),
         skeleton: skeleton.clone(),
@@ -78,7 +77,7 @@ fn the_nearest_pair_is_the_one_that_solving_all_finds() {
     assert_eq!(one_thread.install(|| nearest(&pair, &places, |_| ())).unwrap(), found);
 }
 
-fn worlds(clip: &GaplessClip) -> Vec<Vec<DVec3>> {
+fn worlds(clip: &Clip) -> Vec<Vec<DVec3>> {
     let places = |frame: &Vec<JointSample>| {
         let world = forward_kinematics(&clip.skeleton, frame);
         world.into_iter().map(|sample| sample.position_m).collect()
@@ -135,7 +134,7 @@ fn both_clips_go_on_and_nothing_jumps() {
     }
     // At both ends of the blend velocities change no more than within the clips.
     let changes = jumps(&joined_worlds, 60.0);
-    let own = |clip: &GaplessClip| jumps(&worlds(clip), 60.0).into_iter().fold(0.0, f64::max);
+    let own = |clip: &Clip| jumps(&worlds(clip), 60.0).into_iter().fold(0.0, f64::max);
     let most = own(&pair.a).max(own(&pair.b));
     for end in [joined.first, joined.last] {
         for change in &changes[end - 2..=end] {

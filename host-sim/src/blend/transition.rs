@@ -2,17 +2,16 @@
 
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
+use sinew_mocap::{Clip, JointSample, forward_kinematics};
 
 use super::pair::Pair;
 use crate::geodesic::{Geodesic, JointPosition, Options, Rig, RigError, solve};
-use crate::mocap::clip::forward_kinematics;
-use crate::mocap::{GaplessClip, JointSample};
 
 /// Two clips as one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blend {
     /// The motion, on the first clip's skeleton and at its rate.
-    pub clip: GaplessClip,
+    pub clip: Clip,
     /// Its frame where the blend begins, the last of the first clip alone, and the one where it ends, the first of
     /// the second.
     pub first: usize,
@@ -91,11 +90,8 @@ pub fn blend(
     }
     frames.extend_from_slice(after);
 
-    let clip = GaplessClip {
-        name: format!("{} to {}", pair.a.name, pair.b.name),
-        frames,
-        ..pair.a.clone()
-    };
+    let clip =
+        Clip { name: format!("{} to {}", pair.a.name, pair.b.name), frames, ..pair.a.clone() };
     let (first, last) = (at_a - half, at_a + half);
     let (all, fastest) = speeds(&clip, &clip.frames, Some(first..last));
     let (alone_a, fastest_a) = speeds(&clip, of_a, None);
@@ -106,10 +102,8 @@ pub fn blend(
         first,
         last,
         turn_rad: shift.turn_rad,
-        tilt_rad: of_a[half][pair.carrier]
-            .rotation
-            .angle_between(during[half][pair.carrier].rotation),
-        rise_m: during[half][pair.carrier].position_m.y - of_a[half][pair.carrier].position_m.y,
+        tilt_rad: of_a[half][pair.root].rotation.angle_between(during[half][pair.root].rotation),
+        rise_m: during[half][pair.root].position_m.y - of_a[half][pair.root].position_m.y,
         iterations,
         gave_up,
         fastest,
@@ -129,7 +123,7 @@ struct Shift {
 
 impl Shift {
     fn new(pair: &Pair, at_a: usize, at_b: usize) -> Self {
-        let [a, b] = [&pair.a.frames[at_a], &pair.b.frames[at_b]].map(|frame| frame[pair.carrier]);
+        let [a, b] = [&pair.a.frames[at_a], &pair.b.frames[at_b]].map(|frame| frame[pair.root]);
         // The turn about the vertical that is nearest to the whole one.
         let whole = a.rotation * b.rotation.conjugate();
         let half_rad = libm::atan2(whole.y, whole.w);
@@ -145,8 +139,8 @@ impl Shift {
 
     fn applied(&self, pair: &Pair, frame: &[JointSample]) -> Vec<JointSample> {
         let mut frame = frame.to_vec();
-        let JointSample { rotation, position_m } = frame[pair.carrier];
-        frame[pair.carrier] = JointSample {
+        let JointSample { rotation, position_m } = frame[pair.root];
+        frame[pair.root] = JointSample {
             rotation: (self.turn * rotation).normalize(),
             position_m: self.turn * (position_m - self.from_m) + self.to_m,
         };
@@ -216,7 +210,7 @@ fn along(rig: &Rig, geodesic: &Geodesic, share: f64) -> Vec<JointPosition> {
 
 /// Speed of the fastest joint by step between frames, and the fastest of some steps (of all, without).
 fn speeds(
-    clip: &GaplessClip,
+    clip: &Clip,
     frames: &[Vec<JointSample>],
     steps: Option<std::ops::Range<usize>>,
 ) -> (Vec<f64>, Peak) {

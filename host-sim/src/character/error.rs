@@ -3,7 +3,7 @@
 use std::fmt::{self, Display};
 use std::path::PathBuf;
 
-use crate::mocap::format;
+use sinew_mocap::format;
 
 /// A file that holds no character.
 #[derive(Debug, thiserror::Error)]

@@ -6,11 +6,11 @@
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
+use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, format, forward_kinematics};
 
 use super::error::{Error, Refusal, refuse};
 use super::{Character, Joint, NAMES, Options};
-use crate::mocap::clip::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
-use crate::mocap::{Recording, format, mapping};
+use crate::figure::mapping;
 
 /// Reads the skeleton of a motion.
 ///

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use sinew_sim::figure::BodyModel;
-use sinew_sim::mocap::pipeline::{self, ClipFile};
-use sinew_sim::mocap::{self, Settings, builtin, mapping};
-use sinew_sim::show;
+use sinew_mocap::files::ClipFile;
+use sinew_sim::figure::{BodyModel, mapping};
+use sinew_sim::pipeline::{self, Settings};
+use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
 use super::evaluate::scale;
@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
             })?
         }
     };
-    let (motion, notices) = mocap::prepare(clip, &settings)?;
+    let (motion, notices) = pipeline::prepare(clip, &settings)?;
     for notice in notices {
         note(format_args!("{}: {notice}", motion.name));
     }

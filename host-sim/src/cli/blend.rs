@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
+use sinew_mocap::bvh;
+use sinew_mocap::files::ClipFile;
 use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
+use sinew_sim::figure::Mapping;
 use sinew_sim::find::{Part, Reference};
-use sinew_sim::mocap::pipeline::{ClipFile, Recorded, recorded};
-use sinew_sim::mocap::{Settings, bvh, mapping::Mapping};
+use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
 use sinew_sim::report::blend as picture;
 use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
 
@@ -104,9 +106,9 @@ impl Args {
         }
         let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
         let settings = Settings { mapping, ..Settings::default() };
-        let read = |reference: &Reference| -> anyhow::Result<(Recorded, (usize, usize))> {
+        let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {
             let file = ClipFile::new(&reference.file);
-            let (recorded, notices) = recorded(&file, &settings)?;
+            let (recorded, notices) = load_clip(&file, &settings)?;
             for notice in notices {
                 note(format_args!("{}: {notice}", file.name));
             }
@@ -137,7 +139,7 @@ impl Args {
         })?;
         bvh::write(&self.out, &blend.clip, a.metres_per_unit)
             .with_context(|| format!("--out {}", self.out.display()))?;
-        let side = |recorded: &Recorded| {
+        let side = |recorded: &LoadedClip| {
             (recorded.skipped as f64 * recorded.clip.frame_time_s, recorded.clip.rate_hz())
         };
         let (of_a, of_b) = (side(&a), side(&b));

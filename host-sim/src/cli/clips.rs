@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use rayon::prelude::*;
-use sinew_sim::mocap::{self, FigureMotion, Notice, Settings, builtin, mapping, pipeline};
+use sinew_sim::builtin;
+use sinew_sim::figure::{FigureMotion, mapping};
+use sinew_sim::pipeline::{self, Notice, Settings};
 
 use super::output::note;
 
@@ -29,7 +31,7 @@ pub(super) struct ClipArgs {
     frames: Option<f64>,
 }
 
-type Prepared = Result<(FigureMotion, Vec<Notice>), mocap::Error>;
+type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
 
 impl ClipArgs {
     /// Whether a rate is given.
@@ -69,11 +71,14 @@ impl ClipArgs {
             ..Settings::default()
         };
         let prepared: Vec<Prepared> = if self.clips.is_empty() {
-            builtin::clips().into_par_iter().map(|clip| mocap::prepare(clip, &settings)).collect()
+            builtin::clips()
+                .into_par_iter()
+                .map(|clip| pipeline::prepare(clip, &settings))
+                .collect()
         } else {
-            pipeline::expand(&self.clips)?
+            sinew_mocap::files::expand(&self.clips)?
                 .par_iter()
-                .map(|file| mocap::prepare(pipeline::load(file, &settings)?, &settings))
+                .map(|file| pipeline::prepare(pipeline::load(file, &settings)?, &settings))
                 .collect()
         };
         let (mut motions, mut lines) = (Vec::with_capacity(prepared.len()), Vec::new());

@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_sim::figure::Mapping;
 use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
-use sinew_sim::mocap::{Settings, mapping::Mapping};
+use sinew_sim::pipeline::Settings;
 use sinew_sim::report::moments as picture;
 use sinew_sim::spatial::{Measuring, SpatialRig};
 
@@ -123,7 +124,7 @@ impl Args {
         let rig = SpatialRig::new(&query.skeleton, self.measure.root.as_deref())
             .with_context(|| query.file.display().to_string())?;
         let measuring = Measuring::new(&rig, measure);
-        let files = sinew_sim::mocap::pipeline::expand(&self.clips)?.len();
+        let files = sinew_mocap::files::expand(&self.clips)?.len();
         let library =
             with_progress(files, |done| Library::read(&self.clips, &query, &settings, done))?;
         tell(&library, query.poses.len());
@@ -203,7 +204,7 @@ fn tell(library: &Library, length: usize) {
         .clips
         .iter()
         .flat_map(|clip| clip.notices.iter().map(move |notice| (clip, notice)))
-        .partition(|(_, notice)| matches!(notice, sinew_sim::mocap::Notice::TPoseSkipped));
+        .partition(|(_, notice)| matches!(notice, sinew_sim::pipeline::Notice::TPoseSkipped));
     if !t_poses.is_empty() {
         note(format_args!("skipped frame 0, an inserted T-pose, of {} clips", t_poses.len()));
     }

@@ -7,8 +7,7 @@ use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
 use sinew_sim::evaluate::Setup;
 use sinew_sim::evaluate::rig::{LATENCY_MOST, STANDS_BELOW_DEG, largest_latency};
-use sinew_sim::figure::Dimensions;
-use sinew_sim::mocap::FigureMotion;
+use sinew_sim::figure::{Dimensions, FigureMotion};
 use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, rate, seconds};

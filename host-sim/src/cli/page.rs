@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use clap::ValueEnum as _;
 use sinew_sim::evaluate::optimum::optimum;
 use sinew_sim::evaluate::{BodySource, Evaluation, Protocol};
-use sinew_sim::mocap::FigureMotion;
+use sinew_sim::figure::FigureMotion;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 
 use super::output::note;

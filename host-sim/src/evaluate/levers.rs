@@ -122,9 +122,10 @@ mod tests {
     use glam::DMat3;
 
     use super::*;
+    use crate::builtin;
     use crate::evaluate::Setup;
     use crate::figure::is_leaf;
-    use crate::mocap::{Settings, builtin, prepare};
+    use crate::pipeline::{Settings, prepare};
 
     /// The built-in figure.
     fn model() -> BodyModel {

@@ -20,8 +20,7 @@ mod track;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::figure::Dimensions;
-use crate::mocap::FigureMotion;
+use crate::figure::{Dimensions, FigureMotion};
 
 pub use sinew_core::tracker::MethodName;
 

@@ -21,8 +21,7 @@ use super::metrics::Errors;
 use super::reference::Performance;
 use super::setup::Setup;
 use super::{Protocol, track};
-use crate::figure::{BODIES, BODY_COUNT, Root};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT, FigureMotion, Root};
 use crate::plant::Pose;
 
 /// The rotation weights of a curve, in metres: from World's rotations to the nearest positions.

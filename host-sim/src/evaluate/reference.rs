@@ -4,8 +4,7 @@ use glam::{DQuat, DVec3};
 use sinew_core::Transform;
 use sinew_core::tracker::before_the_first;
 
-use crate::figure::{BODIES, BODY_COUNT, Root};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT, FigureMotion, Root};
 use crate::plant::{MovingPose, Pose};
 
 /// A clip, performed with the pelvis moving or fixed.

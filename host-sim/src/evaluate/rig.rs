@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::controller::narrow;
 pub use super::disturbance::LATENCY_MOST;
 use super::{Errors, MethodName, RunError, Setup, run};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// The errors of one setup over all clips, or the clip that the figure was lost on.
 pub type Trial = Result<Errors, Lost>;

@@ -10,8 +10,9 @@ use super::disturbance::{Disturbance, LATENCY_MOST};
 use super::error::RunError;
 use super::levers::Levers;
 use super::supply::supply;
-use crate::figure::{BODY_COUNT, BodyModel, BodyModelError, Dimensions, Root, Subject};
-use crate::mocap::FigureMotion;
+use crate::figure::{
+    BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject,
+};
 use crate::plant::PlantSettings;
 use crate::words::in_words;
 

@@ -330,8 +330,9 @@ fn every_method_that_was_asked_for_is_in_the_json() {
         seconds: Some(0.1),
         ..Protocol::default()
     };
-    let clip = crate::mocap::builtin::clips().remove(0);
-    let (motion, _) = crate::mocap::prepare(clip, &crate::mocap::Settings::default()).unwrap();
+    let clip = crate::builtin::clips().remove(0);
+    let (motion, _) =
+        crate::pipeline::prepare(clip, &crate::pipeline::Settings::default()).unwrap();
     let evaluation = evaluate(&[motion], &protocol, |_| {}).unwrap();
     let json: serde_json::Value = serde_json::from_str(&report::json(&evaluation)).unwrap();
     let methods = json["figures"][0]["methods"].as_object().unwrap();

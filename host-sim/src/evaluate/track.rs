@@ -12,8 +12,7 @@ use super::error::RunError;
 use super::levers::Levers;
 use super::reference::{Performance, one_step_before};
 use super::setup::{FigureTracker, Setup};
-use crate::figure::{BODIES, BODY_COUNT, BodyModel};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT, BodyModel, FigureMotion};
 use crate::plant::{Drive, Mechanism, PlantBody, Pose};
 
 /// One step of a run, after it was made: the figure at frame `frame`, in the world.

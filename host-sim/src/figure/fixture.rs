@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::{BODIES, BODY_COUNT};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// A figure standing with its arms down, y up, facing z, whose pelvis and abdomen joints coincide and
 /// whose hands have no end, as in skeletons that occur.

@@ -1,4 +1,4 @@
-//! The 18-body figure of the paper: its bodies, and what they weigh.
+//! The 18-body figure of the paper: its bodies, how they move and what they weigh.
 
 pub mod body;
 mod cut;
@@ -7,7 +7,9 @@ mod dimensions;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod hanavan;
+pub mod mapping;
 pub mod model;
+mod motion;
 mod placement;
 pub mod solids;
 
@@ -15,4 +17,6 @@ pub use body::{BODIES, BODY_COUNT, Body, Root, is_leaf};
 pub use de_leva::mass_fraction as de_leva_mass_fraction;
 pub use dimensions::Dimensions;
 pub use hanavan::Subject;
+pub use mapping::Mapping;
 pub use model::{BodyModel, BodyModelError, MassProperties};
+pub use motion::FigureMotion;

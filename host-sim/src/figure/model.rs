@@ -12,7 +12,7 @@ use super::body::{BODIES, BODY_COUNT, Root};
 use super::de_leva;
 use super::hanavan::{self, Subject};
 use super::placement::{Placement, Skeleton};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// What a body weighs and how its mass is spread, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

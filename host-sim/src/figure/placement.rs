@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 
 use super::body::{BODIES, BODY_COUNT};
 use super::model::BodyModelError;
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// Our assumption: the ankle lies a quarter of the foot in front of the heel.
 pub(super) const HEEL_TO_ANKLE: f64 = 0.25;

@@ -1,7 +1,6 @@
 //! Two skeletons' joints, matched by their names.
 
-use crate::mocap::Skeleton;
-use crate::mocap::pipeline::carried;
+use sinew_mocap::Skeleton;
 
 /// A skeleton that has other joints than it should.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -42,7 +41,7 @@ pub fn same_joints(expected: &Skeleton, found: &Skeleton) -> Result<Vec<usize>, 
         }
         joints.push(here);
     }
-    let (_, below) = carried(found, joints[0]);
+    let (_, below) = found.subtree(joints[0]);
     let extra = below.iter().find(|joint| !joints.contains(joint));
     extra.map_or(Ok(joints), |joint| Err(Mismatch::Has(found.joints[*joint].name.clone())))
 }
@@ -50,7 +49,7 @@ pub fn same_joints(expected: &Skeleton, found: &Skeleton) -> Result<Vec<usize>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mocap::builtin;
+    use crate::builtin;
 
     #[test]
     fn joints_are_told_by_their_names_whatever_their_order() {
@@ -74,7 +73,7 @@ mod tests {
             error(&|other| other.joints[head].name = "skull".into()),
             "joint `head`: expected a joint of that name, found none"
         );
-        let hair = crate::mocap::SkeletonJoint {
+        let hair = sinew_mocap::SkeletonJoint {
             name: "hair".into(),
             parent: Some(head),
             ..skeleton.joints[head].clone()

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use glam::DQuat;
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
+use sinew_mocap::files::{self, ClipFile};
+use sinew_mocap::resample::resample;
+use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
 use super::joints::{Mismatch, same_joints};
 use super::reference::{Part, Reference, ReferenceError};
-use crate::mocap::mapping::Mapping;
-use crate::mocap::pipeline::{self, ClipFile, Recorded, Settings, carried, carrier, recorded};
-use crate::mocap::resample::resample;
-use crate::mocap::{GaplessClip, JointSample, Notice, Skeleton};
+use crate::figure::Mapping;
+use crate::pipeline::{self, LoadedClip, Notice, Settings, load_clip};
 use crate::spatial::{MeasuredPose, Measuring};
 
 /// What is looked for.
@@ -76,13 +77,13 @@ impl Query {
         settings: &Settings,
         rate_hz: f64,
     ) -> Result<Self, ReadError> {
-        let (recorded, notices) = recorded(&ClipFile::new(&reference.file), settings)?;
+        let (recorded, notices) = load_clip(&ClipFile::new(&reference.file), settings)?;
         let (first, last) = reference.frames(&recorded)?;
-        let Recorded { clip, skipped, mapping, .. } = recorded;
-        let (skeleton, joints) = carried(&clip.skeleton, carrier(&[&clip]));
+        let LoadedClip { clip, skipped, mapping, .. } = recorded;
+        let (skeleton, joints) = clip.skeleton.subtree(moving_root(&[&clip]));
         let is_pose = matches!(reference.part, Part::Pose(_));
         let start_s = (skipped + first) as f64 * clip.frame_time_s;
-        let part = GaplessClip { frames: clip.frames[first..=last].to_vec(), ..clip };
+        let part = Clip { frames: clip.frames[first..=last].to_vec(), ..clip };
         // A single frame is taken as it is.
         let part = if is_pose { part } else { resample(&part, rate_hz) };
         let poses = rotations(&part, &joints);
@@ -91,7 +92,7 @@ impl Query {
     }
 }
 
-fn rotations(clip: &GaplessClip, joints: &[usize]) -> Vec<Vec<DQuat>> {
+fn rotations(clip: &Clip, joints: &[usize]) -> Vec<Vec<DQuat>> {
     let pose =
         |frame: &Vec<JointSample>| joints.iter().map(|joint| frame[*joint].rotation).collect();
     clip.frames.iter().map(pose).collect()
@@ -135,7 +136,7 @@ impl Library {
         settings: &Settings,
         done: impl Fn(usize) + Sync,
     ) -> Result<Self, ReadError> {
-        let files = pipeline::expand(paths)?;
+        let files = files::expand(paths).map_err(pipeline::Error::from)?;
         let read: Vec<Result<Shelved, ReadError>> = files
             .par_iter()
             .map(|file| {
@@ -196,7 +197,7 @@ impl Query {
 
 impl Shelved {
     fn read(file: &ClipFile, query: &Query, settings: &Settings) -> Result<Self, ReadError> {
-        let (Recorded { clip, skipped, .. }, notices) = recorded(file, settings)?;
+        let (LoadedClip { clip, skipped, .. }, notices) = load_clip(file, settings)?;
         let joints = same_joints(&query.skeleton, &clip.skeleton);
         let joints =
             joints.map_err(|source| ReadError::Mismatch { file: file.path.clone(), source })?;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::mocap::pipeline::Recorded;
+use crate::pipeline::LoadedClip;
 
 /// A file, and which part of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,7 +139,7 @@ impl Reference {
     ///
     /// # Errors
     /// [`ReferenceError::Outside`] and [`ReferenceError::Backwards`].
-    pub fn frames(&self, recorded: &Recorded) -> Result<(usize, usize), ReferenceError> {
+    pub fn frames(&self, recorded: &LoadedClip) -> Result<(usize, usize), ReferenceError> {
         let last = recorded.clip.frames.len() - 1;
         match self.part {
             Part::Whole => Ok((0, last)),
@@ -155,8 +155,8 @@ impl Reference {
         }
     }
 
-    fn frame(&self, recorded: &Recorded, at: At) -> Result<usize, ReferenceError> {
-        let Recorded { clip, skipped, .. } = recorded;
+    fn frame(&self, recorded: &LoadedClip, at: At) -> Result<usize, ReferenceError> {
+        let LoadedClip { clip, skipped, .. } = recorded;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

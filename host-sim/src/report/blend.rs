@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use maud::{Markup, html};
+use sinew_mocap::Clip;
 
 use super::chart::{Axis, line, px};
 use super::file;
@@ -13,8 +14,8 @@ use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
 use crate::blend::{Blend, Nearest, Pair, Side};
-use crate::mocap::mapping::{Binding, Mapping};
-use crate::mocap::{FigureMotion, GaplessClip};
+use crate::figure::mapping::Binding;
+use crate::figure::{FigureMotion, Mapping};
 use crate::spatial::{Measure, MeasuredPose, Measuring, Metric, SpatialRig};
 
 /// Figures in the row.
@@ -157,7 +158,7 @@ impl Drawing<'_> {
         let measuring = Measuring::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;
         let every = [a, b].map(|clip| clip.frames.len().div_ceil(CELLS));
-        let poses = |clip: &GaplessClip, every: usize| -> Vec<MeasuredPose> {
+        let poses = |clip: &Clip, every: usize| -> Vec<MeasuredPose> {
             let frames = clip.frames.iter().step_by(every);
             let pose = |frame: &Vec<_>| measuring.pose(&self.pair.rotations(frame));
             frames.map(|frame| pose(frame).expect("the solver took it")).collect()

@@ -8,8 +8,7 @@ use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, reach_m, side_view_rad,
 };
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
-use crate::figure::BODY_COUNT;
-use crate::mocap::FigureMotion;
+use crate::figure::{BODY_COUNT, FigureMotion};
 use crate::plant::Pose;
 
 /// Time that the posture is held, in seconds: some 40 time constants of the controller.
@@ -247,8 +246,9 @@ fn held(motion: &FigureMotion, frame: usize) -> FigureMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builtin;
     use crate::figure::fixture::moving;
-    use crate::mocap::{Settings, builtin, prepare};
+    use crate::pipeline::{Settings, prepare};
 
     #[test]
     fn compensation_brings_hands_and_feet_nearer() {

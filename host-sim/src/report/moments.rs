@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use maud::{Markup, html};
+use sinew_mocap::{Clip, JointSample};
 
 use super::chart::px;
 use super::file;
@@ -12,9 +13,8 @@ use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE, posed, reach_m,
     side_view_rad,
 };
+use crate::figure::mapping::Binding;
 use crate::find::{Found, Library, Query};
-use crate::mocap::mapping::Binding;
-use crate::mocap::{GaplessClip, JointSample};
 use crate::spatial::Measure;
 
 /// A figure's cell, and the middle of the stage that it shows.
@@ -165,7 +165,7 @@ impl Drawing<'_> {
             })
             .collect();
         samples[0] = JointSample { rotation: poses[frame][0], position_m: DVec3::ZERO };
-        let motion = self.binding.map(&GaplessClip {
+        let motion = self.binding.map(&Clip {
             name: String::new(),
             skeleton: skeleton.clone(),
             frame_time_s: 1.0,

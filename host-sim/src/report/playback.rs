@@ -10,7 +10,7 @@ use super::scene::{
     MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK, reach_m, side_view_rad,
 };
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// The longest playback, in seconds.
 const LONGEST_S: f64 = 30.0;

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use glam::{DQuat, DVec3};
 use maud::{Markup, html};
+use sinew_mocap::{Clip, JointSample, Skeleton};
 
 use super::chart::{self, px};
 use super::file::write_all;
 use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
 };
-use crate::mocap::mapping::{self, Binding};
-use crate::mocap::{GaplessClip, JointSample, Skeleton};
+use crate::figure::mapping::{self, Binding};
 use crate::study::autoencoder::{self, Example, Group, Method, Study};
 
 /// Width and height of a figure in the picture of reconstructions.
@@ -150,7 +150,7 @@ fn figure(skeleton: &Skeleton, pose: &[DQuat]) -> Option<(Mannequin, Points)> {
     let samples = skeleton.joints.iter().zip(pose);
     let frame = samples
         .map(|(joint, rotation)| JointSample { rotation: *rotation, position_m: joint.offset_m });
-    let motion = binding.map(&GaplessClip {
+    let motion = binding.map(&Clip {
         name: String::new(),
         skeleton: skeleton.clone(),
         frame_time_s: 1.0,

@@ -192,7 +192,7 @@ pub type Workspace = LineWorkspace<BODY_COUNT_MAX>;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mocap::builtin;
+    use crate::builtin;
 
     #[test]
     fn the_same_turn_counts_more_the_longer_the_bone() {

@@ -5,9 +5,9 @@ use std::cmp::Ordering;
 use glam::{DQuat, DVec3};
 use sinew_core::importance::{ImportanceError, RestPose, RestPoseError, descendants_length};
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, TreeError};
+use sinew_mocap::Skeleton;
 
 use super::BODY_COUNT_MAX;
-use crate::mocap::Skeleton;
 use crate::weights;
 
 /// A skeleton's joints as bodies of a rig: all spherical, bones as long as at rest, end sites left out (nothing turns
@@ -206,9 +206,10 @@ fn single(x: f64) -> f32 {
 mod tests {
     use glam::EulerRot;
     use sinew_core::pose_space::PoseSpace;
+    use sinew_mocap::{JointSample, forward_kinematics};
 
     use super::*;
-    use crate::mocap::{JointSample, builtin, clip};
+    use crate::builtin;
 
     #[test]
     fn seen_from_any_joint_all_joints_are_where_they_are() {
@@ -221,7 +222,7 @@ mod tests {
             rotation: *rotation,
             position_m: joint.offset_m,
         });
-        let world = clip::forward_kinematics(&skeleton, &local.collect::<Vec<_>>());
+        let world = forward_kinematics(&skeleton, &local.collect::<Vec<_>>());
         for (start, joint) in skeleton.joints.iter().enumerate() {
             let rig = SpatialRig::new(&skeleton, Some(&joint.name)).unwrap();
             let extra = usize::from(start != 0);

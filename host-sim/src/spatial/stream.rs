@@ -88,7 +88,7 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::mocap::builtin;
+    use crate::builtin;
     use crate::spatial::{Measure, Metric, SpatialRig};
 
     #[test]

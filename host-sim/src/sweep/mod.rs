@@ -18,7 +18,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use crate::evaluate::{Errors, run, step_count};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};

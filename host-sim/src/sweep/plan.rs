@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use super::file::{Cell, SweepFile};
-use crate::mocap::FigureMotion;
+use crate::figure::FigureMotion;
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]

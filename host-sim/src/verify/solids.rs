@@ -2,9 +2,8 @@
 
 use serde::Deserialize;
 
-use super::CaseError;
 use super::tally::{Quantity, Tallies};
-use super::tolerance as limit;
+use super::{CaseError, tolerance as limit};
 use crate::figure::solids::{ellipsoid, elliptical_solid, stadium_solid, truncated_cone};
 
 #[derive(Deserialize)]

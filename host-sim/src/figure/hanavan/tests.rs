@@ -3,8 +3,7 @@ use glam::{DMat3, DVec3};
 use super::*;
 use crate::figure::fixture::standing;
 use crate::figure::placement::named;
-use crate::figure::{BODIES, MassProperties, Root, de_leva_mass_fraction, solids};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, FigureMotion, MassProperties, Root, de_leva_mass_fraction, solids};
 
 const REFERENCE: &str = include_str!("../../../subjects/reference.toml");
 

@@ -1,8 +1,8 @@
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
+use sinew_mocap::{Skeleton, SkeletonJoint};
 
 use super::*;
-use crate::mocap::{Skeleton, SkeletonJoint};
 use crate::random::{Random, Subject};
 use crate::spatial::Measure;
 

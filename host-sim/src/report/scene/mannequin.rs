@@ -4,8 +4,7 @@ use core::array;
 
 use glam::DVec3;
 
-use crate::figure::{BODIES, BODY_COUNT};
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, BODY_COUNT, FigureMotion};
 use crate::plant::Pose;
 
 /// Bodies whose segment ends at no joint: head, hands, feet.

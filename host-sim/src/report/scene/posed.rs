@@ -1,8 +1,7 @@
 //! The mannequin in a frame of a motion.
 
 use super::mannequin::{Mannequin, Points};
-use crate::figure::BODIES;
-use crate::mocap::FigureMotion;
+use crate::figure::{BODIES, FigureMotion};
 use crate::plant::Pose;
 
 /// The mannequin of a motion, and its points in a frame.

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
+use sinew_mocap::{JointSample, Skeleton};
 
-use crate::mocap::{JointSample, Skeleton, clip};
 use crate::study::recordings::{DataError, Pose, Recordings, Sequence};
 
 /// CMU's subjects that are only tested on: their walks, runs, jumps, punches, swordplay, dances and cartwheels have
@@ -99,7 +99,7 @@ pub(super) fn forward_kinematics(skeleton: &Skeleton, pose: &[DQuat]) -> Vec<Joi
         rotation: *rotation,
         position_m: if joint.parent.is_some() { joint.offset_m } else { DVec3::ZERO },
     });
-    clip::forward_kinematics(skeleton, &local.collect::<Vec<_>>())
+    sinew_mocap::forward_kinematics(skeleton, &local.collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use serde::Serialize;
+use sinew_mocap::Skeleton;
 
 use super::anatomy::Group;
 use super::data::forward_kinematics;
-use crate::mocap::Skeleton;
 use crate::study::recordings::Pose;
 
 /// Mean errors of every joint over many poses, with the root where it should be.

@@ -1,12 +1,12 @@
 //! What trainings make small: means of absolute differences.
 
 use candle_core::{Device, Result, Tensor};
+use sinew_mocap::Skeleton;
 
 use super::kinematics::{self, Form, Kinematics};
 use super::method::Method;
 use super::samples::Rows;
 use super::two_columns;
-use crate::mocap::Skeleton;
 
 /// A loss of reconstructed columns.
 #[derive(Debug, Clone)]

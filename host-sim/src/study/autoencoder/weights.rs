@@ -4,10 +4,10 @@ use glam::DVec3;
 use sinew_core::importance::{
     Importance, ImportanceError, RestPose, RestPoseError, cylinder_surface, descendants_length,
 };
+use sinew_mocap::Skeleton;
 
 use super::anatomy::Anatomy;
 use super::method::Method;
-use crate::mocap::Skeleton;
 use crate::weights;
 
 /// Joints and end sites that there is room for.

@@ -10,8 +10,9 @@ mod tests;
 use std::path::Path;
 
 use glam::DQuat;
+use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, bvh};
 
-use crate::mocap::{Clip, JointSample, Recording, Skeleton, SkeletonJoint, builtin, bvh};
+use crate::builtin;
 pub use index::{Class, DataError};
 use index::{Row, thinned};
 
@@ -139,9 +140,14 @@ impl Recordings {
     /// The built-in clips, every one its own subject. Frames with gaps are left out.
     pub fn built_in() -> Self {
         let clips = builtin::clips();
-        let sequence = |clip: &Clip| {
+        let sequence = |clip: &Recording| {
             let class = if clip.name.starts_with("kick") { Class::Kick } else { Class::Punch };
-            let frames = thinned(clip.rate_hz(), SETTLING_S, 0, clip.frames.len());
+            let frames = thinned(
+                clip.frame_time_s.expect("a rate").recip(),
+                SETTLING_S,
+                0,
+                clip.frames.len(),
+            );
             Sequence {
                 file: clip.name.clone(),
                 subject: clip.name.clone(),

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::super::recordings::{Class, DataSet, Pose, Recordings, Sequence};
-use crate::mocap::Skeleton;
 use crate::spatial::{MeasuredPose, Measuring};
 use sinew_core::pose_space::PoseSpaceError;
+use sinew_mocap::Skeleton;
 
 /// Sequences of two classes.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,11 +5,10 @@ use glam::{DMat3, DQuat, DVec3};
 use super::{Case, State};
 use crate::figure::MassProperties;
 use crate::plant::{self, ArticulatedPlant, Drive, Mechanism, MovingPose, PlantBody, Pose};
-use crate::verify::CaseError;
 use crate::verify::figure::{Root, parent};
 use crate::verify::golden::largest;
 use crate::verify::tally::{Quantity, Tallies};
-use crate::verify::tolerance as limit;
+use crate::verify::{CaseError, tolerance as limit};
 
 pub(super) fn check(
     case: &Case,

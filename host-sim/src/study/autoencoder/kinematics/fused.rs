@@ -2,9 +2,9 @@
 
 use candle_core::{CpuStorage, CustomOp1, Error, Layout, Result, Shape, Tensor};
 use glam::{Mat3, Vec3};
+use sinew_mocap::Skeleton;
 
 use super::{NUMBERS, SQUARE_MIN};
-use crate::mocap::Skeleton;
 use crate::study::autoencoder::two_columns;
 
 /// What the sweeps need of the skeleton: each joint's parent and its offset in metres.

@@ -9,8 +9,8 @@ mod tensors;
 use candle_core::{Result, Tensor};
 use serde::Serialize;
 
-use crate::mocap::Skeleton;
 use fused::Fused;
+use sinew_mocap::Skeleton;
 use tensors::Tensors;
 
 /// Numbers per joint that forward kinematics makes.

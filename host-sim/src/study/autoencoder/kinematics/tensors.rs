@@ -1,9 +1,9 @@
 //! Forward kinematics in tensor operations, differentiated by the framework.
 
 use candle_core::{D, Device, Result, Tensor};
+use sinew_mocap::Skeleton;
 
 use super::SQUARE_MIN;
-use crate::mocap::Skeleton;
 
 /// Joints whose global poses are found at once: none is below another.
 #[derive(Debug, Clone)]

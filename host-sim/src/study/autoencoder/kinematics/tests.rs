@@ -4,7 +4,7 @@ use candle_core::{Device, Var};
 use glam::DQuat;
 
 use super::*;
-use crate::mocap::builtin;
+use crate::builtin;
 use crate::random::{Random, Subject};
 use crate::study::autoencoder::data::forward_kinematics;
 use crate::study::autoencoder::two_columns;

@@ -10,10 +10,10 @@ use std::iter;
 
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
+use sinew_mocap::Skeleton;
 
 use super::isomap::along_neighbours;
 use super::mds::{Embedding, classical, spectrum};
-use crate::mocap::Skeleton;
 use crate::spatial::{
     Distances, Measure, Measuring, Metric, SpatialError, SpatialRig, Weighting, Workspace,
 };

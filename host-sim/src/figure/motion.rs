@@ -1,0 +1,80 @@
+//! The motion of the 18-body figure: what every clip becomes.
+
+use glam::{DQuat, DVec3};
+use sinew_core::Transform;
+use sinew_core::trajectory::interpolate_smoothly;
+
+use super::{BODIES, BODY_COUNT};
+
+/// A clip mapped on the figure, evenly sampled and filtered.
+///
+/// World frame: right-handed, y up, metres. Body frame `i` has its origin at joint `i`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureMotion {
+    /// The clip's name.
+    pub name: String,
+    /// Time from one frame to the next, in seconds.
+    pub dt_s: f64,
+    /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
+    pub offset_m: [DVec3; BODY_COUNT],
+    /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head,
+    /// hand or foot. It says to the body model how the segment lies. The pelvis ends up the trunk; in
+    /// skeletons where the abdomen begins at the pelvis' own origin, both end at the thorax.
+    pub segment_end_m: [DVec3; BODY_COUNT],
+    /// World position of the pelvis in each frame.
+    pub root_position_m: Vec<DVec3>,
+    /// Rotation from body `i` to its parent (the pelvis: to the world) in each frame, unit.
+    pub rotation: Vec<[DQuat; BODY_COUNT]>,
+}
+
+impl FigureMotion {
+    /// World position of every joint in frame `frame`, in metres.
+    pub fn world_positions_m(&self, frame: usize) -> [DVec3; BODY_COUNT] {
+        let mut position_m = [self.root_position_m[frame]; BODY_COUNT];
+        let mut rotation = self.rotation[frame];
+        for (i, body) in BODIES.iter().enumerate() {
+            if let Some(parent) = body.parent {
+                position_m[i] = position_m[parent] + rotation[parent] * self.offset_m[i];
+                rotation[i] = rotation[parent] * rotation[i];
+            }
+        }
+        position_m
+    }
+
+    /// The same motion with `factor` times the frames, by the core's smooth interpolation: what firmware
+    /// makes of a show whose frames are fewer than its ticks.
+    #[must_use]
+    pub fn interpolated(&self, factor: usize) -> Self {
+        let last = self.rotation.len() - 1;
+        let frames: Vec<_> = (0..=last).map(|frame| self.joint_poses(frame)).collect();
+        let (mut root_position_m, mut rotation) = (Vec::new(), Vec::new());
+        for step in 0..=last * factor {
+            let (from, fraction) = (step / factor, (step % factor) as f32 / factor as f32);
+            let window = [from.saturating_sub(1), from, from + 1, from + 2];
+            let window = window.map(|frame| &frames[frame.min(last)]);
+            let joints: [Transform; BODY_COUNT] = std::array::from_fn(|joint| {
+                interpolate_smoothly(window.map(|frame| &frame[joint]), fraction)
+            });
+            root_position_m.push(joints[0].translation_m.as_dvec3());
+            rotation.push(joints.map(|joint| joint.rotation.as_dquat().normalize()));
+        }
+        Self {
+            name: self.name.clone(),
+            dt_s: self.dt_s / factor as f64,
+            root_position_m,
+            rotation,
+            ..*self
+        }
+    }
+
+    /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame, as
+    /// the core takes them.
+    pub fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {
+        let frame = frame.min(self.rotation.len() - 1);
+        std::array::from_fn(|joint| {
+            let position_m =
+                if joint == 0 { self.root_position_m[frame] } else { self.offset_m[joint] };
+            Transform::new(self.rotation[frame][joint].as_quat(), position_m.as_vec3())
+        })
+    }
+}

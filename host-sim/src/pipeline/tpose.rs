@@ -1,0 +1,77 @@
+//! Finds the T-pose that some conversions put before the recording.
+//!
+//! The cgspeed files of CMU's data begin with it; others do not, and where a clip was cut or thinned
+//! out it may be gone, so that the frames themselves must tell. Frame 0 is an inserted T-pose if
+//! arms and legs lie as in a T-pose and the pose then jumps as it does not in the frames after.
+
+use glam::{DQuat, DVec3};
+use sinew_mocap::{JointSample, Recording};
+
+use crate::figure::mapping::Binding;
+use crate::figure::{BODIES, BODY_COUNT};
+
+/// Largest angle of a limb from where a T-pose has it. In the CMU data it is 0.14 to 0.31 rad in
+/// inserted T-poses, and 0.35 or more in every other first frame that is followed by a jump.
+const LIMB_ANGLE_MAX_RAD: f64 = 0.33;
+/// Least ratio of the first step between frames to the median of those that follow: 6.8 or more
+/// after the T-poses of the CMU data.
+const JUMP_MIN: f64 = 5.0;
+/// Least jump that counts where the recording then stands still: root mean square over the joints.
+const STEP_MIN_RAD: f64 = 0.02;
+/// How many steps between frames to compare with.
+const STEPS: usize = 60;
+
+/// Whether frame 0 of `recording` is an inserted T-pose. The recording is in metres and of the binding's skeleton.
+pub fn is_inserted(recording: &Recording, binding: &Binding) -> bool {
+    let complete = |frame: &Vec<Option<JointSample>>| -> Option<Vec<JointSample>> {
+        frame.iter().copied().collect()
+    };
+    let Some(first) = recording.frames.first().and_then(complete) else { return false };
+    is_t(&binding.joint_positions_m(&recording.skeleton, &first)) && jumps(recording)
+}
+
+/// Whether the arms point level away from each other and the legs down.
+fn is_t(position_m: &[DVec3; BODY_COUNT]) -> bool {
+    limb_angles_rad(position_m).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
+}
+
+fn limb_angles_rad(position_m: &[DVec3; BODY_COUNT]) -> [f64; 8] {
+    let at = |name: &str| -> DVec3 {
+        let named = BODIES.iter().zip(position_m).find(|(body, _)| body.name == name);
+        named.map_or(DVec3::NAN, |(_, &position)| position)
+    };
+    let level = (at("upper_arm_l") - at("upper_arm_r")).with_y(0.0);
+    let bone = |from: &str, to: &str, along: DVec3| (at(to) - at(from)).angle_between(along);
+    [
+        bone("upper_arm_l", "forearm_l", level),
+        bone("forearm_l", "hand_l", level),
+        bone("upper_arm_r", "forearm_r", -level),
+        bone("forearm_r", "hand_r", -level),
+        bone("thigh_l", "shank_l", DVec3::NEG_Y),
+        bone("shank_l", "foot_l", DVec3::NEG_Y),
+        bone("thigh_r", "shank_r", DVec3::NEG_Y),
+        bone("shank_r", "foot_r", DVec3::NEG_Y),
+    ]
+}
+
+/// Whether the first step between frames is far above the steps after it.
+fn jumps(recording: &Recording) -> bool {
+    let mut steps =
+        recording.frames.windows(2).take(1 + STEPS).map(|pair| step_rad(&pair[0], &pair[1]));
+    let Some(first) = steps.next() else { return false };
+    let mut later: Vec<f64> = steps.collect();
+    later.sort_by(f64::total_cmp);
+    let usual = later.get(later.len() / 2).copied().unwrap_or(0.0);
+    first > STEP_MIN_RAD && first > JUMP_MIN * usual
+}
+
+/// Root mean square over the joints of the angles between two frames.
+fn step_rad(a: &[Option<JointSample>], b: &[Option<JointSample>]) -> f64 {
+    let angle = |a: DQuat, b: DQuat| a.angle_between(b);
+    let (sum, count) = a
+        .iter()
+        .zip(b)
+        .filter_map(|(a, b)| Some(angle(a.as_ref()?.rotation, b.as_ref()?.rotation)))
+        .fold((0.0, 0), |(sum, count), angle| (sum + angle * angle, count + 1));
+    if count == 0 { 0.0 } else { (sum / f64::from(count)).sqrt() }
+}

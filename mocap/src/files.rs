@@ -1,0 +1,188 @@
+//! Which clips a list of files and folders names.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::format::{self, Format};
+use crate::recording;
+
+/// Paths that do not name clips.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A folder cannot be listed.
+    #[error("{}: cannot be listed: {source}", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A folder holds no clip.
+    #[error(
+        "{}: expected {} files in the folder, found none (its subfolders are not searched)",
+        folder.display(), format::NAMES
+    )]
+    NoClips {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file would count twice.
+    #[error("{}: is given twice, also as {}", file.display(), first.display())]
+    GivenTwice {
+        /// The file.
+        file: PathBuf,
+        /// The same one before.
+        first: PathBuf,
+    },
+}
+
+/// A file that holds a clip, and what the clip is called.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClipFile {
+    /// The file.
+    pub path: PathBuf,
+    /// The file's stem, and as much of its folders as distinguishes it from others of that stem.
+    pub name: String,
+}
+
+impl ClipFile {
+    /// The clip in `path`, by itself: called after the file's stem.
+    pub fn new(path: &Path) -> Self {
+        Self { path: path.to_path_buf(), name: recording::stem(path) }
+    }
+}
+
+/// The clips that `paths` name: files as given, folders as the files in them whose names tell a format
+/// (not those in their subfolders), in order of name.
+///
+/// # Errors
+/// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two of the paths name.
+pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
+    let mut files = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            files.extend(in_folder(path)?);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    let mut seen = BTreeMap::new();
+    for file in &files {
+        // A file that is not there is the reader's to refuse.
+        let place = file.canonicalize().unwrap_or_else(|_| file.clone());
+        if let Some(first) = seen.insert(place, file) {
+            return Err(Error::GivenTwice { file: file.clone(), first: first.clone() });
+        }
+    }
+    let names = names(&files);
+    Ok(files.into_iter().zip(names).map(|(path, name)| ClipFile { path, name }).collect())
+}
+
+fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let listed = || -> std::io::Result<Vec<PathBuf>> {
+        std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect()
+    };
+    let mut files =
+        listed().map_err(|source| Error::Folder { folder: folder.to_path_buf(), source })?;
+    files.retain(|file| Format::of_name(file).is_some());
+    if files.is_empty() {
+        return Err(Error::NoClips { folder: folder.to_path_buf() });
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// A name for each file, unlike all others.
+fn names(files: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = files.iter().map(|file| recording::stem(file)).collect();
+    // Deeper than any path: then only extensions differ.
+    let depth_max = files.iter().map(|file| file.components().count()).max().unwrap_or(0) + 1;
+    for depth in 1..=depth_max {
+        let mut count = BTreeMap::new();
+        for name in &names {
+            *count.entry(name.clone()).or_insert(0) += 1;
+        }
+        for (name, file) in names.iter_mut().zip(files) {
+            if count[name] > 1 {
+                *name = if depth < depth_max {
+                    with_folders(file, depth)
+                } else {
+                    with_extension(file)
+                };
+            }
+        }
+    }
+    names
+}
+
+/// The stem behind the last `depth` folders.
+fn with_folders(file: &Path, depth: usize) -> String {
+    let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+    let mut parts = vec![recording::stem(&file)];
+    let folders = file.ancestors().skip(1).map_while(Path::file_name);
+    parts.extend(folders.take(depth).map(|name| name.to_string_lossy().into_owned()));
+    parts.reverse();
+    parts.join("/")
+}
+
+fn with_extension(file: &Path) -> String {
+    file.display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn expands_folders_in_order_and_refuses_empty_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let empty = expand(&[folder.path().to_path_buf()]).unwrap_err().to_string();
+        assert!(
+            empty.ends_with(
+                ": expected *.bvh, *.amc or humanoid3d_*.txt files in the folder, found none (its \
+                 subfolders are not searched)"
+            ),
+            "{empty}"
+        );
+        std::fs::create_dir(at("more")).unwrap();
+        for name in [
+            "b.bvh",
+            "a.BVH",
+            "c.txt",
+            "t.amc",
+            "t.asf",
+            "humanoid3d_kick.txt",
+            "LICENSE.txt",
+            "more/d.bvh",
+        ] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        let files = expand(&[at("c.txt"), folder.path().to_path_buf()]).unwrap();
+        let paths: Vec<_> = files.iter().map(|file| file.path.clone()).collect();
+        let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc"];
+        assert_eq!(paths, expected.map(at));
+    }
+
+    #[test]
+    fn tells_clips_of_one_stem_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["a", "b", "b/a"] {
+            std::fs::create_dir(at(name)).unwrap();
+        }
+        let files = ["a/x.bvh", "b/x.bvh", "b/y.bvh", "b/a/x.bvh", "b/y.amc"];
+        for name in files {
+            std::fs::write(at(name), "").unwrap();
+        }
+        let names: Vec<String> =
+            expand(&files.map(at)).unwrap().into_iter().map(|file| file.name).collect();
+        let base = folder.path().file_name().unwrap().to_str().unwrap();
+        assert_eq!(names[0], format!("{base}/a/x"));
+        assert_eq!(names[1], "b/x");
+        assert_eq!(names[3], "b/a/x");
+        assert!(names[2].ends_with("b/y.bvh") && names[4].ends_with("b/y.amc"), "{names:?}");
+        let error = expand(&[at("a"), at("b/../a/x.bvh")]).unwrap_err().to_string();
+        assert!(error.contains("b/../a/x.bvh: is given twice, also as "), "{error}");
+    }
+}

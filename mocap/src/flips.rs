@@ -1,0 +1,217 @@
+//! Finds joint flips: rotations that jump as no human joint does.
+//!
+//! Near gimbal lock, or where markers were swapped, a recording turns a joint by tens of degrees within a
+//! frame. The low-pass smears such a jump over 0.1 s, and the figure is asked to follow it. Flips are
+//! reported; the motion stays as it is.
+
+use std::fmt::{self, Display, Formatter};
+
+use crate::Clip;
+
+/// Faster than a joint in a fight: in CMU's and Bandai's clips, knees, elbows and shoulders reach 1500 to
+/// 2300 deg/s in kicks and punches, and only jumps are above. (The fastest human joint known, the
+/// shoulder of a pitcher, turns inwards at about 7000 deg/s; such a recording is reported too.)
+const RATE_MIN_RAD_S: f64 = 2500.0 * (std::f64::consts::PI / 180.0);
+/// A flip stands out from the rate around it, within [`AROUND_S`] on both sides, by this factor; a fast
+/// spin does not.
+const SPIKE_MIN: f64 = 2.0;
+const AROUND_S: f64 = 0.1;
+/// As many values are looked at on each side, every one up to 1 kHz: what a median costs does not grow with the rate.
+const AROUND_MOST: usize = 100;
+
+/// The flips of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flip {
+    /// Name of the joint.
+    pub joint: String,
+    /// The frame that the fastest one leads to.
+    pub frame: usize,
+    /// That frame's time from the first frame, in seconds.
+    pub time_s: f64,
+    /// Its rate between frames, in radians per second.
+    pub peak_rad_s: f64,
+    /// How many flips: runs of frames above the limit.
+    pub count: usize,
+}
+
+/// The flips of a clip's joints, the fastest first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flips(pub Vec<Flip>);
+
+/// Finds the flips of the joints for which `counts` is set, at the clip's own rate.
+pub fn find(clip: &Clip, counts: &[bool]) -> Flips {
+    let joints = clip.skeleton.joints.iter().enumerate();
+    let counted = joints.filter(|(j, _)| counts.get(*j).is_some_and(|&counts| counts));
+    let mut flips: Vec<Flip> =
+        counted.filter_map(|(j, joint)| of_joint(clip, j, &joint.name)).collect();
+    flips.sort_by(|a, b| b.peak_rad_s.total_cmp(&a.peak_rad_s));
+    Flips(flips)
+}
+
+fn of_joint(clip: &Clip, joint: usize, name: &str) -> Option<Flip> {
+    let rate_hz = clip.rate_hz();
+    let rates_rad_s: Vec<f64> = clip
+        .frames
+        .windows(2)
+        .map(|pair| pair[0][joint].rotation.angle_between(pair[1][joint].rotation) * rate_hz)
+        .collect();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "small and positive"
+    )]
+    let around = (AROUND_S * rate_hz).ceil() as usize;
+    let mut flip: Option<Flip> = None;
+    let mut last = None;
+    for (k, &rate_rad_s) in rates_rad_s.iter().enumerate() {
+        if rate_rad_s < RATE_MIN_RAD_S || rate_rad_s < SPIKE_MIN * median(&rates_rad_s, k, around) {
+            continue;
+        }
+        let flip = flip.get_or_insert_with(|| Flip {
+            joint: name.to_owned(),
+            frame: 0,
+            time_s: 0.0,
+            peak_rad_s: 0.0,
+            count: 0,
+        });
+        if rate_rad_s > flip.peak_rad_s {
+            flip.frame = k + 1;
+            flip.time_s = (k + 1) as f64 * clip.frame_time_s;
+            flip.peak_rad_s = rate_rad_s;
+        }
+        if last.is_none_or(|last| last + 1 < k) {
+            flip.count += 1;
+        }
+        last = Some(k);
+    }
+    flip
+}
+
+/// The median of the values up to `around` on both sides of value `k`, without itself: a jump is not its own
+/// surroundings, however few they are. Zero, if there are none.
+fn median(values: &[f64], k: usize, around: usize) -> f64 {
+    let step = around.div_ceil(AROUND_MOST).max(1);
+    let after = values[k + 1..].iter().take(around).step_by(step);
+    let before = values[..k].iter().rev().take(around).step_by(step);
+    let mut near: Vec<f64> = before.chain(after).copied().collect();
+    if near.is_empty() {
+        return 0.0;
+    }
+    let middle = near.len() / 2;
+    *near.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+impl Flips {
+    /// Counts frames and times from `skipped` frames earlier.
+    #[must_use]
+    pub fn after(mut self, skipped: usize, frame_time_s: f64) -> Self {
+        for flip in &mut self.0 {
+            flip.frame += skipped;
+            flip.time_s = flip.frame as f64 * frame_time_s;
+        }
+        self
+    }
+}
+
+/// The fastest joints with rate, frame and time, and how many there are besides.
+impl Display for Flips {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        const SHOWN_MAX: usize = 4;
+        let limit = RATE_MIN_RAD_S.to_degrees();
+        write!(f, "joint flips, above {limit:.0} deg/s and left as they are: ")?;
+        for (k, flip) in self.0.iter().take(SHOWN_MAX).enumerate() {
+            let comma = if k == 0 { "" } else { ", " };
+            let Flip { joint, frame, time_s, peak_rad_s, count } = flip;
+            let rate = peak_rad_s.to_degrees();
+            write!(f, "{comma}{joint} {rate:.0} deg/s at frame {frame} ({time_s:.2} s")?;
+            if *count > 1 {
+                write!(f, ", the fastest of {count}")?;
+            }
+            write!(f, ")")?;
+        }
+        match self.0.len().saturating_sub(SHOWN_MAX) {
+            0 => Ok(()),
+            1 => write!(f, " and 1 more joint"),
+            rest => write!(f, " and {rest} more joints"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::{JointSample, Skeleton, SkeletonJoint};
+
+    /// One joint at 100 Hz that turns by these steps, in degrees.
+    fn clip(steps_deg: &[f64]) -> Clip {
+        let joint = SkeletonJoint {
+            name: "knee".to_owned(),
+            parent: None,
+            offset_m: DVec3::ZERO,
+            end_sites_m: Vec::new(),
+        };
+        let mut angle_deg: f64 = 0.0;
+        let mut frames = vec![0.0];
+        for step_deg in steps_deg {
+            angle_deg += step_deg;
+            frames.push(angle_deg);
+        }
+        let sample = |angle: &f64| {
+            let rotation = DQuat::from_rotation_y(angle.to_radians());
+            vec![JointSample { rotation, position_m: DVec3::ZERO }]
+        };
+        Clip {
+            name: "test".to_owned(),
+            skeleton: Skeleton { joints: vec![joint] },
+            frame_time_s: 0.01,
+            frames: frames.iter().map(sample).collect(),
+        }
+    }
+
+    #[test]
+    fn finds_jumps_and_tells_the_fastest() {
+        let mut steps = vec![3.0; 100];
+        steps[20] = 26.0;
+        (steps[60], steps[61]) = (40.0, -30.0);
+        let flips = find(&clip(&steps), &[true]).after(12, 0.01);
+        assert_eq!(
+            flips.to_string(),
+            "joint flips, above 2500 deg/s and left as they are: knee 4000 deg/s at frame 73 (0.73 s, the \
+             fastest of 2)"
+        );
+        assert!(find(&clip(&steps), &[false]).0.is_empty());
+    }
+
+    #[test]
+    fn takes_no_fast_motion_for_a_flip() {
+        // 2400 deg/s is below the limit; 2600 deg/s for half a second is a spin.
+        for (steps, rate) in [(3, 24.0), (50, 26.0)] {
+            let mut all = vec![3.0; 40];
+            all.extend(vec![rate; steps]);
+            all.extend(vec![3.0; 40]);
+            let flips = find(&clip(&all), &[true]);
+            assert!(flips.0.is_empty(), "{flips}");
+        }
+        assert!(find(&clip(&[]), &[true]).0.is_empty());
+    }
+
+    #[test]
+    fn a_jump_is_not_its_own_surroundings() {
+        let count =
+            |steps: &[f64]| find(&clip(steps), &[true]).0.iter().map(|flip| flip.count).sum();
+        let counts: [usize; 3] = [count(&[40.0]), count(&[3.0, 40.0]), count(&[40.0, 38.0])];
+        assert_eq!(counts, [1, 1, 0]);
+    }
+
+    #[test]
+    fn a_high_rate_is_looked_at_in_the_time_of_a_low_one() {
+        // 0.2 s at 1 MHz, every seventh step a jump by noise: with all values around each, 6e9 would be sorted.
+        let steps: Vec<f64> =
+            (0..200_000u32).map(|k| if k % 7 == 0 { 100.0 } else { 5.0 }).collect();
+        let fast = Clip { frame_time_s: 1e-6, ..clip(&steps) };
+        let counts: Vec<_> = find(&fast, &[true]).0.iter().map(|flip| flip.count).collect();
+        assert_eq!(counts, [28_572]);
+    }
+}

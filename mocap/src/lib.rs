@@ -1,0 +1,50 @@
+//! Motion capture: files in, clean motions of their own skeletons out.
+//!
+//! There are two kinds of motion:
+//! - A [`Recording`] is what a reader makes of a file: lengths in the file's unit, samples that may be missing, a rate
+//!   that not every format tells.
+//! - A [`Clip`] is in metres and seconds, with a sample of every joint in every frame. [`gaps::fill`] makes it of a
+//!   recording; [`filter`], [`flips`], [`resample`](mod@resample) and [`bvh::write`] work on it.
+//!
+//! World and joint frames are those of the file. Positions have the suffix `_m` for metres; in a recording they are in
+//! the file's unit until [`Recording::in_metres`].
+//!
+//! ```no_run
+//! use sinew_mocap::{bvh, filter::LowPass, format, gaps, resample::resample};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // BVH has no unit of length. These files are in centimetres.
+//! let recording = format::read("walk.bvh".as_ref())?.in_metres(0.01);
+//! let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+//! // Gaps of up to half a second are filled.
+//! let (mut clip, filled) = gaps::fill(recording, frame_time_s, 0.5)?;
+//! println!("{filled}");
+//! if let Some(low_pass) = LowPass::new(clip.rate_hz(), 6.0) {
+//!     low_pass.apply_to_clip(&mut clip)?;
+//! }
+//! bvh::write("walk-50hz.bvh".as_ref(), &resample(&clip, 50.0), 0.01)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A [`SkeletonMap`] says how bodies of another figure are made of a skeleton's joints.
+
+pub mod asf_amc;
+pub mod bvh;
+mod clip;
+pub mod deepmimic;
+pub mod files;
+pub mod filter;
+pub mod flips;
+pub mod format;
+pub mod gaps;
+mod recording;
+pub mod resample;
+mod skeleton;
+pub mod skeleton_map;
+pub mod text;
+
+pub use clip::Clip;
+pub use recording::Recording;
+pub use skeleton::{JointSample, Skeleton, SkeletonJoint, forward_kinematics, moving_root};
+pub use skeleton_map::SkeletonMap;

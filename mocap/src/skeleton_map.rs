@@ -1,0 +1,216 @@
+//! How the bodies of another figure are made of a skeleton's joints.
+//!
+//! A map is data, usually a file: for each body, by its name, the joint it hangs on, the joint whose frame it has, and
+//! where its segment ends. Which bodies there must be is for the figure to say.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use crate::Skeleton;
+
+/// How a recorded skeleton makes a figure.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "File")]
+pub struct SkeletonMap {
+    /// Name for messages.
+    pub name: String,
+    /// Length of the file's unit, in metres, for files that do not tell it.
+    pub metres_per_unit: f64,
+    /// Frames per second, for files that do not tell them.
+    pub rate_hz: Option<f64>,
+    /// How the skeleton is known.
+    pub signature: Signature,
+    /// What makes each body, by the body's name.
+    pub bodies: BTreeMap<String, Part>,
+}
+
+/// What a skeleton must have and lack to be known.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signature {
+    /// Joints that must be there.
+    pub joints: Vec<String>,
+    /// Joints that must not.
+    #[serde(default)]
+    pub no_joints: Vec<String>,
+    /// Joints that must be there and sit on their parent.
+    #[serde(default)]
+    pub zero_offsets: Vec<String>,
+    /// Joints that must be there and not sit on their parent.
+    #[serde(default)]
+    pub nonzero_offsets: Vec<String>,
+}
+
+impl Signature {
+    /// Whether `skeleton` bears this signature, in any unit of length.
+    pub fn matches(&self, skeleton: &Skeleton) -> bool {
+        let has = |name: &String| skeleton.find(name).is_some();
+        let at_parent =
+            |name: &String| skeleton.find(name).map(|j| skeleton.joints[j].offset_m == DVec3::ZERO);
+        self.joints.iter().all(has)
+            && !self.no_joints.iter().any(has)
+            && self.zero_offsets.iter().all(|name| at_parent(name) == Some(true))
+            && self.nonzero_offsets.iter().all(|name| at_parent(name) == Some(false))
+    }
+}
+
+/// What makes one body.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// The joint that the body hangs on.
+    pub origin: String,
+    /// The joint whose frame the body has.
+    pub rotation: String,
+    /// Where its segment ends.
+    pub end: End,
+}
+
+/// Where a segment ends, in the skeleton's rest pose.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "expected a joint's name, { site = \"joint\" } or { beyond = \"joint\", ratio = 0.74 }"
+)]
+pub enum End {
+    /// At a joint.
+    Joint(String),
+    /// At the first end site of a joint.
+    Site {
+        /// The joint.
+        site: String,
+    },
+    /// On the bone from a joint's parent to the joint, gone on beyond the joint.
+    Beyond {
+        /// The joint.
+        beyond: String,
+        /// By how many times the bone's length.
+        ratio: f64,
+    },
+}
+
+impl End {
+    /// The end in the rest pose of `skeleton`, whose joints are at `rest_m`, in metres.
+    ///
+    /// # Errors
+    /// [`NoEnd`] if the skeleton lacks what it names.
+    pub fn rest_position_m(&self, skeleton: &Skeleton, rest_m: &[DVec3]) -> Result<DVec3, NoEnd> {
+        let find = |name: &str| skeleton.find(name).ok_or_else(|| NoEnd::Joint(name.to_owned()));
+        Ok(match self {
+            Self::Joint(joint) => rest_m[find(joint)?],
+            Self::Site { site } => {
+                let joint = find(site)?;
+                let ends = &skeleton.joints[joint].end_sites_m;
+                rest_m[joint] + *ends.first().ok_or_else(|| NoEnd::Site(site.clone()))?
+            }
+            Self::Beyond { beyond, ratio } => {
+                let joint = find(beyond)?;
+                rest_m[joint] + *ratio * skeleton.joints[joint].offset_m
+            }
+        })
+    }
+}
+
+/// A skeleton lacks what the end of a segment names.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoEnd {
+    /// The joint is not there.
+    #[error("expected a joint `{0}`")]
+    Joint(String),
+    /// The joint has no end site.
+    #[error("expected an end site on joint `{0}`")]
+    Site(String),
+}
+
+/// The file's own shape.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: Option<String>,
+    metres_per_unit: Option<f64>,
+    rate_hz: Option<f64>,
+    signature: Option<Signature>,
+    body: Option<BTreeMap<String, Part>>,
+}
+
+impl TryFrom<File> for SkeletonMap {
+    type Error = String;
+
+    fn try_from(file: File) -> Result<Self, String> {
+        // The parser would show line 1 for a key that is missing here.
+        fn needed<T>(key: &str, value: Option<T>) -> Result<T, String> {
+            value.ok_or_else(|| format!("expected {key}, which is missing"))
+        }
+        let File { name, metres_per_unit, rate_hz, signature, body } = file;
+        let name = needed("`name` before the first table", name)?;
+        let metres_per_unit = needed("`metres_per_unit` before the first table", metres_per_unit)?;
+        let signature = needed("the table `[signature]`", signature)?;
+        let bodies = needed("the table `[body]`", body)?;
+        if !(metres_per_unit > 0.0 && metres_per_unit.is_finite()) {
+            return Err(format!("metres_per_unit: expected above zero, found {metres_per_unit}"));
+        }
+        if let Some(rate_hz) = rate_hz
+            && !(1.0..=1e5).contains(&rate_hz)
+        {
+            return Err(format!("rate_hz: expected a number from 1 to 100000, found {rate_hz}"));
+        }
+        for (name, part) in &bodies {
+            if let End::Beyond { ratio, .. } = part.end
+                && !ratio.is_finite()
+            {
+                return Err(format!("body `{name}`: ratio: expected finite, found {ratio}"));
+            }
+        }
+        Ok(Self { name, metres_per_unit, rate_hz, signature, bodies })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SkeletonJoint;
+
+    const MAP: &str = "name = 'arm'\nmetres_per_unit = 0.01\n[signature]\njoints = ['a', 'b']\nzero_offsets = ['a']\n\
+        [body]\nupper = { origin = 'a', rotation = 'a', end = 'b' }\n\
+        lower = { origin = 'b', rotation = 'b', end = { beyond = 'b', ratio = 0.5 } }\n";
+
+    fn skeleton() -> Skeleton {
+        let joint = |name: &str, parent, offset_m| SkeletonJoint {
+            name: name.to_owned(),
+            parent,
+            offset_m,
+            end_sites_m: Vec::new(),
+        };
+        Skeleton { joints: vec![joint("a", None, DVec3::ZERO), joint("b", Some(0), DVec3::Y)] }
+    }
+
+    #[test]
+    fn a_map_is_read_and_knows_its_skeleton() {
+        let map: SkeletonMap = toml::from_str(MAP).unwrap();
+        let mut skeleton = skeleton();
+        assert!(map.signature.matches(&skeleton));
+        let rest_m = skeleton.rest_positions_m();
+        let end_m = |body: &str| map.bodies[body].end.rest_position_m(&skeleton, &rest_m);
+        assert_eq!(end_m("upper"), Ok(DVec3::Y));
+        assert_eq!(end_m("lower"), Ok(1.5 * DVec3::Y));
+        let site = End::Site { site: "b".to_owned() };
+        assert_eq!(site.rest_position_m(&skeleton, &rest_m), Err(NoEnd::Site("b".to_owned())));
+        skeleton.joints[0].offset_m = DVec3::X;
+        assert!(!map.signature.matches(&skeleton));
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_are_refused() {
+        for (what, with, expected) in [
+            ("0.01", "0", "metres_per_unit: expected above zero"),
+            ("0.5", "nan", "body `lower`: ratio: expected finite, found NaN"),
+            ("name = 'arm'\n", "", "expected `name` before the first table"),
+        ] {
+            let error = toml::from_str::<SkeletonMap>(&MAP.replace(what, with)).unwrap_err();
+            assert!(error.to_string().contains(expected), "{error}");
+        }
+    }
+}
