@@ -34,7 +34,8 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
 /// O(n).
 ///
 /// ```
-/// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointState, JointStates, Transform, Tree, glam::Vec3};
+/// use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, JointStates, Transform, Tree};
+/// use sinew_core::{glam::Vec3, kinematics};
 /// # let link = |parent, x| Body {
 /// #     parent,
 /// #     joint: JointKind::Spherical,

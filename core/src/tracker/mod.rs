@@ -42,7 +42,8 @@ pub use settings::{
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
 ///
-/// `D` is the room of the observer, one more than the longest latency in ticks; `R` that for resolved acceleration, `N` or
+/// `D` is the room of the observer, one more than the longest latency in ticks; `R` that for resolved acceleration,
+/// `N` or
 /// 0. All memory is in here: put it in a static.
 ///
 /// ```
@@ -184,8 +185,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Takes the frames that lead to those of tick `index`, and a reading that counts as that of a rig at rest one tick
     /// before it: where the rig stood before is not known.
     ///
-    /// A tick that has not been begun with does this itself, from its own reading. It takes as long as some twenty ticks
-    /// where the projection has to find its first pose.
+    /// A tick that has not been begun with does this itself, from its own reading. It takes as long as some twenty
+    /// ticks where the projection has to find its first pose.
     ///
     /// # Errors
     /// [`StepError`] if a frame or the reading is refused: begin again.
@@ -202,13 +203,12 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// One tick: torques for frame `index`, from what the joints' sensors tell now. O(n).
     ///
     /// The torques are wrenches by joint, as [`Controller::tick`] gives them; [`Self::dof_commands`] and
-    /// [`Tree::efforts`] tell what they come to for each degree of freedom. After ticks that were left out or refused it
-    /// goes on from differences over the time that has passed. From one frame to the next one frame is taken, after a jump
-    /// four.
+    /// [`Tree::efforts`] tell what they come to for each degree of freedom. After ticks that were left out or refused
+    /// it goes on from differences over the time that has passed. From one frame to the next one frame is taken,
+    /// after a jump four.
     ///
-    /// # Errors
-    /// [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose rotation is not
-    /// unit. There are no torques then, and the servos must be held safe.
+    /// # Errors [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose
+    /// rotation is not unit. There are no torques then, and the servos must be held safe.
     pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
@@ -236,8 +236,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(torques)
     }
 
-    /// What each degree of freedom is asked for after a tick: target, feed-forward and feedback effort, and what limited
-    /// it. See [`Controller::dof_commands`]. O(n).
+    /// What each degree of freedom is asked for after a tick: target, feed-forward and feedback effort, and what
+    /// limited it. See [`Controller::dof_commands`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.

@@ -223,8 +223,8 @@ pub enum Sharing {
 
 /// What the gains of a PD controller are multiplied with, joint by joint.
 ///
-/// The rule: a joint's gains are those of unit inertia (kp, and kd for critical damping) times the constant inertia that
-/// its drive works against in the rig's rest pose.
+/// The rule: a joint's gains are those of unit inertia (kp, and kd for critical damping) times the constant inertia
+/// that its drive works against in the rig's rest pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

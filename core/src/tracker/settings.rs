@@ -24,8 +24,8 @@ pub const ROTATION_M: f32 = 0.5;
 /// Bandwidth of the recommended observer, where a tick is not longer than one over it.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
-/// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended setting:
-/// beyond, no rig stood in simulation whose masses were off by 15 % and whose sensors had 12 bits.
+/// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended
+/// setting: beyond, no rig stood in simulation whose masses were off by 15 % and whose sensors had 12 bits.
 pub const LATE_MOST_S: f32 = 0.010;
 
 /// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.

@@ -1,5 +1,5 @@
-//! What all images share, for their build scripts and for `cargo xtask`: the list of boards, the link arguments, and the
-//! show that is baked in.
+//! What all images share, for their build scripts and for `cargo xtask`: the list of boards, the link arguments, and
+//! the show that is baked in.
 //!
 //! A board's build script is one line:
 //!
@@ -17,8 +17,8 @@ mod link;
 pub use boards::{BOARDS, Board, EMULATED};
 pub use link::link;
 
-/// The build script of the board whose crate this is called for: links the board's image, with `scripts` beside `link.x`,
-/// and bakes the show in that `SINEW_SHOW` names.
+/// The build script of the board whose crate this is called for: links the board's image, with `scripts` beside
+/// `link.x`, and bakes the show in that `SINEW_SHOW` names.
 ///
 /// The image takes both with `include!(concat!(env!("OUT_DIR"), "/baked.rs"))`: `SHOW`, and `CAPACITY`, the bodies
 /// that the board holds.
