@@ -351,7 +351,7 @@ mod tests {
     use sinew_core::projection::ProjectionWorkspace;
 
     use super::*;
-    use crate::evaluate::MethodName;
+    use crate::evaluate::{BodyName, MethodName};
     use crate::figure::Dimensions;
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};
@@ -471,7 +471,7 @@ mod tests {
                     .project(&tree, &joints, &mut ProjectionWorkspace::new(), &mut nearest)
                     .unwrap();
 
-                let mut search = Search::new(&model.offset_m, weight_m, held);
+                let mut search = Search::new(&model.offset_m, f64::from(weight_m), held);
                 let desired = performance.world_poses(&motion.offset_m, 30);
                 assert!(search.solve(&desired));
                 let root_m = nearest[0].translation_m.as_dvec3();

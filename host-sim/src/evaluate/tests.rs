@@ -2,7 +2,7 @@ use serde_json::Value;
 
 use sinew_core::control::ControlLaw;
 use sinew_core::state_error::RateTerm;
-use sinew_core::tracker::{DesiredVelocity, GainsName};
+use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
 
 use super::*;
 use crate::figure::Root;
@@ -267,7 +267,7 @@ fn a_figure_that_is_lost_is_an_error_not_a_mean() {
 #[test]
 fn gains_of_joints_are_for_pd_alone() {
     let text = "controller.gains = 'composite_inertia'";
-    assert_eq!(Setup::parse(text), Err(SetupError::GainsWithoutPd));
+    assert_eq!(Setup::parse(text), Err(SetupError::Controller(SettingError::GainsWithoutPd)));
     let with_pd = Setup::parse(&format!("{text}\ncontroller.law = 'pd'")).unwrap();
     assert_ne!(with_pd, Setup::default());
     let of = |gains| {
@@ -283,7 +283,10 @@ fn gains_of_joints_are_for_pd_alone() {
 #[test]
 fn implicit_gains_hold_a_figure_that_gains_as_given_throw_off() {
     let text = "controller.implicit = true\ncontroller.law = 'pd'";
-    assert_eq!(Setup::parse(text), Err(SetupError::ImplicitWithoutInertia));
+    assert_eq!(
+        Setup::parse(text),
+        Err(SetupError::Controller(SettingError::ImplicitWithoutInertia))
+    );
     let of = |implicit| {
         let mut protocol = Protocol::default();
         protocol.setup.plant.kind = PlantKind::Articulated;

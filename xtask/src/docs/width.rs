@@ -1,7 +1,7 @@
 //! Lines that are too wide to read: prose of pages, and comments of programs.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
@@ -36,9 +36,9 @@ pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     Ok(faults)
 }
 
-fn fault(path: &PathBuf, line: usize, text: &str) -> Option<Fault> {
+fn fault(path: &Path, line: usize, text: &str) -> Option<Fault> {
     let columns = text.chars().count();
     let is_too_wide = columns > WIDEST && !text.contains("](") && !text.contains("://");
     let what = format!("{columns} columns, at most {WIDEST}");
-    is_too_wide.then(|| Fault { path: path.clone(), line, what })
+    is_too_wide.then(|| Fault { path: path.to_path_buf(), line, what })
 }
