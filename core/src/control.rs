@@ -255,6 +255,7 @@ impl TorqueLimit {
     /// assert_eq!(allowed.reason, Some(LimitReason::Torque));
     /// # Ok::<(), sinew_core::control::LimitError>(())
     /// ```
+    #[inline]
     pub fn apply(self, wanted: Wrench) -> Limited<Wrench> {
         // Written so that NaN and what overflows fail; at most of a bound, a square is as good as a length.
         let within =

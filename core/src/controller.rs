@@ -554,7 +554,11 @@ impl<const N: usize> Controller<N> {
 
 /// The acceleration of a joint by its target and a correction, both along its axes, with the bias of moving axes. The
 /// correction and the result are in measured body axes.
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 fn asked_acceleration(
     body: &Body,
     desired: &JointState,

@@ -19,7 +19,11 @@ pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
 
 /// The mean velocity on the way from one pose to the other: the angular part in body axes (the turn's own axis is
 /// the same in both), the linear part in the parent's.
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
     Twist {
         angular: math::log(math::turn_in_body(from.rotation, to.rotation)) * rate_hz,
@@ -28,7 +32,11 @@ pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
 }
 
 /// A motion whose linear part is in the parent's axes, all in those of the body.
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 pub(crate) fn in_axes_of(pose: &Transform, motion: Twist) -> Twist {
     Twist { linear: math::rotate(pose.rotation.conjugate(), motion.linear), ..motion }
 }

@@ -31,13 +31,21 @@ const FARTHEST_M: f32 = 1e6;
 
 /// Whether differences of this pose are numbers: its rotation a unit quaternion, its position not beyond
 /// [`FARTHEST_M`].
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
     check_position(pose.translation_m)?;
     check_rotation(pose.rotation)
 }
 
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 pub(crate) fn check_position(position_m: Vec3) -> Result<(), StateInputError> {
     // Written so that NaN fails.
     if position_m.dot(position_m) <= FARTHEST_M * FARTHEST_M {
@@ -58,7 +66,11 @@ pub(crate) fn checked_poses(
     Ok(poses)
 }
 
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
     if math::is_unit(rotation) { Ok(()) } else { Err(StateInputError::RotationNotUnit) }
 }
@@ -72,6 +84,11 @@ impl JointState {
         check_rotation(self.pose.rotation)
     }
 
+    #[expect(
+        clippy::inline_always,
+        reason = "a few operations of every tick, which several callers share: a call costs as much"
+    )]
+    #[inline(always)]
     pub(crate) fn with_unit_rotation(mut self) -> Self {
         self.pose.rotation = math::unit(self.pose.rotation);
         self

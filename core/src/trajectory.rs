@@ -349,7 +349,11 @@ pub fn backward_states<const N: usize>(
 }
 
 /// The two steps between three poses that are checked.
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 fn steps(
     [first, second, third]: [&Transform; 3],
     rate_hz: f32,
@@ -360,7 +364,11 @@ fn steps(
     Ok([step(first, second, rate_hz), step(second, third, rate_hz)])
 }
 
-#[inline]
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
 fn put_difference<const N: usize>(
     out: &mut JointTargets<N>,
     joint: usize,

@@ -152,6 +152,10 @@ impl<const N: usize> Desired<N> {
             let [slot, ..] = &mut self.window;
             let joints = performed(&mut self.projection, tree, frame, slot)?;
             self.of_bodies.advance(tree, joints, &mut self.targets)?;
+        } else if self.differences == Differences::Forward
+            && matches!(self.velocity, DesiredVelocity::Zero | DesiredVelocity::Backward)
+        {
+            self.difference_at_rest_or_backward(tree, frame)?;
         } else {
             self.difference(tree, frame)?;
         }
@@ -169,22 +173,32 @@ impl<const N: usize> Desired<N> {
     /// The targets where the window's frames are differenced.
     #[inline(never)]
     fn difference(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
-        let replaced = match (self.differences, self.velocity) {
-            (Differences::Forward, DesiredVelocity::Zero) => Some([Twist::ZERO; N]),
-            (Differences::Forward, DesiredVelocity::Backward) => Some(self.backward(tree)?),
-            _ => None,
-        };
         self.take_in(tree, frame)?;
         let window = in_order(&self.window, self.oldest)
             .map(|joints| joints.get(..tree.len()).unwrap_or_default());
         let (dt_s, targets) = (self.dt_s, &mut self.targets);
-        match self.differences {
+        Ok(match self.differences {
             Differences::Forward => forward_targets(window, dt_s, targets),
             Differences::Aligned => aligned_targets(window, dt_s, targets),
             Differences::Live => live_targets(window, dt_s, targets),
-        }?;
-        for (joint, velocity) in replaced.iter().flatten().enumerate().take(tree.len()) {
-            targets.set_velocity(joint, *velocity)?;
+        }?)
+    }
+
+    /// The same with velocities that are no forward differences in the place of those.
+    // Apart, since boards have no use for it: not on the stack of their ticks.
+    #[inline(never)]
+    fn difference_at_rest_or_backward(
+        &mut self,
+        tree: &Tree<N>,
+        frame: Frame<'_>,
+    ) -> Result<(), InputError> {
+        let velocities = match self.velocity {
+            DesiredVelocity::Backward => self.backward(tree)?,
+            _ => [Twist::ZERO; N],
+        };
+        self.difference(tree, frame)?;
+        for (joint, velocity) in velocities.iter().enumerate().take(tree.len()) {
+            self.targets.set_velocity(joint, *velocity)?;
         }
         Ok(())
     }

@@ -65,7 +65,7 @@ pub use settings::{
 ///
 /// impl FrameSource for Shake {
 ///     fn frame(&mut self, index: i32) -> Frame<'_> {
-///         let angle_rad = 0.5 * math::sin(0.02 * index as f32);
+///         let angle_rad = 0.5 * (0.02 * index as f32).sin();
 ///         self.0 = [Transform::new(math::exp(Vec3::Y * angle_rad), Vec3::ZERO)];
 ///         Frame::Poses(&self.0)
 ///     }

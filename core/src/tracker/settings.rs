@@ -39,7 +39,7 @@ const IMPORTANCE_DISCOUNT: f32 = 0.9;
 ///
 /// ```
 /// use sinew_core::tracker::{MethodName, Settings};
-/// let settings = Settings { kp: 100.0, ..Settings::recommended() };
+/// let settings: Settings = Settings { kp: 100.0, ..Settings::recommended() };
 /// assert_eq!(settings.method, MethodName::Recommended);
 /// settings.check()?;
 /// let error = Settings::<usize> { kp: f32::NAN, ..Settings::default() }.check().unwrap_err();
