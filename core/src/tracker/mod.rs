@@ -207,8 +207,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// it goes on from differences over the time that has passed. From one frame to the next one frame is taken,
     /// after a jump four.
     ///
-    /// # Errors [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose
-    /// rotation is not unit. There are no torques then, and the servos must be held safe.
+    /// # Errors
+    /// [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose rotation
+    /// is not unit. There are no torques then, and the servos must be held safe.
     pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
