@@ -24,9 +24,8 @@
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`Controller::tick`] does steps 3 to 5 in one call, [`tracker::Tracker`] all of it, with an observer, from a source of
-//! frames. [`importance`] tells how much each joint matters, for where
-//! not all can have what they want.
+//! [`Controller::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer, from a
+//! source of frames. [`importance`] says how much each joint matters, for where not all can have what they want.
 //!
 //! ```
 //! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
