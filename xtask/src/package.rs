@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::step;
 
 /// Folders of the crates that are published. A crate comes after those that it needs.
-const FOLDERS: [&str; 2] = ["fpu", "core"];
+const FOLDERS: [&str; 3] = ["fpu", "core", "mocap"];
 
 /// What is read of a manifest.
 #[derive(Deserialize)]
