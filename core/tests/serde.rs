@@ -222,13 +222,19 @@ fn bad<T: Serialize + DeserializeOwned>(value: &T) {
     assert!(postcard::from_bytes::<T>(bytes).is_err(), "{}", std::any::type_name::<T>());
 }
 
+/// Whether a number was refused as too large: here as one that is not finite, or before by the reader of the text, where
+/// some crate of the workspace asks it to read numbers exactly.
+fn too_large(message: &str) -> bool {
+    message.contains("not finite") || message.contains("number out of range")
+}
+
 /// Text has no NaN, but numbers too large for f32; a compact format has both.
 #[test]
 fn what_is_not_finite_is_refused() {
     let message = refused::<Twist>(r#"{"angular":[0,1e39,0],"linear":[0,0,0]}"#);
-    assert!(message.contains("[0, inf, 0]") || message.contains("0.0, inf, 0.0"), "{message}");
-    assert!(message.contains("not finite") && message.contains("line 1"), "{message}");
-    assert!(refused::<Gains>(r#"{"kp":1e39,"kd":0,"linear_kp":0,"linear_kd":0}"#).contains("kp"));
+    assert!(too_large(&message) && message.contains("line 1"), "{message}");
+    let message = refused::<Gains>(r#"{"kp":1e39,"kd":0,"linear_kp":0,"linear_kd":0}"#);
+    assert!(too_large(&message) || message.contains("kp"), "{message}");
 
     for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let v = Vec3::new(0.0, x, 0.0);
@@ -361,7 +367,7 @@ fn states_and_targets_are_checked_joint_by_joint() {
     let mut targets = serde_json::to_value(JointTargets::rest(&tree)).unwrap();
     targets[3]["acceleration"]["linear"] = serde_json::json!([0, 0, -1e39]);
     let message = refused::<JointTargets<8>>(&targets.to_string());
-    assert!(message.contains("not finite"), "{message}");
+    assert!(too_large(&message), "{message}");
 }
 
 /// Whatever bits have flipped on the way: it is refused, or a controller that computes finite torques.
