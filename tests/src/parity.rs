@@ -183,7 +183,7 @@ impl fmt::Display for Difference {
         let Self { frame, body, quantity, component, bits: [here, there] } = self;
         write!(
             f,
-            "frame {frame}, {body}, {quantity}, {component}: {here:08x} ({:e}) here, {there:08x} ({:e}) there",
+            "frame {frame}, {body}, {quantity}, {component}: {here:08x} ({:e}) in the evaluation, {there:08x} ({:e}) there",
             f32::from_bits(*here),
             f32::from_bits(*there)
         )
