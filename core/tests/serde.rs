@@ -222,8 +222,8 @@ fn bad<T: Serialize + DeserializeOwned>(value: &T) {
     assert!(postcard::from_bytes::<T>(bytes).is_err(), "{}", std::any::type_name::<T>());
 }
 
-/// Whether a number was refused as too large: here as one that is not finite, or before by the reader of the text, where
-/// some crate of the workspace asks it to read numbers exactly.
+/// Whether a number was refused as too large: here as one that is not finite, or before by the reader of the text,
+/// where some crate of the workspace asks it to read numbers exactly.
 fn too_large(message: &str) -> bool {
     message.contains("not finite") || message.contains("number out of range")
 }

@@ -156,8 +156,8 @@ fn a_refused_frame_has_no_torques_and_the_next_good_one_begins_anew() {
         let mut frames = AsPoses { bad: Some(6), ..AsPoses::default() };
         let refused: Vec<_> =
             (0..12).filter(|tick| tracker.step(&mut frames, *tick, &rest()).is_err()).collect();
-        // From the tick that looks ahead to it to the last that it leads to: for the projection, which goes on from frame
-        // to frame, one more.
+        // From the tick that looks ahead to it to the last that it leads to: for the projection, which goes on from
+        // frame to frame, one more.
         let ticks = if settings.method == MethodName::Recommended { 5..=8 } else { 4..=6 };
         assert_eq!(refused, ticks.collect::<Vec<_>>());
     }
