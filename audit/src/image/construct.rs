@@ -15,7 +15,7 @@ use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::supply::TorqueSupply;
-use sinew_core::{BodySet, Controller, JointState, RotationalInertia, Tree, Twist};
+use sinew_core::{BodySet, Controller, Inertia, JointState, RotationalInertia, Tree, Twist};
 
 use super::{N, body, desired, gains, measured, slice, slice_mut, tree};
 
@@ -25,6 +25,7 @@ pub(crate) fn trees() {
     black_box(&tree.push(body()));
     let inertia = RotationalInertia::diagonal(black_box(1.0), black_box(1.0), black_box(1.0));
     black_box((inertia.mul_vec3(black_box(Vec3::X)), inertia.is_finite()));
+    black_box(&Inertia::of_box(black_box(1.0), black_box(Vec3::X), black_box(Vec3::ONE)));
     black_box(&Tree::<N>::from_bodies(slice()));
     black_box((tree.len(), tree.is_empty(), tree.parent(black_box(1))));
     black_box((tree.supporters(black_box(1)), tree.subtree(black_box(1))));
