@@ -1,4 +1,4 @@
-//! Small matrices that glam has no word for.
+//! Small matrices that glam does not have.
 
 use glam::{Mat3, Vec3};
 

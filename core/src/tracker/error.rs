@@ -1,8 +1,7 @@
-//! Why there is no tracker.
+//! Why there is no tracker, or no torques.
 
 use core::fmt;
 
-use super::settings::SettingError;
 use crate::control::GainsError;
 use crate::controller::ControllerError;
 use crate::coordinates::CoordinatesError;
@@ -70,6 +69,49 @@ impl fmt::Display for StepError {
 }
 
 impl core::error::Error for StepError {}
+
+/// Why a setting cannot be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SettingError {
+    /// An observer of accelerations for a law that commands none.
+    ObserverWithoutDynamics,
+    /// Gains of joints for a law that knows their inertia itself.
+    GainsWithoutPd,
+    /// Gains of a period for a law that has no unit of inertia.
+    ImplicitWithoutInertia,
+    /// A value out of its range.
+    Value {
+        /// The key, dotted.
+        key: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: f32,
+    },
+}
+
+impl fmt::Display for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ObserverWithoutDynamics => f.write_str(
+                "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
+            ),
+            Self::GainsWithoutPd => {
+                f.write_str("gains: expected \"uniform\", but with controller.law = \"pd\"")
+            }
+            Self::ImplicitWithoutInertia => f.write_str(
+                "implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia",
+            ),
+            Self::Value { key, expected, value } => {
+                write!(f, "{key}: expected {expected}, found {value}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingError {}
 
 /// Why a tracker cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -30,14 +30,14 @@ use crate::tree::Tree;
 use desired::Desired;
 use estimate::Estimate;
 
-pub use error::{InputError, StepError, TrackerError};
+pub use error::{InputError, SettingError, StepError, TrackerError};
 pub use frames::{Frame, FrameSource, Measured, before_the_first};
 pub use names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
 pub use settings::{
     BANDWIDTH_RAD_S, LATE_MOST_S, ObserverChoice, ProjectionSettings, ROTATION_M, ResolvedSettings,
-    SettingError, Settings, Timing,
+    Settings, Timing,
 };
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.

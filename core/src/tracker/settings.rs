@@ -1,7 +1,5 @@
 //! The settings of a tracker: one value that files, boards and simulators share.
 
-use core::fmt;
-
 use crate::body_weight::{BodyWeight, BodyWeights};
 use crate::control::{ControlLaw, Gains};
 use crate::controller::Controller;
@@ -13,7 +11,7 @@ use crate::projection::{DEFAULT_SWEEPS, ManifoldProjection, ProjectionError};
 use crate::state_error::{Aims, Compensation, Method, RateTerm, References};
 use crate::tree::Tree;
 
-use super::error::TrackerError;
+use super::error::{SettingError, TrackerError};
 use super::names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
@@ -444,46 +442,3 @@ impl Timing {
         }
     }
 }
-
-/// Why a setting cannot be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum SettingError {
-    /// An observer of accelerations for a law that commands none.
-    ObserverWithoutDynamics,
-    /// Gains of joints for a law that knows their inertia itself.
-    GainsWithoutPd,
-    /// Gains of a period for a law that has no unit of inertia.
-    ImplicitWithoutInertia,
-    /// A value out of its range.
-    Value {
-        /// The key, dotted.
-        key: &'static str,
-        /// What it may be.
-        expected: &'static str,
-        /// What it is.
-        value: f32,
-    },
-}
-
-impl fmt::Display for SettingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::ObserverWithoutDynamics => f.write_str(
-                "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
-            ),
-            Self::GainsWithoutPd => {
-                f.write_str("gains: expected \"uniform\", but with controller.law = \"pd\"")
-            }
-            Self::ImplicitWithoutInertia => f.write_str(
-                "implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia",
-            ),
-            Self::Value { key, expected, value } => {
-                write!(f, "{key}: expected {expected}, found {value}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for SettingError {}
