@@ -1,0 +1,54 @@
+//! Drives: how servos move joints.
+
+use serde::{Deserialize, Serialize};
+
+/// How some servos move some joints. A joint's freedoms, and a servo, belong to one drive at most.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// The joints, each with all its freedoms in their order.
+    pub joints: Vec<String>,
+    /// The servos.
+    pub servos: Vec<String>,
+    /// How.
+    #[serde(flatten)]
+    pub kind: DriveKind,
+}
+
+/// The kinds of drive. Servo positions `s` are those of the output shafts, after direction and offset, rad.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveKind {
+    /// `q = matrix · s + offset`, a row a freedom, a column a servo; of full rank. One servo on one joint is `[[1]]`,
+    /// two that face each other on one joint are `[[0.5, -0.5]]`, a mimic joint is `[[1], [0.5]]`, a differential pair
+    /// is `[[0.5, 0.5], [0.5, -0.5]]`. Of a spherical joint `q` is the rotation vector.
+    Matrix {
+        /// Rows of numbers: rad/rad, or m/rad for slides.
+        rows: Vec<Vec<f64>>,
+        /// One number a row, rad or m. Default: zeros.
+        offset: Vec<f64>,
+    },
+    /// A monotone curve through points `[s, q]` (in the file: both in degrees, or degrees and m): jaws, lids,
+    /// push-rods.
+    Curve {
+        /// At least two, `s` rising, `q` strictly rising or falling.
+        points: Vec<[f64; 2]>,
+    },
+    /// A four-bar linkage: the servo turns the crank, the joint is the rocker.
+    FourBar {
+        /// From the servo's axis to the joint's, m.
+        ground_m: f64,
+        /// The servo's horn, m.
+        crank_m: f64,
+        /// The rod, m.
+        coupler_m: f64,
+        /// The lever on the joint, m.
+        rocker_m: f64,
+        /// Crank angle where the servo is at zero, from the line of the ground, rad (degrees in the file).
+        crank_zero_rad: f64,
+        /// Rocker angle where the joint is at zero, rad (degrees in the file).
+        rocker_zero_rad: f64,
+        /// Whether crank and rocker lie on opposite sides of the ground.
+        crossed: bool,
+    },
+}

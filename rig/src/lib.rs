@@ -1,0 +1,19 @@
+//! What a rig *is*: bodies, joints, ranges, drives, servos, its home pose and where it stands.
+//!
+//! - [`Description`] is what a person writes (`rig.toml`), with names; it is read from TOML, URDF or MJCF.
+//! - [`Mechanism`] is its bodies and joints by index, f64, fixed joints merged: what simulators and checks take.
+//!
+//! Simulates nothing, and opens no files: readers take text.
+
+#![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "std")]
+pub mod description;
+#[cfg(feature = "std")]
+pub mod mechanism;
+
+#[cfg(feature = "std")]
+pub use description::Description;
+#[cfg(feature = "std")]
+pub use mechanism::Mechanism;

@@ -1,0 +1,140 @@
+//! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
+
+use glam::{DMat3, DQuat, DVec3};
+use sinew_core::{Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError};
+
+/// A rig's bodies in regular numbering, depth first in the order of the file. Body 0 is the base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    /// Parents before children.
+    pub bodies: Vec<Link>,
+}
+
+/// A body and the joint that moves it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Name of the body.
+    pub name: String,
+    /// Name of the joint; of the base the body's.
+    pub joint_name: String,
+    /// Index of the parent body; `None` of the base, whose parent is the world.
+    pub parent: Option<usize>,
+    /// What the joint leaves free. The base's is [`JointKind::Fixed`], or [`JointKind::Free`] if it is driven.
+    pub joint: Freedom,
+    /// Position of the joint in the parent's frame, m.
+    pub position_m: DVec3,
+    /// Rotation of the joint frame in the parent's frame, unit.
+    pub rotation: DQuat,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the body frame, m.
+    pub center_of_mass_m: DVec3,
+    /// Inertia about the centre of mass, body axes, kg m².
+    pub inertia_kg_m2: DMat3,
+    /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
+    pub rotor_inertia: f64,
+    /// Coulomb friction of each freedom: N m, or N.
+    pub friction: f64,
+    /// Viscous friction of each freedom: N m s, or N s/m.
+    pub damping: f64,
+    /// Least and most position of each axis, rad or m; empty if there is no limit. Of a spherical joint `[0, most]`.
+    pub ranges: Vec<[f64; 2]>,
+    /// Position in the home pose, as `q` of `sinew-core` has it.
+    pub home: Vec<f64>,
+    /// The largest speed asked for, rad/s or m/s; infinite if there is no limit.
+    pub speed: f64,
+    /// The largest acceleration asked for, rad/s² or m/s²; infinite if there is no limit.
+    pub acceleration: f64,
+    /// The largest effort, N m or N; infinite if there is no limit.
+    pub effort: f64,
+}
+
+/// What a joint leaves free, with its axes in f64.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Freedom {
+    /// Nothing.
+    Fixed,
+    /// A turn about a unit axis of the joint frame.
+    Revolute(DVec3),
+    /// A slide along a unit axis of the joint frame.
+    Prismatic(DVec3),
+    /// A turn about a unit axis of the joint frame, then about one of the body.
+    Universal([DVec3; 2]),
+    /// Any turn.
+    Spherical,
+    /// Any motion.
+    Free,
+}
+
+impl Freedom {
+    /// The same in f32, as `sinew-core` has it.
+    pub fn kind(self) -> JointKind {
+        match self {
+            Self::Fixed => JointKind::Fixed,
+            Self::Revolute(axis) => JointKind::Revolute { axis: axis.as_vec3().normalize() },
+            Self::Prismatic(axis) => JointKind::Prismatic { axis: axis.as_vec3().normalize() },
+            Self::Universal([first, second]) => JointKind::Universal {
+                first: first.as_vec3().normalize(),
+                second: second.as_vec3().normalize(),
+            },
+            Self::Spherical => JointKind::Spherical,
+            Self::Free => JointKind::Free,
+        }
+    }
+}
+
+impl Mechanism {
+    /// The tree that `sinew-core` takes, f32. O(n · depth).
+    ///
+    /// # Errors
+    /// [`TreeError`] if there are more than `N` bodies, or a number does not survive f32.
+    pub fn tree<const N: usize>(&self) -> Result<Tree<N>, TreeError> {
+        let mut tree = Tree::new();
+        for link in &self.bodies {
+            tree.push(sinew_core::Body {
+                parent: link.parent,
+                joint: link.joint.kind(),
+                placement: Transform::new(
+                    link.rotation.as_quat().normalize(),
+                    link.position_m.as_vec3(),
+                ),
+                inertia: link.inertia(),
+            })?;
+        }
+        Ok(tree)
+    }
+
+    /// Names of the degrees of freedom in the order of `qd` and of efforts: the joint's name if it has one, else
+    /// `NAME.0`, `NAME.1`, ...
+    pub fn freedom_names(&self) -> Vec<String> {
+        let of_link = |link: &Link| {
+            let count = link.joint.kind().degrees_of_freedom();
+            let name = link.joint_name.clone();
+            (0..count).map(move |k| if count == 1 { name.clone() } else { format!("{name}.{k}") })
+        };
+        self.bodies.iter().flat_map(of_link).collect()
+    }
+
+    /// The home pose, as `q` of `sinew-core` has it.
+    pub fn home(&self) -> Vec<f64> {
+        self.bodies.iter().flat_map(|link| link.home.iter().copied()).collect()
+    }
+}
+
+impl Link {
+    fn inertia(&self) -> Inertia {
+        let m = self.inertia_kg_m2.as_mat3();
+        Inertia {
+            mass_kg: self.mass_kg as f32,
+            center_of_mass_m: self.center_of_mass_m.as_vec3(),
+            rotational_kg_m2: RotationalInertia {
+                xx: m.x_axis.x,
+                xy: m.y_axis.x,
+                xz: m.z_axis.x,
+                yy: m.y_axis.y,
+                yz: m.z_axis.y,
+                zz: m.z_axis.z,
+            },
+        }
+    }
+}
