@@ -13,6 +13,7 @@ pub mod pipeline;
 pub mod plant;
 pub mod random;
 pub mod report;
+pub mod rig;
 pub mod show;
 pub mod spatial;
 pub mod sweep;

@@ -12,6 +12,8 @@
 pub mod description;
 #[cfg(feature = "std")]
 pub mod mechanism;
+#[cfg(feature = "std")]
+pub mod review;
 
 #[cfg(feature = "std")]
 pub use description::Description;

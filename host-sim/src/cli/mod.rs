@@ -9,6 +9,7 @@ mod find;
 mod latency;
 mod methods;
 mod page;
+mod rig;
 mod robustness;
 mod setup;
 mod study;
@@ -52,6 +53,7 @@ enum Command {
     Study(study::Args),
     Find(find::Args),
     Blend(blend::Args),
+    Rig(rig::RigArgs),
 }
 
 impl Command {
@@ -68,6 +70,7 @@ impl Command {
             Self::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
             Self::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
             Self::Verify(args) => verify::run(args),
+            Self::Rig(args) => rig::run(args),
         }
     }
 

@@ -12,6 +12,7 @@ mod palette;
 mod pareto;
 mod playback;
 mod png;
+pub mod rig;
 pub mod scene;
 mod still;
 mod sweep;

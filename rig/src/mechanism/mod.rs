@@ -1,7 +1,11 @@
 //! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
 
+mod kinematics;
+
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError};
+
+pub use kinematics::BodyPose;
 
 /// A rig's bodies in regular numbering, depth first in the order of the file. Body 0 is the base.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +35,8 @@ pub struct Link {
     pub center_of_mass_m: DVec3,
     /// Inertia about the centre of mass, body axes, kg m².
     pub inertia_kg_m2: DMat3,
+    /// Points of the body that a person may care for, such as frames of tools that were merged: body axes, m.
+    pub tips_m: Vec<DVec3>,
     /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
     pub rotor_inertia: f64,
     /// Coulomb friction of each freedom: N m, or N.

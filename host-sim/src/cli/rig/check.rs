@@ -1,0 +1,201 @@
+//! `sinew rig check`: what a rig's numbers come to, and what is wrong with them.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::ValueEnum;
+use comfy_table::{CellAlignment, Table, presets};
+use sinew_rig::review::{Loop, Review, Severity};
+use sinew_sim::command::print;
+
+use super::read;
+
+/// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
+///
+/// Exit code 1 if the rig cannot do what it is for.
+#[derive(Debug, clap::Args)]
+pub(super) struct CheckArgs {
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(value_name = "RIG")]
+    rig: PathBuf,
+
+    #[command(flatten)]
+    control: LoopArgs,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Words)]
+    format: Format,
+}
+
+/// The control loop that gains are judged for.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct LoopArgs {
+    /// Control rate, ticks a second.
+    #[arg(long, value_name = "HZ", default_value_t = 500.0, value_parser = rate_hz)]
+    rate: f64,
+
+    /// Ticks that a torque acts late.
+    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
+    latency: usize,
+}
+
+impl LoopArgs {
+    pub(super) fn control(self) -> Loop {
+        Loop { rate_hz: self.rate, latency_ticks: self.latency }
+    }
+}
+
+fn rate_hz(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(hz) if (1.0..=100_000.0).contains(&hz) => Ok(hz),
+        _ => Err("expected a number from 1 to 100000".into()),
+    }
+}
+
+fn latency_ticks(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(ticks) if ticks <= 100 => Ok(ticks),
+        _ => Err("expected a whole number from 0 to 100".into()),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Tables and sentences.
+    Words,
+    /// One JSON object, schema `sinew-rig-check/1`.
+    Json,
+}
+
+/// Checks and prints. A fault is a bad result.
+pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
+    let loaded = read(&args.rig)?;
+    let servos = sinew_sim::rig::servos(&loaded)?;
+    let review = Review::of(&loaded.mechanism, &servos, args.control.control())
+        .with_context(|| args.rig.display().to_string())?;
+    print(&match args.format {
+        Format::Words => words(&loaded.description.name, &loaded.mechanism, &review),
+        Format::Json => json(&loaded.description.name, &loaded.notes, &review)?,
+    })?;
+    let fault = review.findings.iter().any(|finding| finding.severity == Severity::Fault);
+    Ok(if fault { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+fn json(name: &str, notes: &[String], review: &Review) -> anyhow::Result<String> {
+    #[derive(serde::Serialize)]
+    struct Object<'a> {
+        schema: &'static str,
+        name: &'a str,
+        notes: &'a [String],
+        #[serde(flatten)]
+        review: &'a Review,
+    }
+    let object = Object { schema: "sinew-rig-check/1", name, notes, review };
+    Ok(serde_json::to_string_pretty(&object)? + "\n")
+}
+
+fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> String {
+    let mut out = String::new();
+    let Review { mass_kg, bodies, freedoms, .. } = review;
+    let mut line = |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
+    line(format_args!("{name}: {bodies} bodies, {freedoms} degrees of freedom, {mass_kg:.3} kg\n"));
+    line(format_args!("{}\n", tree(mechanism)));
+    line(format_args!(
+        "Gravity: the most that it asks of the joint in any pose within the ranges (found by a search).\n\
+         Holds, stall, speed: of the joint's servos through their drive; else the file's own limits.\n\
+         Inertia: against the drive in the home pose, all joints beyond held. Stiffness: the largest stable one of a\n\
+         critically damped loop at {} Hz, {} tick(s) late (kp up to {:.0}/s²).\n",
+        review.control.rate_hz, review.control.latency_ticks, review.stable_kp_per_s2
+    ));
+    line(format_args!("{}\n", joints(review)));
+    if let Some(current) = review.current {
+        let supply = current.supply_a.map_or_else(|| "not given".to_owned(), |a| format!("{a:.1} A"));
+        line(format_args!(
+            "Current: holding up to {:.2} A, all servos stalled {:.2} A; supply: {supply}\n",
+            current.holding_a, current.stall_a
+        ));
+    }
+    for finding in &review.findings {
+        let word = match finding.severity {
+            Severity::Fault => "FAULT",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        };
+        line(format_args!("{word}: {}: {}", finding.about, finding.text));
+    }
+    out
+}
+
+/// The bodies, each under its parent.
+fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
+    let mut table = table(["body", "joint", "type", "kg"]);
+    let mut depths: Vec<usize> = Vec::new();
+    for link in &mechanism.bodies {
+        let depth = link.parent.and_then(|parent| depths.get(parent)).map_or(0, |depth| depth + 1);
+        depths.push(depth);
+        table.add_row([
+            format!("{}{}", "  ".repeat(depth), link.name),
+            link.joint_name.clone(),
+            kind(link.joint).to_owned(),
+            format!("{:.4}", link.mass_kg),
+        ]);
+    }
+    right(&mut table, &[3]);
+    table
+}
+
+fn kind(joint: sinew_rig::mechanism::Freedom) -> &'static str {
+    use sinew_rig::mechanism::Freedom as F;
+    match joint {
+        F::Fixed => "fixed",
+        F::Revolute(_) => "revolute",
+        F::Prismatic(_) => "prismatic",
+        F::Universal(_) => "universal",
+        F::Spherical => "spherical",
+        F::Free => "free",
+    }
+}
+
+fn joints(review: &Review) -> Table {
+    let mut table = table([
+        "joint", "gravity", "holds", "stall", "unit", "speed", "inertia", "rotor", "stiffness", "step mm",
+    ]);
+    for freedom in &review.by_freedom {
+        let servo = freedom.servo.as_ref();
+        let limit = freedom.effort_limit.map(|limit| format!("{limit:.3}*"));
+        let unit = if freedom.slides { "N" } else { "N m" };
+        let speed = servo.map(|servo| format!("{:.2}", servo.no_load_speed));
+        let speed = speed.or(freedom.speed_limit.map(|speed| format!("{speed:.2}*")));
+        table.add_row([
+            freedom.name.clone(),
+            format!("{:.3}", freedom.gravity_effort),
+            servo.map(|servo| format!("{:.3}", servo.continuous)).or(limit).unwrap_or_default(),
+            servo.map(|servo| format!("{:.3}", servo.stall)).unwrap_or_default(),
+            unit.to_owned(),
+            speed.unwrap_or_default(),
+            format!("{:.2e}", freedom.inertia),
+            format!("{:.1e}", freedom.rotor_inertia),
+            format!("{:.3}", freedom.stable_stiffness),
+            freedom.resolution_mm.map(|mm| format!("{mm:.2}")).unwrap_or_default(),
+        ]);
+    }
+    right(&mut table, &[1, 2, 3, 5, 6, 7, 8, 9]);
+    table
+}
+
+fn table<const N: usize>(header: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(header);
+    table
+}
+
+fn right(table: &mut Table, columns: &[usize]) {
+    for column in columns {
+        if let Some(column) = table.column_mut(*column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! `sinew rig dynamics`: torques for given motions.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use sinew_sim::command::print;
+use sinew_sim::rig::{freedom_names, inverse_dynamics};
+
+use super::read;
+
+/// Compute the efforts that given motions take: CSV from standard input, CSV to standard output.
+///
+/// Columns in: q.NAME, qd.NAME, qdd.NAME in any order (rad or m, per s, per s²; the base at rest). Ball joints
+/// have q.NAME.x, .y, .z, .w and qd.NAME.0, .1, .2. Columns out: tau.NAME, in N m or N. Without any qd or qdd
+/// column these are zero.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct DynamicsArgs {
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Count the rotors' inertias, as their gears show them.
+    #[arg(long)]
+    rotor: bool,
+
+    /// Only print the names of the degrees of freedom, comma-separated.
+    #[arg(long)]
+    header: bool,
+}
+
+/// Computes and prints.
+pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
+    let loaded = read(&args.rig)?;
+    if args.header {
+        print(&format!("{}\n", freedom_names(&loaded.mechanism).join(",")))?;
+    } else {
+        print(&inverse_dynamics(&loaded.mechanism, args.rotor, io::stdin().lock())?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

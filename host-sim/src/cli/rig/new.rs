@@ -1,0 +1,30 @@
+//! `sinew rig new`: a rig to start from.
+
+use std::process::ExitCode;
+
+use sinew_rig::{new, toml_file};
+
+use super::Target;
+
+/// Write a rig to start from: believable numbers, to be replaced by yours.
+#[derive(Debug, clap::Args)]
+#[group(id = "kind", required = true, multiple = false, args = ["arm", "face"])]
+pub(super) struct NewArgs {
+    /// A desk arm of so many revolute joints, 1 to 40, on bus servos.
+    #[arg(long, value_name = "JOINTS", value_parser = clap::value_parser!(u8).range(1..=40))]
+    arm: Option<u8>,
+
+    /// A face without masses: jaw, eyes, lids, brows and neck.
+    #[arg(long)]
+    face: bool,
+
+    #[command(flatten)]
+    target: Target,
+}
+
+/// Writes it.
+pub(super) fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
+    let rig = args.arm.map_or_else(new::face, |joints| new::arm(usize::from(joints)));
+    args.target.write(&toml_file::write(&rig))?;
+    Ok(ExitCode::SUCCESS)
+}

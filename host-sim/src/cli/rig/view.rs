@@ -1,0 +1,38 @@
+//! `sinew rig view`: a rig as a page.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use sinew_rig::review::Review;
+use sinew_sim::report::rig::page;
+
+use super::check::LoopArgs;
+use super::{read, write_file};
+
+/// Write a page that shows the rig in 3D: a slider for each joint, its axes, ranges and loads.
+///
+/// One file that any browser opens from disk, without a network.
+#[derive(Debug, clap::Args)]
+pub(super) struct ViewArgs {
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(value_name = "RIG")]
+    rig: PathBuf,
+
+    /// The page.
+    #[arg(short, long, value_name = "FILE.html", default_value = "rig.html")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    control: LoopArgs,
+}
+
+/// Draws.
+pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
+    let loaded = read(&args.rig)?;
+    let servos = sinew_sim::rig::servos(&loaded)?;
+    let review = Review::of(&loaded.mechanism, &servos, args.control.control())
+        .with_context(|| args.rig.display().to_string())?;
+    write_file(&args.output, &page(&loaded.description.name, &loaded.mechanism, &review))?;
+    Ok(ExitCode::SUCCESS)
+}

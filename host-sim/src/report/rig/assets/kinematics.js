@@ -1,0 +1,91 @@
+// Where the bodies are, and what gravity asks of the joints: the page's own copy of the rig's kinematics.
+"use strict";
+
+const RIG = JSON.parse(document.getElementById("rig-data").textContent);
+
+// ---- Vectors and quaternions (x y z w) ----
+const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const norm = (a) => Math.hypot(...a);
+const product = ([ax, ay, az, aw], [bx, by, bz, bw]) => [
+  aw * bx + ax * bw + ay * bz - az * by,
+  aw * by - ax * bz + ay * bw + az * bx,
+  aw * bz + ax * by - ay * bx + az * bw,
+  aw * bw - ax * bx - ay * by - az * bz,
+];
+const rotate = (q, v) => {
+  const u = q.slice(0, 3);
+  const t = times(cross(u, v), 2);
+  return add(add(v, times(t, q[3])), cross(u, t));
+};
+const about = (axis, angle) => [...times(axis, Math.sin(angle / 2)), Math.cos(angle / 2)];
+const exponential = (v) => {
+  const angle = norm(v);
+  return angle < 1e-12 ? [0, 0, 0, 1] : about(times(v, 1 / angle), angle);
+};
+
+// One number for each slider.
+const values = RIG.freedoms.map((freedom) => freedom.home);
+const OF_BODY = RIG.bodies.map(() => []);
+RIG.freedoms.forEach((freedom, index) => { OF_BODY[freedom.body][freedom.axis] = index; });
+
+// Rotation and way of a body in its joint's frame.
+const motion = (body, index) => {
+  const q = OF_BODY[index].map((slider) => values[slider]);
+  switch (body.kind) {
+    case "revolute": return [about(body.axes[0], q[0]), [0, 0, 0]];
+    case "prismatic": return [[0, 0, 0, 1], times(body.axes[0], q[0])];
+    case "universal": return [product(about(body.axes[0], q[0]), about(body.axes[1], q[1])), [0, 0, 0]];
+    case "spherical": return [product(body.home, exponential(q)), [0, 0, 0]];
+    case "free": return [body.home.slice(0, 4), body.home.slice(4)];
+    default: return [[0, 0, 0, 1], [0, 0, 0]];
+  }
+};
+
+// World poses of the bodies, and of their joints' frames before the joint's own motion.
+const solve = () => {
+  const poses = [];
+  RIG.bodies.forEach((body, index) => {
+    const parent = body.parent === null ? { q: [0, 0, 0, 1], p: [0, 0, 0] } : poses[body.parent];
+    const frame = {
+      q: product(parent.q, body.rotation_xyzw),
+      p: add(parent.p, rotate(parent.q, body.position_m)),
+    };
+    const [turn, way] = motion(body, index);
+    poses.push({ q: product(frame.q, turn), p: add(frame.p, rotate(frame.q, way)), frame });
+  });
+  return poses;
+};
+
+// World axis of a freedom.
+const axisOf = (freedom, poses) => {
+  const body = RIG.bodies[freedom.body];
+  const first = body.kind === "universal" && freedom.axis === 0;
+  const of = first ? poses[freedom.body].frame.q : poses[freedom.body].q;
+  return rotate(of, body.axes[freedom.axis]);
+};
+
+const moves = (joint, body) => {
+  for (let at = body; at !== null; at = RIG.bodies[at].parent) if (at === joint) return true;
+  return false;
+};
+const MOVED = RIG.freedoms.map((freedom) =>
+  RIG.bodies.map((_, body) => body).filter((body) => moves(freedom.body, body)));
+
+// What each freedom must give to hold the pose: N m, or N of a slide.
+const GRAVITY = [0, -9.81, 0];
+const loads = (poses) => RIG.freedoms.map((freedom, index) => {
+  const axis = axisOf(freedom, poses);
+  let sum = 0;
+  for (const body of MOVED[index]) {
+    const { mass_kg: mass, center_m: center } = RIG.bodies[body];
+    const weight = times(GRAVITY, mass);
+    if (freedom.slides) { sum -= dot(axis, weight); continue; }
+    const at = add(poses[body].p, rotate(poses[body].q, center));
+    sum -= dot(axis, cross(sub(at, poses[freedom.body].p), weight));
+  }
+  return sum;
+});

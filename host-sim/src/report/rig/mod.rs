@@ -1,0 +1,190 @@
+//! A rig as a page: seen in 3D, moved by sliders, its loads in colour. One file, no network.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde::Serialize;
+use sinew_rig::mechanism::{Freedom, Mechanism};
+use sinew_rig::review::{FreedomReview, Review};
+
+use super::palette;
+
+const SCRIPT: &str = concat!(include_str!("assets/kinematics.js"), include_str!("assets/view.js"));
+const STYLE: &str = include_str!("assets/view.css");
+
+/// What the page's script gets.
+#[derive(Debug, Serialize)]
+struct Data<'a> {
+    bodies: Vec<Body<'a>>,
+    freedoms: Vec<FreedomData<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Body<'a> {
+    name: &'a str,
+    parent: Option<usize>,
+    kind: &'static str,
+    axes: Vec<[f64; 3]>,
+    position_m: [f64; 3],
+    rotation_xyzw: [f64; 4],
+    mass_kg: f64,
+    center_m: [f64; 3],
+    tips_m: Vec<[f64; 3]>,
+    home: &'a [f64],
+}
+
+/// A slider.
+#[derive(Debug, Serialize)]
+struct FreedomData<'a> {
+    body: usize,
+    axis: usize,
+    name: &'a str,
+    slides: bool,
+    range: [f64; 2],
+    limited: bool,
+    home: f64,
+    /// What it holds for long, or the file's limit; none if neither is known.
+    capacity: Option<f64>,
+    worst: &'a [f64],
+}
+
+/// The page of a rig.
+pub fn page(name: &str, mechanism: &Mechanism, review: &Review) -> String {
+    let data = serde_json::to_string(&data(mechanism, review)).expect("numbers and names only");
+    markup(name, mechanism, review, &data.replace("</", "<\\/")).into_string()
+}
+
+fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy"
+                    content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+                link rel="icon" href="data:,";
+                title { (name) " · Sinew rig" }
+                style { (PreEscaped(palette::page())) (PreEscaped(STYLE)) }
+            }
+            body {
+                a class="skip" href="#joints" { "Skip to the joints" }
+                header class="rig" {
+                    p class="eyebrow" { "Sinew " (env!("CARGO_PKG_VERSION")) " · rig" }
+                    h1 { (name) }
+                    p { (summary(mechanism, review)) }
+                }
+                main class="rig" {
+                    section class="stage" aria-label="The rig in 3D" {
+                        canvas id="stage" tabindex="0" role="img"
+                            aria-label="The rig. Arrow keys turn the view, plus and minus zoom." {}
+                        p class="hint" { "Drag or arrow keys: turn the view. Wheel or + and −: zoom." }
+                        div class="buttons" {
+                            button id="play" type="button" aria-pressed="false" { "Move the joints" }
+                            button id="home" type="button" { "Home pose" }
+                            button id="zero" type="button" { "Zero pose" }
+                        }
+                        p class="key" {
+                            span class="swatch low" {} " light "
+                            span class="swatch mid" {} " half of what it holds "
+                            span class="swatch high" {} " more than it holds for long"
+                        }
+                    }
+                    section id="joints" aria-label="Joints" {
+                        h2 { "Joints" }
+                        p class="hint" { "Load: what gravity asks of the joint in this pose." }
+                        ol id="sliders" {}
+                    }
+                    section class="findings" aria-label="Findings" {
+                        h2 { "What the check found" }
+                        ul {
+                            @for finding in &review.findings {
+                                li { strong { (finding.about) } ": " (finding.text) }
+                            }
+                        }
+                    }
+                }
+                noscript { p { "The rig needs JavaScript to be drawn; nothing is fetched." } }
+                script type="application/json" id="rig-data" { (PreEscaped(data)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+}
+
+fn summary(mechanism: &Mechanism, review: &Review) -> String {
+    let base = match mechanism.bodies.first().map(|base| base.joint) {
+        Some(Freedom::Free) => "a driven base",
+        _ => "a fixed base",
+    };
+    format!(
+        "{} bodies, {} degrees of freedom, {:.3} kg, on {base}.",
+        review.bodies, review.freedoms, review.mass_kg
+    )
+}
+
+fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
+    let bodies = mechanism.bodies.iter().map(|link| {
+        let (kind, axes) = kind(link.joint);
+        Body {
+            name: &link.name,
+            parent: link.parent,
+            kind,
+            axes,
+            position_m: link.position_m.to_array(),
+            rotation_xyzw: link.rotation.to_array(),
+            mass_kg: link.mass_kg,
+            center_m: link.center_of_mass_m.to_array(),
+            tips_m: link.tips_m.iter().map(|tip| tip.to_array()).collect(),
+            home: &link.home,
+        }
+    });
+    let mut reviews = review.by_freedom.iter();
+    let mut freedoms = Vec::new();
+    for (body, link) in mechanism.bodies.iter().enumerate() {
+        for axis in 0..link.joint.kind().degrees_of_freedom() {
+            let Some(review) = reviews.next() else { continue };
+            // The base's drive is no joint of the rig.
+            if link.joint != Freedom::Free {
+                freedoms.push(freedom(link, body, axis, review));
+            }
+        }
+    }
+    Data { bodies: bodies.collect(), freedoms }
+}
+
+fn freedom<'a>(
+    link: &'a sinew_rig::mechanism::Link,
+    body: usize,
+    axis: usize,
+    review: &'a FreedomReview,
+) -> FreedomData<'a> {
+    let ball = link.joint == Freedom::Spherical;
+    // A ball joint has one limit for all directions.
+    let given = link.ranges.get(if ball { 0 } else { axis }).copied();
+    let range = match given {
+        Some([_, most]) if ball => Some([-most, most]),
+        given => given,
+    };
+    let any = if review.slides { [-0.1, 0.1] } else { [-std::f64::consts::PI, std::f64::consts::PI] };
+    FreedomData {
+        body,
+        axis,
+        name: &review.name,
+        slides: review.slides,
+        range: range.unwrap_or(any),
+        limited: range.is_some(),
+        home: if ball { 0.0 } else { link.home.get(axis).copied().unwrap_or(0.0) },
+        capacity: review.servo.as_ref().map(|servo| servo.continuous).or(review.effort_limit),
+        worst: &review.gravity_pose,
+    }
+}
+
+fn kind(joint: Freedom) -> (&'static str, Vec<[f64; 3]>) {
+    match joint {
+        Freedom::Fixed => ("fixed", vec![]),
+        Freedom::Revolute(axis) => ("revolute", vec![axis.to_array()]),
+        Freedom::Prismatic(axis) => ("prismatic", vec![axis.to_array()]),
+        Freedom::Universal(axes) => ("universal", axes.map(|axis| axis.to_array()).to_vec()),
+        Freedom::Spherical => ("spherical", vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+        Freedom::Free => ("free", vec![]),
+    }
+}

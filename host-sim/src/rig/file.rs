@@ -1,0 +1,48 @@
+//! A rig from a file: TOML, URDF or MJCF, told apart by what is in it.
+
+use std::path::{Path, PathBuf};
+
+use sinew_rig::import::{self, Imported, Options};
+use sinew_rig::{Description, Mechanism, toml_file};
+use thiserror::Error;
+
+/// A rig, as a person wrote it and by index.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// As a person wrote it.
+    pub description: Description,
+    /// By index.
+    pub mechanism: Mechanism,
+    /// What an import changed, filled in, left out or doubts.
+    pub notes: Vec<String>,
+}
+
+/// Why a file is no rig.
+#[derive(Debug, Error)]
+#[error("{}: {reason}", path.display())]
+pub struct RigFileError {
+    path: PathBuf,
+    reason: String,
+}
+
+/// Reads a rig. `options`: for URDF and MJCF.
+///
+/// # Errors
+/// [`RigFileError`] with file, line and what would be right.
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
+    let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
+    let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        refused(format!("expected UTF-8 text, found other bytes from byte {} on", error.utf8_error().valid_up_to()))
+    })?;
+    let text = text.trim_start_matches('\u{feff}');
+    let (description, notes) = if text.trim_start().starts_with('<') {
+        let Imported { description, notes } =
+            import::xml(text, options).map_err(|error| refused(error.to_string()))?;
+        (description, notes.iter().map(ToString::to_string).collect())
+    } else {
+        (toml_file::read(text).map_err(|error| refused(error.to_string()))?, Vec::new())
+    };
+    let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
+    Ok(Loaded { description, mechanism, notes })
+}

@@ -1,0 +1,7 @@
+//! Rigs of the user: files of any format that `sinew-rig` reads, and what the command does with them.
+
+mod dynamics;
+mod file;
+
+pub use dynamics::{DynamicsError, freedom_names, inverse_dynamics};
+pub use file::{Loaded, RigFileError, load};

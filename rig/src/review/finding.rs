@@ -1,0 +1,234 @@
+//! What is wrong or doubtful of a rig, in words.
+
+use serde::Serialize;
+
+use super::{FreedomReview, Review};
+use crate::mechanism::{Freedom, Mechanism};
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// The rig cannot do what it is for.
+    Fault,
+    /// It may not.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+/// One thing that was found.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// How bad it is.
+    pub severity: Severity,
+    /// What it is about: `joint elbow`.
+    pub about: String,
+    /// What it is, and what would help.
+    pub text: String,
+}
+
+/// A limit so far above the load is no limit: a placeholder of the file.
+const PLACEHOLDER: f64 = 100.0;
+
+/// A body lighter than this does not exist: 1 mg.
+const LIGHTEST_KG: f64 = 1e-6;
+
+/// A step at the far end that people see.
+const VISIBLE_MM: f64 = 1.0;
+
+/// A speed that no servo has without load, rad/s.
+const FASTEST_RAD_S: f64 = 50.0;
+
+pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let mut add = |severity, about: String, text: String| {
+        found.push(Finding { severity, about, text });
+    };
+    for freedom in &review.by_freedom {
+        for (severity, text) in of_freedom(freedom) {
+            add(severity, format!("joint {}", freedom.name), text);
+        }
+    }
+    of_bodies(mechanism, &mut add);
+    of_servos(mechanism, review, &mut add);
+    add(
+        Severity::Note,
+        "collisions".to_owned(),
+        "not checked: bodies may hit each other within the ranges".to_owned(),
+    );
+    found.sort_by_key(|finding| finding.severity);
+    found
+}
+
+fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
+    let mut found = Vec::new();
+    let unit = if freedom.slides { "N" } else { "N m" };
+    let asked = freedom.gravity_effort;
+    if let Some(servo) = &freedom.servo {
+        let names = servo.servos.join(", ");
+        if asked > servo.stall {
+            found.push((
+                Severity::Fault,
+                format!(
+                    "gravity asks for {asked:.3} {unit} in the worst pose, {names} gives {:.3} {unit} at stall: it \
+                     falls; take a stronger servo, a gear, or a spring",
+                    servo.stall
+                ),
+            ));
+        } else if asked > servo.continuous {
+            found.push((
+                Severity::Warning,
+                format!(
+                    "gravity asks for {asked:.3} {unit} in the worst pose, {names} holds {:.3} {unit} for long: it \
+                     overheats if it rests there",
+                    servo.continuous
+                ),
+            ));
+        }
+        if let Some(speed) = freedom.speed_limit
+            && speed > servo.no_load_speed
+        {
+            found.push((
+                Severity::Warning,
+                format!(
+                    "the limit of speed is {speed:.2}, but {names} reaches {:.2} without load",
+                    servo.no_load_speed
+                ),
+            ));
+        }
+    } else if let Some(limit) = freedom.effort_limit {
+        if asked > limit {
+            found.push((
+                Severity::Fault,
+                format!("gravity asks for {asked:.3} {unit} in the worst pose, its limit is {limit:.3} {unit}"),
+            ));
+        } else if asked > 0.0 && limit > PLACEHOLDER * asked {
+            found.push((
+                Severity::Note,
+                format!(
+                    "its limit of {limit} {unit} is {:.0} times what gravity asks for: a placeholder of the file?",
+                    limit / asked
+                ),
+            ));
+        }
+    }
+    if let (Some(speed), false) = (freedom.speed_limit, freedom.slides)
+        && speed > FASTEST_RAD_S
+    {
+        found.push((
+            Severity::Note,
+            format!("its limit of speed is {speed:.0} rad/s, which no servo reaches: a placeholder of the file?"),
+        ));
+    }
+    if freedom.inertia_free <= 0.0 {
+        found.push((
+            Severity::Note,
+            "it moves no mass: kinematic, without torque".to_owned(),
+        ));
+    }
+    if let Some(step_mm) = freedom.resolution_mm
+        && step_mm > VISIBLE_MM
+    {
+        found.push((
+            Severity::Warning,
+            format!(
+                "one step of its servo is up to {step_mm:.1} mm at {:.2} m: slow moves are seen as steps",
+                freedom.reach_m
+            ),
+        ));
+    }
+    found
+}
+
+fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, String)) {
+    let size_m = super::reach_m(mechanism, 0);
+    for link in &mechanism.bodies {
+        let about = || format!("body {}", link.name);
+        if link.mass_kg > 0.0 && link.mass_kg < LIGHTEST_KG {
+            add(
+                Severity::Note,
+                about(),
+                format!("its mass of {:e} kg looks like a placeholder", link.mass_kg),
+            );
+        }
+        let gyration_m = if link.mass_kg > 0.0 {
+            let trace = link.inertia_kg_m2.x_axis.x + link.inertia_kg_m2.y_axis.y + link.inertia_kg_m2.z_axis.z;
+            libm::sqrt(0.5 * trace / link.mass_kg)
+        } else {
+            0.0
+        };
+        if gyration_m > size_m && size_m > 0.0 {
+            add(
+                Severity::Warning,
+                about(),
+                format!(
+                    "its inertia is that of its mass {gyration_m:.3} m from its centre, more than the whole rig's \
+                     {size_m:.3} m: are its units g and mm?"
+                ),
+            );
+        }
+    }
+}
+
+fn of_servos(
+    mechanism: &Mechanism,
+    review: &Review,
+    add: &mut impl FnMut(Severity, String, String),
+) {
+    if mechanism.bodies.first().is_some_and(|base| base.joint == Freedom::Free) {
+        add(
+            Severity::Note,
+            "base".to_owned(),
+            "a drive of six freedoms moves it: nobody balances the rig".to_owned(),
+        );
+    }
+    let Some(current) = review.current else {
+        add(
+            Severity::Note,
+            "servos".to_owned(),
+            "none are given: loads are compared with the file's own limits".to_owned(),
+        );
+        return;
+    };
+    let missing: Vec<&str> = review
+        .by_freedom
+        .iter()
+        .filter(|freedom| freedom.servo.is_none())
+        .map(|freedom| freedom.name.as_str())
+        .collect();
+    if !missing.is_empty() {
+        add(Severity::Fault, "servos".to_owned(), format!("none moves {}", missing.join(", ")));
+    }
+    if review.by_freedom.iter().filter_map(|freedom| freedom.servo.as_ref()).any(|servo| servo.guessed) {
+        add(
+            Severity::Note,
+            "servos".to_owned(),
+            "some values of their kinds are guesses; `sinew rig servos` names them".to_owned(),
+        );
+    }
+    match current.supply_a {
+        None => add(
+            Severity::Note,
+            "supply".to_owned(),
+            format!(
+                "not given; holding takes up to {:.1} A, all servos stalled {:.1} A",
+                current.holding_a, current.stall_a
+            ),
+        ),
+        Some(supply_a) if current.holding_a > supply_a => add(
+            Severity::Fault,
+            "supply".to_owned(),
+            format!("it gives {supply_a:.1} A; holding takes up to {:.1} A", current.holding_a),
+        ),
+        Some(supply_a) if current.stall_a > supply_a => add(
+            Severity::Warning,
+            "supply".to_owned(),
+            format!(
+                "it gives {supply_a:.1} A; all servos stalled take {:.1} A: limit currents, or start joints one by one",
+                current.stall_a
+            ),
+        ),
+        Some(_) => {}
+    }
+}

@@ -1,0 +1,33 @@
+//! How far what hangs on a joint can be from it.
+
+use crate::mechanism::{Freedom, Mechanism};
+
+/// The farthest that a joint or a centre of mass beyond joint `joint` can be from it, m: the links between, end to end.
+/// An upper bound, whatever the pose; slides at the far end of their range.
+pub fn reach_m(mechanism: &Mechanism, joint: usize) -> f64 {
+    let mut reach_m = vec![None; mechanism.bodies.len()];
+    let mut farthest: f64 = 0.0;
+    for (body, link) in mechanism.bodies.iter().enumerate() {
+        let here = if body == joint {
+            Some(0.0)
+        } else {
+            let parent = link.parent.and_then(|parent| reach_m.get(parent).copied().flatten());
+            parent.map(|parent: f64| parent + link.position_m.length() + slide_m(link))
+        };
+        if let (Some(slot), Some(here)) = (reach_m.get_mut(body), here) {
+            *slot = Some(here);
+            farthest = farthest.max(here + link.center_of_mass_m.length());
+            for tip_m in &link.tips_m {
+                farthest = farthest.max(here + tip_m.length());
+            }
+        }
+    }
+    farthest
+}
+
+fn slide_m(link: &crate::mechanism::Link) -> f64 {
+    match (link.joint, link.ranges.first()) {
+        (Freedom::Prismatic(_), Some([least, most])) => least.abs().max(most.abs()),
+        _ => 0.0,
+    }
+}
