@@ -12,6 +12,10 @@
 pub mod description;
 #[cfg(feature = "std")]
 pub mod mechanism;
+#[cfg(feature = "std")]
+mod nearest;
+#[cfg(feature = "std")]
+mod number;
 
 #[cfg(feature = "std")]
 pub use description::Description;
