@@ -13,6 +13,10 @@ pub mod description;
 #[cfg(feature = "std")]
 pub mod mechanism;
 #[cfg(feature = "std")]
+mod nearest;
+#[cfg(feature = "std")]
+mod number;
+#[cfg(feature = "std")]
 pub mod review;
 
 #[cfg(feature = "std")]

@@ -17,8 +17,8 @@ pub fn reach_m(mechanism: &Mechanism, joint: usize) -> f64 {
         if let (Some(slot), Some(here)) = (reach_m.get_mut(body), here) {
             *slot = Some(here);
             farthest = farthest.max(here + link.center_of_mass_m.length());
-            for tip_m in &link.tips_m {
-                farthest = farthest.max(here + tip_m.length());
+            for part in &link.merged {
+                farthest = farthest.max(here + part.position_m.length());
             }
         }
     }

@@ -133,7 +133,7 @@ fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
             rotation_xyzw: link.rotation.to_array(),
             mass_kg: link.mass_kg,
             center_m: link.center_of_mass_m.to_array(),
-            tips_m: link.tips_m.iter().map(|tip| tip.to_array()).collect(),
+            tips_m: link.merged.iter().map(|part| part.position_m.to_array()).collect(),
             home: &link.home,
         }
     });
