@@ -6,6 +6,8 @@ mod finding;
 mod gain;
 mod gravity;
 mod reach;
+#[cfg(test)]
+mod tests;
 
 use serde::Serialize;
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};

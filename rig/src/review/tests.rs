@@ -1,0 +1,155 @@
+use glam::{DMat3, DQuat, DVec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::mechanism::Link;
+
+/// A body of a kilogram of no size on a joint.
+fn link(parent: Option<usize>, joint: Freedom, position_m: DVec3, center_m: DVec3) -> Link {
+    let home = match joint {
+        Freedom::Spherical => vec![0.0, 0.0, 0.0, 1.0],
+        joint => vec![0.0; joint.kind().coordinate_count()],
+    };
+    Link {
+        name: "body".into(),
+        joint_name: "joint".into(),
+        parent,
+        joint,
+        position_m,
+        rotation: DQuat::IDENTITY,
+        mass_kg: 1.0,
+        center_of_mass_m: center_m,
+        inertia_kg_m2: DMat3::from_diagonal(DVec3::splat(1e-3)),
+        merged: Vec::new(),
+        rotor_inertia: 0.0,
+        friction: 0.0,
+        damping: 0.0,
+        ranges: Vec::new(),
+        home,
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        effort: f64::INFINITY,
+    }
+}
+
+fn arm() -> Mechanism {
+    let hinge = Freedom::Revolute(DVec3::Z);
+    Mechanism {
+        bodies: vec![
+            link(None, Freedom::Fixed, DVec3::ZERO, DVec3::ZERO),
+            link(Some(0), hinge, DVec3::Y * 0.1, DVec3::Y * 0.2),
+            link(Some(1), hinge, DVec3::Y * 0.4, DVec3::Y * 0.3),
+        ],
+    }
+}
+
+#[test]
+fn the_worst_pose_of_an_arm_is_stretched_out_level() {
+    let arm = arm();
+    assert!(worst_load(&arm, 1, 0).effort > 0.0, "home, upright, takes nothing");
+    assert!((worst_load(&arm, 1, 0).effort - 9.81 * (0.2 + 0.4 + 0.3)).abs() < 1e-9);
+    assert!((worst_load(&arm, 2, 0).effort - 9.81 * 0.3).abs() < 1e-9);
+}
+
+#[test]
+fn ranges_are_kept() {
+    let mut arm = arm();
+    arm.bodies[1].ranges = vec![[-0.3, 0.2]];
+    arm.bodies[2].ranges = vec![[0.0, 0.5]];
+    // 0.2 and 0.5 rad lean to the same side.
+    let (upper, lower) = (0.2_f64.sin(), 0.7_f64.sin());
+    let at_sum = 9.81 * (0.2 * upper + 0.4 * upper + 0.3 * lower);
+    let worst = worst_load(&arm, 1, 0);
+    assert!((worst.effort - at_sum).abs() < 1e-9, "{worst:?}");
+    assert_eq!(worst.q, [0.2, 0.5]);
+}
+
+#[test]
+fn a_slide_carries_what_is_on_it() {
+    let mut lift = arm();
+    lift.bodies[1].joint = Freedom::Prismatic(DVec3::Y);
+    assert!((worst_load(&lift, 1, 0).effort - 2.0 * 9.81).abs() < 1e-9);
+}
+
+#[test]
+fn a_mounted_rig_feels_gravity_in_its_own_axes() {
+    // On its side, so that the axes of the hinges are upright: nothing to hold.
+    let mut arm = arm();
+    arm.bodies[0].rotation = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    assert!(worst_load(&arm, 1, 0).effort < 1e-9);
+}
+
+#[test]
+fn reach_is_all_links_end_to_end() {
+    let arm = arm();
+    assert!((reach_m(&arm, 1) - 0.7).abs() < 1e-12);
+    assert!((reach_m(&arm, 2) - 0.3).abs() < 1e-12);
+}
+
+#[test]
+fn a_review_says_what_is_too_heavy() {
+    let arm = arm();
+    let capability = |stall| Capability {
+        servos: vec!["one".into()],
+        continuous: 0.4 * stall,
+        stall,
+        no_load_speed: 5.0,
+        resolution: 0.0015,
+        current_per_effort: 2.0,
+        guessed: false,
+    };
+    let servos = Servos {
+        by_freedom: vec![Some(capability(6.0)), Some(capability(20.0))],
+        stall_current_a: 3.0,
+        supply_a: Some(2.0),
+    };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let review = Review::of(&arm, &servos, control).unwrap();
+    let of = |severity| -> Vec<&str> {
+        let found = review.findings.iter().filter(|finding| finding.severity == severity);
+        found.map(|finding| finding.about.as_str()).collect()
+    };
+    // 8.8 N m on 6; holding takes 2 A/(N m) times both loads, of a supply of 2 A.
+    assert_eq!(of(Severity::Fault), ["joint joint", "supply"], "{:?}", review.findings);
+    let [upper, lower] = &review.by_freedom[..] else { panic!("{review:?}") };
+    // About the shoulder: 2 kg as points, and their own inertia.
+    assert!((upper.inertia - (0.2_f64.powi(2) + 0.7_f64.powi(2) + 2e-3)).abs() < 1e-6);
+    assert!(upper.inertia_free < upper.inertia && lower.inertia > 0.0);
+    assert!((lower.resolution_mm.unwrap() - 0.45).abs() < 1e-9);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// A search can miss the true worst, but no pose that is met by chance is worse than it by more than a hundredth.
+    #[test]
+    fn no_pose_met_by_chance_is_worse(
+        joints in prop::collection::vec(
+            (0..3_usize, prop::array::uniform3(-0.3..0.3_f64), prop::array::uniform3(-0.1..0.1_f64), -2.0..0.0_f64, 0.0..2.0_f64, 0..5_usize),
+            1..6,
+        ),
+        poses in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 6), 200),
+    ) {
+        let mut bodies = vec![link(None, Freedom::Fixed, DVec3::ZERO, DVec3::ZERO)];
+        for (index, (axis, position, center, least, most, parent)) in joints.into_iter().enumerate() {
+            let hinge = Freedom::Revolute(DVec3::AXES[axis]);
+            let mut next = link(Some(index.saturating_sub(parent / 4)), hinge, position.into(), center.into());
+            next.ranges = vec![[least, most]];
+            bodies.push(next);
+        }
+        let rig = Mechanism { bodies };
+        for joint in 1..rig.bodies.len() {
+            let worst = worst_load(&rig, joint, 0);
+            let reached = holding_effort(&rig, &worst.q, joint, 0).abs();
+            prop_assert!((worst.effort - reached).abs() < 1e-12);
+            for pose in &poses {
+                let q: Vec<f64> = rig.bodies[1..].iter().zip(pose).map(|(link, share)| {
+                    let [least, most] = link.ranges[0];
+                    least + share * (most - least)
+                }).collect();
+                let load = holding_effort(&rig, &q, joint, 0).abs();
+                prop_assert!(load <= worst.effort * 1.01 + 1e-9, "{load} {}", worst.effort);
+            }
+        }
+    }
+}
