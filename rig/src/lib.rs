@@ -14,6 +14,10 @@ pub mod description;
 pub mod import;
 #[cfg(feature = "std")]
 pub mod mechanism;
+#[cfg(feature = "std")]
+mod nearest;
+#[cfg(feature = "std")]
+mod number;
 
 #[cfg(feature = "std")]
 pub use description::Description;

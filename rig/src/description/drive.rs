@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{Joint, JointType};
+
 /// How some servos move some joints. A joint's freedoms, and a servo, belong to one drive at most.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -51,4 +53,11 @@ pub enum DriveKind {
         /// Whether crank and rocker lie on opposite sides of the ground.
         crossed: bool,
     },
+}
+
+/// The key of a matrix's offset in the file: metres if the joints slide, else degrees.
+pub(super) fn offset_key<'a>(joints: impl IntoIterator<Item = &'a Joint>) -> &'static str {
+    let mut joints = joints.into_iter().peekable();
+    let slide = joints.peek().is_some() && joints.all(|joint| joint.kind == JointType::Prismatic);
+    if slide { "offset_m" } else { "offset_deg" }
 }

@@ -1,24 +1,28 @@
 //! A rig as a person writes it: named parts in SI units. The schema of `rig.toml`; angles are in degrees in the file
 //! and in radians here.
 //!
-//! [`Description::check`] refuses what cannot be, by the path of the value; [`Description::tree`] makes the tree that
-//! `sinew-core` takes.
+//! [`Description::check`] refuses what cannot be, by the path of the value; [`Description::mechanism`] makes of it
+//! bodies and joints by index.
 
 mod angle;
 mod body;
 mod check;
 mod drive;
+mod error;
 mod joint;
+mod mass;
+mod mechanism;
 mod mount;
 mod servo;
+mod unit;
 
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, InertiaMatrix};
-pub use check::{DescriptionError, Path};
 pub use drive::{Drive, DriveKind};
+pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
-pub use mount::{Mount, Supply};
+pub use mount::{Base, Mount, Supply};
 pub use servo::{Address, Servo, ServoModel, SignalLoss, Sourced};
 
 /// A whole rig.

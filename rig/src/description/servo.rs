@@ -22,19 +22,34 @@ pub struct Servo {
     #[serde(default = "forward")]
     pub direction: i8,
     /// Its own position where the drive has zero.
-    #[serde(rename = "offset_deg", with = "degrees", default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "offset_deg",
+        with = "degrees",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
     pub offset_rad: Option<f64>,
     /// Turns of the servo for a turn of the output that the drive sees. Default: 1.
     #[serde(default = "one")]
     pub gear: f64,
     /// How far it may go, by its own position: one pair. Empty: as its kind.
-    #[serde(rename = "range_deg", with = "degree_pairs", default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        rename = "range_deg",
+        with = "degree_pairs",
+        default,
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub range_rad: Vec<[f64; 2]>,
     /// The most torque that it is asked for, N m. Default: as its kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_nm: Option<f64>,
     /// The largest speed that it is asked for.
-    #[serde(rename = "speed_deg_s", with = "degrees", default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "speed_deg_s",
+        with = "degrees",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
     pub speed_rad_s: Option<f64>,
     /// The largest acceleration that it is asked for.
     #[serde(
@@ -50,7 +65,7 @@ pub struct Servo {
 }
 
 /// Where a servo is on its bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Address {
     /// Id of a bus servo, 0 to 252.
@@ -110,6 +125,30 @@ pub struct ServoModel {
     pub thermal_time_s: Sourced,
     /// Temperature at which it shuts down, °C.
     pub shutdown_c: Sourced,
+}
+
+impl ServoModel {
+    /// All values, each with its key.
+    pub fn values(&self) -> [(&'static str, &Sourced); 16] {
+        [
+            ("voltage_v", &self.voltage_v),
+            ("torque_constant_nm_a", &self.torque_constant_nm_a),
+            ("stall_torque_nm", &self.stall_torque_nm),
+            ("stall_current_a", &self.stall_current_a),
+            ("continuous_torque_nm", &self.continuous_torque_nm),
+            ("no_load_speed_rad_s", &self.no_load_speed_rad_s),
+            ("position_gain_nm_rad", &self.position_gain_nm_rad),
+            ("rotor_inertia_kg_m2", &self.rotor_inertia_kg_m2),
+            ("friction_nm", &self.friction_nm),
+            ("damping_nm_s", &self.damping_nm_s),
+            ("resolution_rad", &self.resolution_rad),
+            ("backlash_rad", &self.backlash_rad),
+            ("range_rad", &self.range_rad),
+            ("thermal_resistance_k_w", &self.thermal_resistance_k_w),
+            ("thermal_time_s", &self.thermal_time_s),
+            ("shutdown_c", &self.shutdown_c),
+        ]
+    }
 }
 
 /// A value, and where it is from.
