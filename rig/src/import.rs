@@ -6,13 +6,18 @@
 mod error;
 mod mass;
 mod note;
+mod solid;
+mod tie;
 mod urdf;
 mod xml;
 
 pub use error::{ImportError, Place};
 pub use note::{Note, NoteKind};
 
+use note::Notes;
+
 use crate::Description;
+use crate::description::Mount;
 
 /// The user's word on what a file leaves open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -61,4 +66,46 @@ pub struct Imported {
 /// ```
 pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
     urdf::read(text, options)
+}
+
+/// A rig of nothing yet.
+fn empty(name: Option<&str>) -> Description {
+    Description {
+        name: name.filter(|name| !name.trim().is_empty()).unwrap_or("rig").to_owned(),
+        mount: Mount::default(),
+        supply: None,
+        bodies: Vec::new(),
+        joints: Vec::new(),
+        limits: Vec::new(),
+        drives: Vec::new(),
+        servos: Vec::new(),
+        servo_models: Vec::new(),
+    }
+}
+
+/// Stands a rig of a format with z up.
+fn turn_up(format: &str, description: &mut Description, notes: &mut Notes) {
+    description.mount = Mount::z_up();
+    notes.add(
+        NoteKind::Changed,
+        format!(
+            "z is up in {format} and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is \
+             up in this file, take that line out"
+        ),
+    );
+}
+
+/// The rig, if it passes the check of all rigs: what a reader does not look at, that does.
+fn finish(
+    root: roxmltree::Node<'_, '_>,
+    description: Description,
+    notes: Notes,
+) -> Result<Imported, ImportError> {
+    match description.check() {
+        Ok(()) => Ok(Imported { description, notes: notes.finish() }),
+        Err(error) => {
+            let found = format!("{}, {} {}", error.found, error.path, error.item);
+            Err(xml::refuse(root, error.expected, found))
+        }
+    }
 }

@@ -13,9 +13,7 @@ fn link(name: &str) -> String {
 
 /// A joint from `a` to `b` with this type and these elements.
 fn joint(kind: &str, inside: &str) -> String {
-    format!(
-        r#"<joint name="j" type="{kind}"><parent link="a"/><child link="b"/>{inside}</joint>"#
-    )
+    format!(r#"<joint name="j" type="{kind}"><parent link="a"/><child link="b"/>{inside}</joint>"#)
 }
 
 fn robot(inside: &str) -> String {
@@ -54,8 +52,11 @@ fn assert_refused(text: &str, item: &str, expected: &str, found: &str) {
 #[track_caller]
 fn assert_noted(imported: &Imported, kind: NoteKind, words: &str) {
     let told: Vec<String> = imported.notes.iter().map(ToString::to_string).collect();
-    let found =
-        imported.notes.iter().zip(&told).any(|(note, told)| note.kind == kind && told.contains(words));
+    let found = imported
+        .notes
+        .iter()
+        .zip(&told)
+        .any(|(note, told)| note.kind == kind && told.contains(words));
     assert!(found, "no {kind} with `{words}`: {told:#?}");
 }
 
@@ -107,7 +108,8 @@ fn an_axis_is_x_by_default_and_never_zero() {
     assert_refused(&pair("revolute", zero), "joint `j`: axis: xyz", "not zero", "`0 0 0`");
     assert_eq!(read(&pair("fixed", zero)).description.joints[0].axis, None, "nobody reads it");
     let tiny = r#"<axis xyz="0 1e-9 0"/>"#;
-    assert_eq!(read(&pair("revolute", tiny)).description.joints[0].axis, Some([0.0, 1.0, 0.0]));
+    let axis = read(&pair("revolute", tiny)).description.joints[0].axis.expect("an axis");
+    assert!(close(&axis, &[0.0, 1.0, 0.0]));
 }
 
 #[test]
@@ -116,19 +118,25 @@ fn errors_tell_line_column_name_and_value() {
     let error = refused(&text);
     assert_eq!(
         (error.to_string().as_str(), error.place.column),
-        ("6:21: joint `j`: limit: upper: expected a number of at most 1e9, found `up`", 21)
+        ("5:21: joint `j`: limit: upper: expected a number of at most 1e6, found `up`", 21)
     );
 }
 
 #[test]
 fn limits_that_stand_for_none_are_left_out() {
-    for (value, left) in [("0", None), ("1000", None), ("inf", None), ("1e8", None), ("7", Some(7.0))] {
+    for (value, left) in
+        [("0", None), ("1000", None), ("inf", None), ("1e8", None), ("7", Some(7.0))]
+    {
         let limit = format!(r#"<limit lower="-1" upper="1" effort="{value}" velocity="{value}"/>"#);
         let imported = read(&pair("revolute", &limit));
         let joint = &imported.description.joints[0];
         assert_eq!((joint.effort, joint.speed_rad_s), (left, left), "{value}");
         if left.is_none() {
-            assert_noted(&imported, NoteKind::LeftOut, &format!("the limit effort = {value} stands"));
+            assert_noted(
+                &imported,
+                NoteKind::LeftOut,
+                &format!("the limit effort = {value} stands"),
+            );
         }
     }
     let bad = r#"<limit lower="-1" upper="1" effort="-1"/>"#;
@@ -173,7 +181,9 @@ fn a_mimic_joint_is_tied_by_a_limit_without_room() {
     assert_noted(&mixed, NoteKind::LeftOut, "one turns and the other slides");
     assert_refused(&tied("revolute", "k"), "joint `k`: mimic: joint", "another joint", "`k`");
     assert_refused(&tied("revolute", "x"), "joint `k`: mimic: joint", "a joint of the file", "`x`");
-    assert_refused(&tied("spherical", "j"), "joint `k`: mimic: joint", "revolute", "`j`");
+    let ball = read(&tied("spherical", "j"));
+    assert!(ball.description.limits.is_empty());
+    assert_noted(&ball, NoteKind::LeftOut, "joints of one freedom");
 }
 
 #[test]
@@ -189,7 +199,8 @@ fn inertia_is_turned_into_body_axes() {
 #[test]
 fn a_link_without_inertial_is_a_frame() {
     let imported = read(&moved(""));
-    assert_eq!(imported.description.bodies[1].mass_kg, 0.0);
+    let frame = &imported.description.bodies[1];
+    assert_eq!((frame.mass_kg, frame.inertia_kg_m2), (0.0, None));
     assert_noted(&imported, NoteKind::Changed, "a frame without mass (`b`)");
     assert_noted(&imported, NoteKind::Doubtful, "moves and weighs nothing in the file");
     // Welded to something heavy it is none of anybody's business that it weighs nothing.
@@ -253,7 +264,11 @@ fn meshes_do_not_fill_inertia() {
     let body = &imported.description.bodies[1];
     assert_eq!((body.inertia_kg_m2, body.center_of_mass_m), (None, [0.0, 0.0, 1.0]));
     assert_noted(&imported, NoteKind::Filled, "that of a point (`b`)");
-    assert_noted(&imported, NoteKind::LeftOut, "1 mesh files, which are not read, such as `package://r/b.stl`");
+    assert_noted(
+        &imported,
+        NoteKind::LeftOut,
+        "1 mesh files, which are not read, such as `package://r/b.stl`",
+    );
 }
 
 #[test]
@@ -265,21 +280,43 @@ fn impossible_inertia_is_refused_or_balanced() {
         )
     };
     let flat = inside("1", [1.0, 1.0, 4.0]);
-    assert_refused(&moved(&flat), "link `b`: inertial: inertia", "repair-inertia", "principal moment");
-    assert_refused(&moved(&inside("1", [-1.0, 1.0, 1.0])), "link `b`: inertial: inertia", "", "negative");
-    assert_refused(&moved(&inside("0", [1.0, 1.0, 1.0])), "link `b`: inertial: inertia", "", "no mass");
-    assert_refused(&moved(&inside("-1", [1.0; 3])), "link `b`: inertial: mass: value", "zero or more", "`-1`");
+    assert_refused(
+        &moved(&flat),
+        "link `b`: inertial: inertia",
+        "repair-inertia",
+        "a principal moment",
+    );
+    assert_refused(
+        &moved(&inside("1", [-1.0, 1.0, 1.0])),
+        "link `b`: inertial: inertia",
+        "",
+        "a negative moment",
+    );
+    assert_refused(
+        &moved(&inside("0", [1.0, 1.0, 1.0])),
+        "link `b`: inertial: inertia",
+        "",
+        "inertia without mass",
+    );
+    assert_refused(
+        &moved(&inside("-1", [1.0; 3])),
+        "link `b`: inertial: mass: value",
+        "zero or more",
+        "`-1`",
+    );
     let options = Options { repair_inertia: true, ..Options::default() };
     let imported = urdf(&moved(&flat), &options).expect("a rig");
     let inertia = imported.description.bodies[1].inertia_kg_m2.expect("an inertia");
     assert_eq!((inertia.xx, inertia.yy, inertia.zz, inertia.xy), (2.0, 2.0, 2.0, 0.0));
     assert_noted(&imported, NoteKind::Changed, "that of a ball");
     // The file's own word.
-    let own = moved(&flat).replace("</robot>", r#"<mujoco><compiler balanceinertia="true"/></mujoco></robot>"#);
+    let own = moved(&flat)
+        .replace("</robot>", r#"<mujoco><compiler balanceinertia="true"/></mujoco></robot>"#);
     assert_eq!(read(&own).description.bodies[1].inertia_kg_m2, Some(inertia));
     // All of them are named at once.
     let both = robot(
-        &(format!(r#"<link name="a">{flat}</link><link name="b">{flat}</link>"#) + &joint("fixed", "")),
+        &(format!(r#"<link name="a">{flat}</link><link name="b">{flat}</link>"#)
+            + &joint("fixed", "")),
     );
     assert_refused(&both, "link `a`: inertial: inertia", "", "also refused: `b`");
 }
@@ -302,7 +339,8 @@ fn z_is_turned_up_once() {
 #[test]
 fn a_floating_base_stands() {
     let world = r#"<link name="a"/>"#;
-    let text = robot(&(world.to_owned() + &link("b") + &joint("floating", r#"<origin xyz="1 2 3"/>"#)));
+    let text =
+        robot(&(world.to_owned() + &link("b") + &joint("floating", r#"<origin xyz="1 2 3"/>"#)));
     let imported = read(&text);
     let [body] = imported.description.bodies.as_slice() else { panic!("one body") };
     assert_eq!((body.name.as_str(), imported.description.joints.len()), ("b", 0));
@@ -329,7 +367,12 @@ fn links_are_a_tree() {
         r#"<link name="c"/><joint name="l" type="fixed"><parent link="a"/><child link="c"/></joint>
         <joint name="k" type="fixed"><parent link="c"/><child link="b"/></joint></robot>"#,
     );
-    assert_refused(&twice, "joint `k`", "one joint that moves the link `b`", "`j` and `k`: a closed loop");
+    assert_refused(
+        &twice,
+        "joint `k`",
+        "one joint that moves the link `b`",
+        "`j` and `k`: a closed loop",
+    );
     let cut = |name: &str| Options { cut: vec![name.to_owned()], ..Options::default() };
     let imported = urdf(&twice, &cut("k")).expect("a tree");
     assert_eq!(imported.description.joints.len(), 2);
@@ -356,8 +399,8 @@ fn joints_come_from_the_base_outwards() {
 
 #[test]
 fn names_are_there_and_unique() {
-    assert_refused(&robot(r#"<link name=""/>"#), "link: name", "with a value", "``");
-    assert_refused(&robot("<link/>"), "link: name", "with a value", "none");
+    assert_refused(&robot(r#"<link name=""/>"#), "robot `r`: link: name", "with a value", "``");
+    assert_refused(&robot("<link/>"), "robot `r`: link: name", "with a value", "none");
     assert_refused(&robot(&(link("a") + &link("a"))), "link `a`: name", "no other link", "`a`");
     let ghost = robot(&(link("a") + &joint("fixed", "")));
     assert_refused(&ghost, "joint `j`: child: link", "a link of the file", "`b`");

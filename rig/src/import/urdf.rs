@@ -12,9 +12,10 @@ use glam::DQuat;
 use roxmltree::Node;
 
 use super::note::{Notes, list};
-use super::{ImportError, Imported, NoteKind, Options, xml};
-use crate::description::{Description, JointType, LinkedLimit, Mount};
-use joint::{Mimic, UrdfJoint};
+use super::{ImportError, Imported, NoteKind, Options, tie, xml};
+use crate::description::{Description, JointType};
+use crate::import;
+use joint::UrdfJoint;
 
 pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
     let document = xml::document(text)?;
@@ -41,28 +42,22 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
 
     let balance = options.repair_inertia || balances_inertia(robot);
     let bodies = link::bodies(&tree.links, balance, options.repair_inertia, &mut notes)?;
-    let mut description = Description {
-        name: robot.attribute("name").filter(|name| !name.is_empty()).unwrap_or("rig").to_owned(),
-        mount: Mount::z_up(),
-        supply: None,
-        bodies,
-        joints: tree.joints.iter().map(|joint| joint.joint.clone()).collect(),
-        limits: mimicked(&tree.joints, &joint_places, &mut notes)?,
-        drives: Vec::new(),
-        servos: Vec::new(),
-        servo_models: Vec::new(),
-    };
-    notes.add(
-        NoteKind::Changed,
-        "z is up in a URDF and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is up in \
-         this file, take that line out",
-    );
+    let mut description = import::empty(robot.attribute("name"));
+    description.bodies = bodies;
+    description.joints = tree.joints.iter().map(|joint| joint.joint.clone()).collect();
+    import::turn_up("URDF", &mut description, &mut notes);
     stand(&mut description, &mut notes);
+    let ties = tree
+        .joints
+        .iter()
+        .filter_map(|joint| joint.mimic.map(|mimic| mimic.tie(joint, &joint_places)))
+        .collect::<Result<Vec<_>, _>>()?;
+    tie::tie(&ties, &mut description, &mut notes);
     limits::doubt(&mut description.joints, &mut notes);
     tell_actuators(robot, &description, &mut notes);
     tell_massless(&description, &mut notes);
     tell_unread(robot, &tree.links, &tree.joints, &mut notes);
-    Ok(Imported { description, notes: notes.finish() })
+    import::finish(robot, description, notes)
 }
 
 /// Where elements stand in their list, by name.
@@ -72,7 +67,11 @@ fn names<'a>(nodes: &[Node<'a, '_>]) -> Result<BTreeMap<&'a str, usize>, ImportE
         let name = xml::required(*node, "name")?;
         if places.insert(name, place).is_some() {
             let tag = node.tag_name().name();
-            return Err(xml::refuse_value(*node, "name", format!("a name that no other {tag} has")));
+            return Err(xml::refuse_value(
+                *node,
+                "name",
+                format!("a name that no other {tag} has"),
+            ));
         }
     }
     Ok(places)
@@ -98,61 +97,6 @@ fn balances_inertia(robot: Node<'_, '_>) -> bool {
     xml::children(robot, "mujoco")
         .flat_map(|mujoco| xml::children(mujoco, "compiler"))
         .any(|compiler| compiler.attribute("balanceinertia") == Some("true"))
-}
-
-/// Joints that follow others: limits that leave no room.
-fn mimicked(
-    joints: &[UrdfJoint<'_, '_>],
-    in_file: &BTreeMap<&str, usize>,
-    notes: &mut Notes,
-) -> Result<Vec<LinkedLimit>, ImportError> {
-    let kinds: BTreeMap<&str, JointType> =
-        joints.iter().map(|joint| (joint.name, joint.joint.kind)).collect();
-    let mut limits = Vec::new();
-    for joint in joints {
-        let Some(Mimic { node, of, multiplier, offset }) = joint.mimic else { continue };
-        let slides = match (joint.joint.kind, kinds.get(of)) {
-            (JointType::Revolute, Some(JointType::Revolute)) => false,
-            (JointType::Prismatic, Some(JointType::Prismatic)) => true,
-            (_, None) if !in_file.contains_key(of) => {
-                return Err(xml::refuse_value(node, "joint", "a joint of the file"));
-            }
-            (_, None) => {
-                let text = format!("mimics `{of}`, which is left out: nothing ties it now");
-                notes.add_of(NoteKind::LeftOut, text, joint.name);
-                continue;
-            }
-            (JointType::Revolute, Some(JointType::Prismatic))
-            | (JointType::Prismatic, Some(JointType::Revolute)) => {
-                let text = format!(
-                    "mimics `{of}`, one turns and the other slides: nothing ties them, until one servo drives both \
-                     by a matrix [[1], [{multiplier}]]"
-                );
-                notes.add_of(NoteKind::LeftOut, text, joint.name);
-                continue;
-            }
-            _ => {
-                let expected = "a revolute, continuous or prismatic joint that mimics another one";
-                return Err(xml::refuse_value(node, "joint", expected));
-            }
-        };
-        let (rad, m) = if slides { (None, Some(offset)) } else { (Some(offset), None) };
-        limits.push(LinkedLimit {
-            joint: joint.name.to_owned(),
-            other: of.to_owned(),
-            factor: 1.0,
-            other_factor: 0.0 - multiplier,
-            least_rad: rad,
-            most_rad: rad,
-            least_m: m,
-            most_m: m,
-        });
-        let text = "mimics another joint: a limit with equal ends ties the two. If one servo moves both, give them \
-                    one drive, joints = [the other, this one], with a matrix [[1], [multiplier]]";
-        let equation = format!("{} = {multiplier} {of} + {offset}", joint.name);
-        notes.add_of(NoteKind::Changed, text, equation);
-    }
-    Ok(limits)
 }
 
 /// A base without mass that only says "floats": what floats becomes the base.
@@ -228,8 +172,7 @@ fn tell_unread(
 ) {
     const OF_ROBOT: [&str; 3] = ["link", "joint", "material"];
     const OF_LINK: [&str; 3] = ["inertial", "visual", "collision"];
-    const OF_JOINT: [&str; 7] =
-        ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
+    const OF_JOINT: [&str; 7] = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
     let mut unread: BTreeMap<String, usize> = BTreeMap::new();
     let mut count = |node: Node<'_, '_>, read: &[&str], of: &str| {
         for child in node.children().filter(Node::is_element) {

@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 use super::error::{ImportError, Place};
 
 /// Larger numbers are damage: their squares and products must stay finite, in f32 too.
-const NUMBER_MAX: f64 = 1e9;
+const NUMBER_MAX: f64 = 1e6;
 
 /// The document of a text.
 pub(super) fn document(text: &str) -> Result<Document<'_>, ImportError> {

@@ -27,7 +27,8 @@ pub(super) fn tree<'a, 'd>(
     let movers = movers(&kept)?;
     let name = |link: usize| links[link].attribute("name").unwrap_or_default();
 
-    let free: BTreeSet<usize> = (0..links.len()).filter(|link| !movers.contains_key(link)).collect();
+    let free: BTreeSet<usize> =
+        (0..links.len()).filter(|link| !movers.contains_key(link)).collect();
     let (cut_off, roots): (Vec<usize>, Vec<usize>) =
         free.iter().partition(|link| cut.iter().any(|joint| joint.child == **link));
     let root = match *roots.as_slice() {
@@ -103,8 +104,10 @@ fn movers(joints: &[UrdfJoint<'_, '_>]) -> Result<BTreeMap<usize, usize>, Import
     for (place, joint) in joints.iter().enumerate() {
         if let Some(first) = movers.insert(joint.child, place) {
             let found = format!("`{}` and `{}`: a closed loop", joints[first].name, joint.name);
-            let expected =
-                format!("one joint that moves the link `{}`; leave the other out by the option cut", joint.joint.child);
+            let expected = format!(
+                "one joint that moves the link `{}`; leave the other out by the option cut",
+                joint.joint.child
+            );
             return Err(xml::refuse(joint.node, expected, found));
         }
     }

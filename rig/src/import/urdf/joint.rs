@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 use roxmltree::Node;
 
 use super::super::note::Notes;
+use super::super::tie::Tie;
 use super::super::{ImportError, NoteKind, xml};
 use super::limits;
 use crate::description::{Joint, JointType};
@@ -33,6 +34,25 @@ pub(super) struct Mimic<'a, 'd> {
 /// Larger angles are damage: f64 has ever fewer digits within a turn.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
+impl Mimic<'_, '_> {
+    /// The same as both formats have it.
+    pub(super) fn tie(
+        self,
+        joint: &UrdfJoint<'_, '_>,
+        in_file: &BTreeMap<&str, usize>,
+    ) -> Result<Tie, ImportError> {
+        if !in_file.contains_key(self.of) {
+            return Err(xml::refuse_value(self.node, "joint", "a joint of the file"));
+        }
+        Ok(Tie {
+            joint: joint.name.to_owned(),
+            of: self.of.to_owned(),
+            multiplier: self.multiplier,
+            offset: self.offset,
+        })
+    }
+}
+
 impl<'a, 'd> UrdfJoint<'a, 'd> {
     pub(super) fn read(
         node: Node<'a, 'd>,
@@ -46,7 +66,8 @@ impl<'a, 'd> UrdfJoint<'a, 'd> {
                 .ok_or_else(|| xml::refuse(node, format!("an element `{tag}`"), "none"))?;
             let link = xml::required(end, "link")?;
             let place = links.get(link).copied();
-            let place = place.ok_or_else(|| xml::refuse_value(end, "link", "a link of the file"))?;
+            let place =
+                place.ok_or_else(|| xml::refuse_value(end, "link", "a link of the file"))?;
             Ok::<_, ImportError>((link, place))
         };
         let ((parent, parent_place), (child, child_place)) = (link("parent")?, link("child")?);
@@ -61,7 +82,8 @@ impl<'a, 'd> UrdfJoint<'a, 'd> {
             axis: axis(node, kind)?,
             ..Joint::default()
         };
-        if let Some(dynamics) = xml::child(node, "dynamics")? {
+        let is_driven = !matches!(kind, JointType::Fixed | JointType::Free);
+        if let Some(dynamics) = xml::child(node, "dynamics")?.filter(|_| is_driven) {
             joint.damping = xml::not_negative(dynamics, "damping")?.unwrap_or(0.0);
             joint.friction = xml::not_negative(dynamics, "friction")?.unwrap_or(0.0);
         }
@@ -85,7 +107,8 @@ fn kind(node: Node<'_, '_>, name: &str, notes: &mut Notes) -> Result<JointType, 
         "floating" => JointType::Free,
         "spherical" => JointType::Spherical,
         "planar" => {
-            let expected = "two prismatic joints and a revolute one, which a rig has instead of a planar one";
+            let expected =
+                "two prismatic joints and a revolute one, which a rig has instead of a planar one";
             return Err(xml::refuse_value(node, "type", expected));
         }
         _ => {
@@ -106,9 +129,8 @@ pub(super) fn origin(node: Node<'_, '_>) -> Result<(DVec3, DQuat), ImportError> 
         return Err(xml::refuse_value(origin, "rpy", "three angles of at most 1000000 rad"));
     }
     // Roll, pitch and yaw about the parent's own axes, in this order.
-    let rotation = DQuat::from_rotation_z(yaw)
-        * DQuat::from_rotation_y(pitch)
-        * DQuat::from_rotation_x(roll);
+    let rotation =
+        DQuat::from_rotation_z(yaw) * DQuat::from_rotation_y(pitch) * DQuat::from_rotation_x(roll);
     Ok((position, xml::tidy(rotation)))
 }
 

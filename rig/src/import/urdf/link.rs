@@ -3,14 +3,13 @@
 use glam::DVec3;
 use roxmltree::Node;
 
-use super::super::mass::{MassProperties, Solid};
+use super::super::mass::MASS_MIN_KG;
 use super::super::note::{Notes, list};
+use super::super::solid::Solid;
 use super::super::{ImportError, NoteKind, xml};
 use super::joint::origin;
 use crate::description::Body;
-
-/// Lighter bodies stand for nothing: exporters give frames a mass that programs do not choke on.
-const MASS_MIN_KG: f64 = 1e-6;
+use crate::description::mass::Mass;
 
 /// The bodies of links. `balance`: whether inertia that no body can have is replaced; `points`: whether inertia that
 /// nothing gives is that of a point.
@@ -26,13 +25,7 @@ pub(super) fn bodies(
     for link in links {
         let name = link.attribute("name").unwrap_or_default();
         match mass_properties(*link, balance, points, notes) {
-            Ok(mass) => bodies.push(Body {
-                name: name.to_owned(),
-                mass_kg: mass.mass_kg,
-                center_of_mass_m: mass.center_m.to_array(),
-                inertia_kg_m2: mass.matrix(),
-                box_m: None,
-            }),
+            Ok(mass) => bodies.push(mass.body(name)),
             Err(error) => refused.push((error, name)),
         }
     }
@@ -51,11 +44,11 @@ fn mass_properties(
     balance: bool,
     points: bool,
     notes: &mut Notes,
-) -> Result<MassProperties, ImportError> {
+) -> Result<Mass, ImportError> {
     let name = link.attribute("name").unwrap_or_default();
     let Some(inertial) = xml::child(link, "inertial")? else {
         notes.add_of(NoteKind::Changed, "has no `inertial`: a frame without mass", name);
-        return Ok(MassProperties::default());
+        return Ok(Mass::point(0.0));
     };
     let mass_node = xml::child(inertial, "mass")?
         .ok_or_else(|| xml::refuse(inertial, "an element `mass`", "none"))?;
@@ -86,20 +79,21 @@ fn mass_properties(
         DVec3::new(xy, yy, yz),
         DVec3::new(xz, yz, zz),
     );
-    let mass = MassProperties { mass_kg, center_m: DVec3::ZERO, inertia_kg_m2 };
-    let mass = mass.placed(position, rotation);
+    let mass = Mass { kg: mass_kg, center_m: DVec3::ZERO, inertia_kg_m2 };
+    let mass = mass.seen_from(rotation, position);
     if mass_kg >= MASS_MIN_KG && mass.matrix().is_none() {
         notes.add_of(NoteKind::Doubtful, "has mass but no inertia, as a point has", name);
     }
-    match mass.check() {
-        Ok(()) => Ok(mass),
-        Err(error) if balance => {
-            let text = format!("{error}; now that of a ball with the same sum of moments");
+    match mass.fault() {
+        None => Ok(mass),
+        Some(fault) if balance => {
+            let text =
+                format!("has {fault}; now the inertia of a ball with the same sum of moments");
             notes.add_of(NoteKind::Changed, text, name);
             Ok(mass.balanced())
         }
-        Err(error) => {
-            let found = format!("mass {mass_kg} kg with moments {xx:e}, {yy:e}, {zz:e} kg m² ({error})");
+        Some(fault) => {
+            let found = format!("{fault}: {mass_kg} kg, moments {xx:e}, {yy:e}, {zz:e} kg m²");
             let expected = "inertia that a body can have; or the option repair-inertia";
             Err(xml::refuse(inertia, expected, found))
         }
@@ -113,7 +107,7 @@ fn fill(
     mass_kg: f64,
     points: bool,
     notes: &mut Notes,
-) -> Result<MassProperties, ImportError> {
+) -> Result<Mass, ImportError> {
     let name = link.attribute("name").unwrap_or_default();
     for shapes in ["collision", "visual"] {
         let solids: Vec<_> = xml::children(link, shapes).map(solid).collect::<Result<_, _>>()?;
@@ -123,23 +117,20 @@ fn fill(
         if volume_m3 <= 0.0 {
             continue;
         }
-        let parts: Vec<MassProperties> = solids
-            .iter()
-            .map(|(solid, (position, rotation))| {
-                let share_kg = mass_kg * solid.volume_m3() / volume_m3;
-                solid.mass_properties(share_kg).placed(*position, *rotation)
-            })
-            .collect();
+        let parts = solids.iter().map(|(solid, (position, rotation))| {
+            let share_kg = mass_kg * solid.volume_m3() / volume_m3;
+            solid.filled(share_kg).seen_from(*rotation, *position)
+        });
         let text = format!("has mass but no `inertia`: that of its {shapes} solids, evenly filled");
         notes.add_of(NoteKind::Filled, text, name);
-        return Ok(MassProperties::sum(&parts));
+        return Ok(parts.fold(Mass::point(0.0), Mass::plus));
     }
     if points || mass_kg <= 0.0 {
         if mass_kg > 0.0 {
             let text = "has mass but no `inertia`, and no solids to fill it from: that of a point";
             notes.add_of(NoteKind::Filled, text, name);
         }
-        return Ok(MassProperties { mass_kg, ..MassProperties::default() });
+        return Ok(Mass::point(mass_kg));
     }
     let expected = "an element `inertia`, or solids (box, cylinder, sphere, capsule) to fill it from, since meshes are \
                     not read; or the option repair-inertia, for a point";
