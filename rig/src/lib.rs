@@ -11,6 +11,8 @@
 #[cfg(feature = "std")]
 pub mod description;
 #[cfg(feature = "std")]
+pub mod import;
+#[cfg(feature = "std")]
 pub mod mechanism;
 #[cfg(feature = "std")]
 mod nearest;

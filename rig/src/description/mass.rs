@@ -6,15 +6,15 @@ use super::{Body, InertiaMatrix};
 
 /// Mass, its centre and its inertia about that centre, in the axes of some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mass {
-    pub(super) kg: f64,
-    pub(super) center_m: DVec3,
-    pub(super) inertia_kg_m2: DMat3,
+pub(crate) struct Mass {
+    pub(crate) kg: f64,
+    pub(crate) center_m: DVec3,
+    pub(crate) inertia_kg_m2: DMat3,
 }
 
 impl Mass {
     /// Of a body, in its own frame.
-    pub(super) fn of(body: &Body) -> Self {
+    pub(crate) fn of(body: &Body) -> Self {
         let inertia_kg_m2 = match (&body.inertia_kg_m2, body.box_m) {
             (Some(inertia), _) => matrix(inertia),
             (None, Some(size_m)) => {
@@ -28,7 +28,7 @@ impl Mass {
     }
 
     /// The same mass as seen from a frame in which its own frame stands so.
-    pub(super) fn seen_from(self, rotation: DQuat, position_m: DVec3) -> Self {
+    pub(crate) fn seen_from(self, rotation: DQuat, position_m: DVec3) -> Self {
         let r = DMat3::from_quat(rotation);
         Self {
             center_m: position_m + rotation * self.center_m,
@@ -38,7 +38,7 @@ impl Mass {
     }
 
     /// Both as one, by the parallel axis theorem.
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         let kg = self.kg + other.kg;
         if other.kg <= 0.0 {
             return self;

@@ -10,7 +10,7 @@ mod check;
 mod drive;
 mod error;
 mod joint;
-mod mass;
+pub(crate) mod mass;
 mod mechanism;
 mod mount;
 mod servo;
@@ -19,6 +19,7 @@ mod unit;
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, InertiaMatrix};
+pub(crate) use check::is_possible;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};

@@ -67,7 +67,7 @@ fn check_inertia(
 /// Whether the second moments of mass `Σ = tr(I)/2 - I` are positive semidefinite up to [`ROUNDING`] (Wensing, Kim &
 /// Slotine 2018): whether `Σ / tr(I) + ROUNDING` is positive definite, by Sylvester's criterion. That bounds the
 /// eigenvalues, so turned and added inertias pass as well.
-fn is_possible(inertia: &InertiaMatrix) -> bool {
+pub(crate) fn is_possible(inertia: &InertiaMatrix) -> bool {
     let InertiaMatrix { xx, xy, xz, yy, yz, zz } = *inertia;
     let trace = xx + yy + zz;
     if trace <= 0.0 {

@@ -15,6 +15,7 @@ use super::Description;
 use super::error::{DescriptionError, Step};
 pub(super) use tree::Shape;
 
+pub(crate) use bodies::is_possible;
 use names::Names;
 use part::{Part, Sign};
 

@@ -1,0 +1,111 @@
+//! Robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
+//!
+//! What was changed, filled, left out or is doubtful is told in [`Imported::notes`], in words. What cannot be imported
+//! is refused by line, column and name.
+
+mod error;
+mod mass;
+mod note;
+mod solid;
+mod tie;
+mod urdf;
+mod xml;
+
+pub use error::{ImportError, Place};
+pub use note::{Note, NoteKind};
+
+use note::Notes;
+
+use crate::Description;
+use crate::description::Mount;
+
+/// The user's word on what a file leaves open.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Joints to leave out, by name, and with them all that then hangs on nothing.
+    pub cut: Vec<String>,
+    /// Takes a mechanism with closed loops as the tree that the file holds: the loops stay open.
+    pub open_loops: bool,
+    /// Replaces inertia that no body can have by that of a ball with the same sum of principal moments (what MuJoCo's
+    /// `balanceinertia` does), and inertia that neither the file nor a solid gives by that of a point.
+    pub repair_inertia: bool,
+}
+
+/// A rig, and what a person should know of how it came about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// The rig. It has no servos and no drives: these formats do not know them.
+    pub description: Description,
+    /// In the order of the file.
+    pub notes: Vec<Note>,
+}
+
+/// Reads a URDF (the Unified Robot Description Format of ROS).
+///
+/// Every link is a body, and every joint a joint; welded ones too. A joint that mimics another stays a joint, and a
+/// [`LinkedLimit`](crate::description::LinkedLimit) with equal ends ties it to the other.
+///
+/// # Errors
+/// [`ImportError`] if the text is no XML or no robot, if its links are no tree, or a value cannot be.
+///
+/// ```
+/// let text = r#"<robot name="nod">
+///   <link name="stand"/>
+///   <link name="head">
+///     <inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+///   </link>
+///   <joint name="neck" type="revolute">
+///     <parent link="stand"/><child link="head"/><axis xyz="0 1 0"/>
+///     <limit lower="-0.5" upper="0.5" effort="0.4" velocity="6"/>
+///   </joint>
+/// </robot>"#;
+/// let imported = sinew_rig::import::urdf(text, &Default::default())?;
+/// let neck = &imported.description.joints[0];
+/// assert_eq!((neck.axis, neck.effort), (Some([0.0, 1.0, 0.0]), Some(0.4)));
+/// # Ok::<(), sinew_rig::import::ImportError>(())
+/// ```
+pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
+    urdf::read(text, options)
+}
+
+/// A rig of nothing yet.
+fn empty(name: Option<&str>) -> Description {
+    Description {
+        name: name.filter(|name| !name.trim().is_empty()).unwrap_or("rig").to_owned(),
+        mount: Mount::default(),
+        supply: None,
+        bodies: Vec::new(),
+        joints: Vec::new(),
+        limits: Vec::new(),
+        drives: Vec::new(),
+        servos: Vec::new(),
+        servo_models: Vec::new(),
+    }
+}
+
+/// Stands a rig of a format with z up.
+fn turn_up(format: &str, description: &mut Description, notes: &mut Notes) {
+    description.mount = Mount::z_up();
+    notes.add(
+        NoteKind::Changed,
+        format!(
+            "z is up in {format} and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is \
+             up in this file, take that line out"
+        ),
+    );
+}
+
+/// The rig, if it passes the check of all rigs: what a reader does not look at, that does.
+fn finish(
+    root: roxmltree::Node<'_, '_>,
+    description: Description,
+    notes: Notes,
+) -> Result<Imported, ImportError> {
+    match description.check() {
+        Ok(()) => Ok(Imported { description, notes: notes.finish() }),
+        Err(error) => {
+            let found = format!("{}, {} {}", error.found, error.path, error.item);
+            Err(xml::refuse(root, error.expected, found))
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What a file says that a body weighs: whether that can be, and how a rig has it.
+
+use glam::{DMat3, DVec3};
+
+use crate::description::mass::Mass;
+use crate::description::{Body, InertiaMatrix, is_possible};
+
+/// Lighter bodies stand for nothing: exporters give frames a mass that programs do not choke on.
+pub(super) const MASS_MIN_KG: f64 = 1e-6;
+
+impl Mass {
+    /// A point at the origin.
+    pub(super) fn point(kg: f64) -> Self {
+        Self { kg, center_m: DVec3::ZERO, inertia_kg_m2: DMat3::ZERO }
+    }
+
+    /// Why no body can have this inertia; `None` if one can.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        let inertia = self.matrix()?;
+        if self.kg <= 0.0 {
+            Some("inertia without mass")
+        } else if inertia.xx.min(inertia.yy).min(inertia.zz) < 0.0 {
+            Some("a negative moment of inertia")
+        } else if is_possible(&inertia) {
+            None
+        } else {
+            Some("a principal moment that is negative, or larger than the sum of the two others")
+        }
+    }
+
+    /// A ball with the same sum of principal moments: the rule of MuJoCo's `balanceinertia`.
+    pub(super) fn balanced(&self) -> Self {
+        let m = self.inertia_kg_m2;
+        let mean = ((m.x_axis.x + m.y_axis.y + m.z_axis.z) / 3.0).max(0.0);
+        let mean = if self.kg > 0.0 { mean } else { 0.0 };
+        Self { inertia_kg_m2: DMat3::from_diagonal(DVec3::splat(mean)), ..*self }
+    }
+
+    /// `None` of a point and of a frame without mass.
+    pub(super) fn matrix(&self) -> Option<InertiaMatrix> {
+        let is_point = self.inertia_kg_m2.abs_diff_eq(DMat3::ZERO, 0.0);
+        // Zero is added so that no -0 is written.
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] =
+            self.inertia_kg_m2.to_cols_array_2d().map(|column| column.map(|number| number + 0.0));
+        (!is_point).then_some(InertiaMatrix { xx, xy, xz, yy, yz, zz })
+    }
+
+    /// A rig's body of this mass.
+    pub(super) fn body(&self, name: &str) -> Body {
+        Body {
+            name: name.to_owned(),
+            mass_kg: self.kg,
+            center_of_mass_m: self.center_m.to_array(),
+            inertia_kg_m2: self.matrix(),
+            box_m: None,
+        }
+    }
+}

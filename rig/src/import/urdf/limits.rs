@@ -1,0 +1,117 @@
+//! Limits of joints, and which of them are nobody's measurement.
+
+use roxmltree::Node;
+
+use super::super::note::Notes;
+use super::super::{ImportError, NoteKind, xml};
+use crate::description::{Joint, JointType};
+
+/// From here on, a limit of speed (rad/s, m/s) or effort (N m, N) stands for "none": no servo comes near.
+const PLACEHOLDER: f64 = 1000.0;
+
+/// Reads `limit` into the joint.
+pub(super) fn read(
+    node: Node<'_, '_>,
+    joint: &mut Joint,
+    notes: &mut Notes,
+) -> Result<(), ImportError> {
+    let slides = match joint.kind {
+        JointType::Revolute => false,
+        JointType::Prismatic => true,
+        _ => return Ok(()),
+    };
+    let continuous = node.attribute("type") == Some("continuous");
+    let Some(limit) = xml::child(node, "limit")? else {
+        if !continuous {
+            let text = "has no `limit`: a range, and speed and effort, are open in the rig";
+            notes.add_of(NoteKind::Doubtful, text, &joint.name);
+        }
+        return Ok(());
+    };
+    let (lower, upper) = (xml::number(limit, "lower")?, xml::number(limit, "upper")?);
+    if !continuous && let Some(range) = range(limit, lower, upper, joint, notes)? {
+        if slides {
+            joint.range_m = Some(range);
+        } else {
+            joint.range_rad = vec![range];
+        }
+    }
+    let speed = largest(limit, "velocity", joint, notes)?;
+    if slides {
+        joint.speed_m_s = speed;
+    } else {
+        joint.speed_rad_s = speed;
+    }
+    joint.effort = largest(limit, "effort", joint, notes)?;
+    Ok(())
+}
+
+fn range(
+    limit: Node<'_, '_>,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    joint: &Joint,
+    notes: &mut Notes,
+) -> Result<Option<[f64; 2]>, ImportError> {
+    if lower.is_none() && upper.is_none() {
+        // URDF's default of both is zero: a joint that cannot move, which nobody means.
+        let text = "`limit` gives neither `lower` nor `upper`: the range is open in the rig";
+        notes.add_of(NoteKind::Doubtful, text, &joint.name);
+        return Ok(None);
+    }
+    let (least, most) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
+    if lower.is_none() || upper.is_none() {
+        let text = "`limit` gives one end of the range: the other is 0, URDF's default";
+        notes.add_of(NoteKind::Filled, text, &joint.name);
+    }
+    if least > most {
+        let expected = format!("an end of at least `lower`, which is {least}");
+        return Err(xml::refuse_value(limit, "upper", expected));
+    }
+    if least >= most {
+        let text = "`lower` and `upper` are equal: the joint cannot move";
+        notes.add_of(NoteKind::Doubtful, text, &joint.name);
+    }
+    Ok(Some([least, most]))
+}
+
+/// A limit of speed or effort. Zero, infinity and what is very large stand for "none".
+fn largest(
+    limit: Node<'_, '_>,
+    name: &'static str,
+    joint: &Joint,
+    notes: &mut Notes,
+) -> Result<Option<f64>, ImportError> {
+    let Some(text) = limit.attribute(name) else { return Ok(None) };
+    let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| *value >= 0.0);
+    let value = value.ok_or_else(|| xml::refuse_value(limit, name, "a number of zero or more"))?;
+    if value > 0.0 && value < PLACEHOLDER {
+        return Ok(Some(value));
+    }
+    let text =
+        format!("the limit {name} = {} stands for none: the rig has none there", text.trim());
+    notes.add_of(NoteKind::LeftOut, text, &joint.name);
+    Ok(None)
+}
+
+/// From this number of joints on, one value for all is a sign that nobody looked.
+const ALIKE_MIN: usize = 4;
+
+/// Tells where all joints have one limit.
+pub(super) fn doubt(joints: &mut [Joint], notes: &mut Notes) {
+    let speed = |joint: &Joint| joint.speed_rad_s.or(joint.speed_m_s);
+    let values: [(&str, Vec<f64>); 2] = [
+        ("effort", joints.iter().filter_map(|joint| joint.effort).collect()),
+        ("velocity", joints.iter().filter_map(speed).collect()),
+    ];
+    for (name, values) in values {
+        let Some(first) = values.first().filter(|_| values.len() >= ALIKE_MIN) else { continue };
+        if values.iter().all(|value| value.total_cmp(first).is_eq()) {
+            let text = format!(
+                "all {} joints have the limit {name} = {first}: look whether somebody measured it",
+                values.len()
+            );
+            notes.add(NoteKind::Doubtful, text);
+        }
+    }
+}

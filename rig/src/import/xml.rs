@@ -1,0 +1,175 @@
+//! Elements and attributes, read with the place and the name of what is wrong.
+
+use glam::DQuat;
+use roxmltree::{Document, Node};
+
+use super::error::{ImportError, Place};
+
+/// Larger numbers are damage: their squares and products must stay finite, in f32 too.
+const NUMBER_MAX: f64 = 1e6;
+
+/// The document of a text.
+pub(super) fn document(text: &str) -> Result<Document<'_>, ImportError> {
+    Document::parse(text).map_err(|error| {
+        let expected = match &error {
+            roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => XACRO.to_owned(),
+            roxmltree::Error::UnknownNamespace(prefix, _) => {
+                format!("xmlns:{prefix}=\"...\" in the first element, for the prefix `{prefix}`")
+            }
+            _ => "well-formed XML".to_owned(),
+        };
+        ImportError {
+            place: error.pos().into(),
+            item: "the file".to_owned(),
+            expected,
+            found: error.to_string(),
+        }
+    })
+}
+
+/// What to do with a file that is a program for xacro.
+pub(super) const XACRO: &str =
+    "a URDF without macros: run `xacro FILE > robot.urdf` (package ros-xacro) and import that";
+
+/// Refuses an element.
+pub(super) fn refuse(
+    node: Node<'_, '_>,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+) -> ImportError {
+    refuse_at(node, node.range().start, label(node), expected, found)
+}
+
+/// Refuses an attribute, by its name and value.
+pub(super) fn refuse_value(
+    node: Node<'_, '_>,
+    name: &str,
+    expected: impl Into<String>,
+) -> ImportError {
+    let item = format!("{}: {name}", label(node));
+    match node.attribute_node(name) {
+        Some(attribute) => {
+            let found = format!("`{}`", shortened(attribute.value()));
+            refuse_at(node, attribute.range().start, item, expected, found)
+        }
+        None => refuse_at(node, node.range().start, item, expected, "none"),
+    }
+}
+
+fn refuse_at(
+    node: Node<'_, '_>,
+    byte: usize,
+    item: String,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+) -> ImportError {
+    let place = Place::from(node.document().text_pos_at(byte));
+    ImportError { place, item, expected: expected.into(), found: found.into() }
+}
+
+/// The nearest name outwards, then the elements inwards: ``joint `elbow`: limit``.
+pub(super) fn label(node: Node<'_, '_>) -> String {
+    let mut tags = Vec::new();
+    for node in node.ancestors().filter(Node::is_element) {
+        let tag = node.tag_name().name();
+        if let Some(name) = node.attribute("name").filter(|name| !name.is_empty()) {
+            tags.push(format!("{tag} `{}`", shortened(name)));
+            break;
+        }
+        tags.push(tag.to_owned());
+    }
+    tags.reverse();
+    tags.join(": ")
+}
+
+/// The elements of a name inside another.
+pub(super) fn children<'a, 'd>(
+    node: Node<'a, 'd>,
+    tag: &'static str,
+) -> impl Iterator<Item = Node<'a, 'd>> {
+    node.children().filter(move |child| child.has_tag_name(tag))
+}
+
+/// The element of a name; `None` if there is none.
+pub(super) fn child<'a, 'd>(
+    node: Node<'a, 'd>,
+    tag: &'static str,
+) -> Result<Option<Node<'a, 'd>>, ImportError> {
+    let mut found = children(node, tag);
+    let first = found.next();
+    match found.next() {
+        None => Ok(first),
+        Some(second) => Err(refuse(second, "one element of this name", "a second one")),
+    }
+}
+
+/// An attribute that must be there and not be empty.
+pub(super) fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, ImportError> {
+    node.attribute(name)
+        .filter(|value| !value.trim().is_empty())
+        .ok_or_else(|| refuse_value(node, name, format!("an attribute `{name}` with a value")))
+}
+
+/// A number; `None` if there is no such attribute.
+pub(super) fn number(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, ImportError> {
+    Ok(vector::<1>(node, name)?.map(|[number]| number))
+}
+
+/// A number that is not negative; `None` if there is no such attribute.
+pub(super) fn not_negative(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, ImportError> {
+    match number(node, name)? {
+        Some(value) if value < 0.0 => Err(refuse_value(node, name, "a number of zero or more")),
+        value => Ok(value),
+    }
+}
+
+/// Exactly `N` numbers between white space; `None` if there is no such attribute.
+pub(super) fn vector<const N: usize>(
+    node: Node<'_, '_>,
+    name: &str,
+) -> Result<Option<[f64; N]>, ImportError> {
+    let Some(found) = numbers(node, name, N)? else { return Ok(None) };
+    match <[f64; N]>::try_from(found) {
+        Ok(numbers) => Ok(Some(numbers)),
+        Err(_) => Err(refuse_value(node, name, counted(N))),
+    }
+}
+
+/// At most `count` numbers between white space; `None` if there is no such attribute.
+pub(super) fn numbers(
+    node: Node<'_, '_>,
+    name: &str,
+    count: usize,
+) -> Result<Option<Vec<f64>>, ImportError> {
+    let Some(text) = node.attribute(name) else { return Ok(None) };
+    let right = |number: &f64| number.is_finite() && number.abs() <= NUMBER_MAX;
+    let numbers: Option<Vec<f64>> =
+        text.split_whitespace().map(|word| word.parse().ok().filter(right)).collect();
+    match numbers.filter(|numbers| numbers.len() <= count) {
+        // -0 becomes 0: nobody wants to read the other.
+        Some(numbers) => Ok(Some(numbers.into_iter().map(|number| number + 0.0).collect())),
+        None => Err(refuse_value(node, name, counted(count))),
+    }
+}
+
+fn counted(count: usize) -> String {
+    let noun = if count == 1 { "a number".to_owned() } else { format!("{count} numbers") };
+    format!("{noun} of at most {NUMBER_MAX:e}")
+}
+
+/// A unit quaternion with w >= 0 and without -0, of two that are the same rotation.
+pub(super) fn tidy(rotation: DQuat) -> DQuat {
+    let unit = rotation.normalize();
+    let unit = if unit.w < 0.0 { -unit } else { unit };
+    DQuat::from_array(unit.to_array().map(|number| number + 0.0))
+}
+
+/// Long values are cut: messages are read by people.
+pub(super) fn shortened(text: &str) -> String {
+    const SHOWN: usize = 60;
+    let mut shown: String = text.chars().take(SHOWN).collect();
+    if shown.len() < text.len() {
+        shown.push_str("...");
+    }
+    shown
+}
