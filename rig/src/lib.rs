@@ -10,8 +10,12 @@
 
 #[cfg(feature = "std")]
 pub mod description;
+pub mod drive;
+pub mod limited;
 #[cfg(feature = "std")]
 pub mod mechanism;
+
+pub mod servo;
 
 #[cfg(feature = "std")]
 pub use description::Description;
