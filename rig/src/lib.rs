@@ -16,6 +16,8 @@ pub mod mechanism;
 mod nearest;
 #[cfg(feature = "std")]
 mod number;
+#[cfg(feature = "std")]
+pub mod toml_file;
 
 #[cfg(feature = "std")]
 pub use description::Description;
