@@ -14,6 +14,12 @@ pub mod drive;
 pub mod limited;
 #[cfg(feature = "std")]
 pub mod mechanism;
+#[cfg(feature = "std")]
+mod nearest;
+#[cfg(feature = "std")]
+mod number;
+#[cfg(feature = "std")]
+pub mod toml_file;
 
 pub mod servo;
 

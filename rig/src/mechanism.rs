@@ -19,7 +19,7 @@ pub struct Link {
     pub joint_name: String,
     /// Index of the parent body; `None` of the base, whose parent is the world.
     pub parent: Option<usize>,
-    /// What the joint leaves free. The base's is [`JointKind::Fixed`], or [`JointKind::Free`] if it is driven.
+    /// What the joint leaves free. The base's is [`Freedom::Fixed`], or [`Freedom::Free`] if it is driven.
     pub joint: Freedom,
     /// Position of the joint in the parent's frame, m.
     pub position_m: DVec3,
@@ -31,6 +31,8 @@ pub struct Link {
     pub center_of_mass_m: DVec3,
     /// Inertia about the centre of mass, body axes, kg m².
     pub inertia_kg_m2: DMat3,
+    /// The bodies on fixed joints that this one carries; their mass is in the numbers above.
+    pub merged: Vec<MergedBody>,
     /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
     pub rotor_inertia: f64,
     /// Coulomb friction of each freedom: N m, or N.
@@ -47,6 +49,17 @@ pub struct Link {
     pub acceleration: f64,
     /// The largest effort, N m or N; infinite if there is no limit.
     pub effort: f64,
+}
+
+/// A body that is part of a [`Link`], since a fixed joint holds it there: a bracket, or the frame of a tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MergedBody {
+    /// Its name in the description.
+    pub name: String,
+    /// Position of its frame in the link's, m.
+    pub position_m: DVec3,
+    /// Rotation of its frame in the link's, unit.
+    pub rotation: DQuat,
 }
 
 /// What a joint leaves free, with its axes in f64.

@@ -1,16 +1,13 @@
-//! What of a description cannot be.
+//! Why a description cannot be a rig, and where that stands.
 
-use std::collections::BTreeSet;
 use std::fmt;
-
-use super::{Description, Joint, JointType};
 
 /// Where a value stands in a rig's file: `joint[2].axis`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Path(pub Vec<Step>);
 
 /// One step of a [`Path`].
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
     /// A key of a table, as in the file.
     Key(&'static str),
@@ -33,7 +30,7 @@ impl fmt::Display for Path {
 
 /// Why a description cannot be a rig.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: {item}: expected {expected}, found {found}")]
+#[error("{path} of {item}: expected {expected}, found {found}")]
 pub struct DescriptionError {
     /// Where the value stands.
     pub path: Path,
@@ -43,19 +40,4 @@ pub struct DescriptionError {
     pub expected: String,
     /// What is there.
     pub found: String,
-}
-
-/// Refuses one value.
-pub(crate) fn refuse(
-    path: &[Step],
-    item: impl Into<String>,
-    expected: impl Into<String>,
-    found: impl fmt::Display,
-) -> DescriptionError {
-    DescriptionError {
-        path: Path(path.to_vec()),
-        item: item.into(),
-        expected: expected.into(),
-        found: found.to_string(),
-    }
 }

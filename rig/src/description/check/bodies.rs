@@ -1,0 +1,115 @@
+//! Masses and inertias that can be.
+
+use super::part::{Part, Sign, shown};
+use crate::description::error::{DescriptionError, Step};
+use crate::description::{Body, InertiaMatrix};
+
+/// Rounding, as a fraction of the trace: half of what `sinew-core` allows ([`sinew_core::Inertia::validate`]), so that
+/// what passes here passes there, in f32 and after bodies are merged.
+const ROUNDING: f64 = 5e-6;
+
+pub(super) fn check(part: Part<'_>, body: &Body) -> Result<(), DescriptionError> {
+    part.number(&[Step::Key("mass_kg")], body.mass_kg, Sign::NotNegative)?;
+    let center = [Step::Key("center_of_mass_m")];
+    part.numbers(&center, &body.center_of_mass_m, Sign::Any)?;
+    if let Some(size_m) = &body.box_m {
+        let at = [Step::Key("box_m")];
+        part.numbers(&at, size_m, Sign::NotNegative)?;
+        if body.inertia_kg_m2.is_some() {
+            let expected = "either inertia_kg_m2 or box_m";
+            return Err(part.refuse(&at, expected, "both"));
+        }
+        if body.mass_kg <= 0.0 {
+            return Err(part.refuse(&at, "mass_kg above 0 beside a box", "a box without mass"));
+        }
+    }
+    body.inertia_kg_m2.as_ref().map_or(Ok(()), |inertia| check_inertia(part, body, inertia))
+}
+
+fn check_inertia(
+    part: Part<'_>,
+    body: &Body,
+    inertia: &InertiaMatrix,
+) -> Result<(), DescriptionError> {
+    let at = [Step::Key("inertia_kg_m2")];
+    let InertiaMatrix { xx, xy, xz, yy, yz, zz } = *inertia;
+    for (key, value) in [("xy", xy), ("xz", xz), ("yz", yz)] {
+        part.number(&[at[0], Step::Key(key)], value, Sign::Any)?;
+    }
+    for (key, value) in [("xx", xx), ("yy", yy), ("zz", zz)] {
+        part.number(&[at[0], Step::Key(key)], value, Sign::NotNegative)?;
+    }
+    let size = [xx, xy, xz, yy, yz, zz].iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    if size <= 0.0 {
+        return Ok(());
+    }
+    if body.mass_kg <= 0.0 {
+        let found = format!("inertia up to {} without mass", shown(&at, size));
+        return Err(part.refuse(&at, "mass_kg above 0 beside an inertia", found));
+    }
+    if is_possible(inertia) {
+        return Ok(());
+    }
+    let expected = "an inertia that a body can have: each principal moment from 0 to the sum of the other two \
+                    (kg m², about the centre of mass)";
+    let found = format!(
+        "xx {}, yy {}, zz {}; xy {}, xz {}, yz {}",
+        shown(&at, xx),
+        shown(&at, yy),
+        shown(&at, zz),
+        shown(&at, xy),
+        shown(&at, xz),
+        shown(&at, yz)
+    );
+    Err(part.refuse(&at, expected, found))
+}
+
+/// Whether the second moments of mass `Σ = tr(I)/2 - I` are positive semidefinite up to [`ROUNDING`] (Wensing, Kim &
+/// Slotine 2018): whether `Σ / tr(I) + ROUNDING` is positive definite, by Sylvester's criterion. That bounds the
+/// eigenvalues, so turned and added inertias pass as well.
+fn is_possible(inertia: &InertiaMatrix) -> bool {
+    let InertiaMatrix { xx, xy, xz, yy, yz, zz } = *inertia;
+    let trace = xx + yy + zz;
+    if trace <= 0.0 {
+        return false;
+    }
+    let [a, b, c] = [xx, yy, zz].map(|moment| 0.5 - moment / trace + ROUNDING);
+    let [d, e, f] = [xy, xz, yz].map(|product| -product / trace);
+    let minors =
+        [a, a * b - d * d, a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)];
+    minors.iter().all(|minor| *minor > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DQuat};
+
+    use super::*;
+
+    fn turned(moments: [f64; 3], rotation: DQuat) -> InertiaMatrix {
+        let r = DMat3::from_quat(rotation);
+        let m = r * DMat3::from_diagonal(moments.into()) * r.transpose();
+        InertiaMatrix {
+            xx: m.x_axis.x,
+            xy: m.y_axis.x,
+            xz: m.z_axis.x,
+            yy: m.y_axis.y,
+            yz: m.z_axis.y,
+            zz: m.z_axis.z,
+        }
+    }
+
+    #[test]
+    fn rods_and_plates_pass_however_they_are_turned_and_worse_does_not() {
+        for step in 0..100 {
+            let angle = f64::from(step) * 0.37;
+            let axis = glam::DVec3::new(angle.sin(), angle.cos(), 0.3).normalize();
+            let rotation = DQuat::from_axis_angle(axis, angle);
+            for moments in [[1e-5, 1e-5, 0.0], [1.0, 1.0, 2.0], [3.0, 3.0, 3.0]] {
+                assert!(is_possible(&turned(moments, rotation)), "{moments:?} {angle}");
+            }
+            // One part in a thousand beyond a plate, 200 times the rounding.
+            assert!(!is_possible(&turned([1.0, 1.0, 2.004], rotation)), "{angle}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What of a description cannot be.
+
+mod bodies;
+mod drives;
+mod joints;
+mod limits;
+mod names;
+mod part;
+mod servos;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use super::Description;
+use super::error::{DescriptionError, Step};
+pub(super) use tree::Shape;
+
+use names::Names;
+use part::{Part, Sign};
+
+impl Description {
+    /// Refuses what cannot be a rig. O(bodies + joints + servos).
+    ///
+    /// What passes has the names that it uses, once each; is a tree; has numbers that f32 holds, unit axes and
+    /// rotations, possible inertias, and a home pose within all limits.
+    ///
+    /// # Errors
+    /// The first [`DescriptionError`] in the order of the file's sections.
+    pub fn check(&self) -> Result<(), DescriptionError> {
+        self.checked().map(|_| ())
+    }
+
+    /// [`Self::check`], and the tree that it found.
+    pub(super) fn checked(&self) -> Result<Shape, DescriptionError> {
+        self.check_standing()?;
+        let bodies = Names::new("body", self.bodies.iter().map(|body| &body.name))?;
+        for (index, body) in self.bodies.iter().enumerate() {
+            bodies::check(Part::of("body", index, &body.name), body)?;
+        }
+        let joints = Names::new("joint", self.joints.iter().map(|joint| &joint.name))?;
+        for (index, joint) in self.joints.iter().enumerate() {
+            joints::check(Part::of("joint", index, &joint.name), joint)?;
+        }
+        let shape = tree::shape(self, &bodies)?;
+        for (index, limit) in self.limits.iter().enumerate() {
+            limits::check(self, &joints, index, limit)?;
+        }
+        let servos = Names::new("servo", self.servos.iter().map(|servo| &servo.name))?;
+        let mut owners = drives::Owners::new(self);
+        for (index, drive) in self.drives.iter().enumerate() {
+            drives::check(self, (&joints, &servos), &mut owners, index, drive)?;
+        }
+        let mut addresses = servos::Addresses::new();
+        for (index, servo) in self.servos.iter().enumerate() {
+            servos::check(&mut addresses, index, servo)?;
+        }
+        Names::new("servo_model", self.servo_models.iter().map(|model| &model.name))?;
+        for (index, model) in self.servo_models.iter().enumerate() {
+            servos::check_model(index, model)?;
+        }
+        Ok(shape)
+    }
+
+    /// The rig's name, where it stands, and what feeds it.
+    fn check_standing(&self) -> Result<(), DescriptionError> {
+        if self.name.trim().is_empty() {
+            let found = format!("{:?}", self.name);
+            return Err(tree::of_rig("name", "a name".to_owned(), found));
+        }
+        let mount = Part::single("mount");
+        mount.numbers(&[Step::Key("position_m")], &self.mount.position_m, Sign::Any)?;
+        mount.unit_length("rotation_xyzw", &self.mount.rotation_xyzw)?;
+        if let Some(supply) = &self.supply {
+            let part = Part::single("supply");
+            part.number(&[Step::Key("voltage_v")], supply.voltage_v, Sign::Positive)?;
+            part.number(&[Step::Key("current_a")], supply.current_a, Sign::Positive)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,157 @@
+//! One part of a description: what is said about it, and the rules that any of its numbers obeys.
+
+use std::fmt;
+
+use crate::description::error::{DescriptionError, Path, Step};
+use crate::description::unit::{is_angle, unit_at};
+use crate::number;
+
+/// No number is larger, in SI units: squares and products of such numbers stay far below what f32 holds (3e38), and no
+/// rig comes near.
+const LARGEST: f64 = 1e6;
+
+/// How far the length of an axis or a quaternion may be from 1, and the cosine of a right angle from 0: as
+/// `sinew-core` takes them. Files carry six digits or so; what is off by more is a mistake, not rounding.
+pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// A part, by its table and name.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<'a> {
+    table: &'static str,
+    index: Option<usize>,
+    name: &'a str,
+}
+
+/// What a number may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sign {
+    Any,
+    NotNegative,
+    Positive,
+}
+
+impl<'a> Part<'a> {
+    /// A table that there is once.
+    pub(super) fn single(table: &'static str) -> Self {
+        Self { table, index: None, name: "" }
+    }
+
+    /// A table of an array.
+    pub(super) fn of(table: &'static str, index: usize, name: &'a str) -> Self {
+        Self { table, index: Some(index), name }
+    }
+
+    /// Refuses the value at a place in the part.
+    pub(super) fn refuse(
+        self,
+        at: &[Step],
+        expected: impl Into<String>,
+        found: impl fmt::Display,
+    ) -> DescriptionError {
+        let place = [Step::Key(self.table)].into_iter().chain(self.index.map(Step::Index));
+        let item = match self.index {
+            Some(_) => format!("{} {:?}", self.table, self.name),
+            None => format!("the {}", self.table),
+        };
+        DescriptionError {
+            path: Path(place.chain(at.iter().copied()).collect()),
+            item,
+            expected: expected.into(),
+            found: found.to_string(),
+        }
+    }
+
+    /// Refuses a number that is not finite, too large, or of a sign that cannot be. In SI units; told in the file's.
+    pub(super) fn number(
+        self,
+        at: &[Step],
+        value: f64,
+        sign: Sign,
+    ) -> Result<(), DescriptionError> {
+        let sign_is_right = match sign {
+            Sign::Any => true,
+            Sign::NotNegative => value >= 0.0,
+            Sign::Positive => value > 0.0,
+        };
+        // NaN is not at most anything.
+        if value.abs() <= LARGEST && sign_is_right {
+            return Ok(());
+        }
+        let unit = unit_at(at);
+        let largest = with_unit(&format!("{:.1e}", in_file(at, LARGEST)), unit);
+        let expected = match sign {
+            Sign::Any => format!("a finite number, at most {largest} in size"),
+            Sign::NotNegative => format!("a number from 0 to {largest}"),
+            Sign::Positive => format!("a number above 0, at most {largest}"),
+        };
+        Err(self.refuse(at, expected, shown(at, value)))
+    }
+
+    /// The same of each of several numbers.
+    pub(super) fn numbers(
+        self,
+        at: &[Step],
+        values: &[f64],
+        sign: Sign,
+    ) -> Result<(), DescriptionError> {
+        for (index, value) in values.iter().enumerate() {
+            let place: Vec<_> = at.iter().copied().chain([Step::Index(index)]).collect();
+            self.number(&place, *value, sign)?;
+        }
+        Ok(())
+    }
+
+    /// The same of a number that may be left out.
+    pub(super) fn number_if_any(
+        self,
+        key: &'static str,
+        value: Option<f64>,
+        sign: Sign,
+    ) -> Result<(), DescriptionError> {
+        value.map_or(Ok(()), |value| self.number(&[Step::Key(key)], value, sign))
+    }
+
+    /// Refuses what is not of length 1: an axis or a quaternion.
+    pub(super) fn unit_length(
+        self,
+        key: &'static str,
+        vector: &[f64],
+    ) -> Result<(), DescriptionError> {
+        let at = [Step::Key(key)];
+        self.numbers(&at, vector, Sign::Any)?;
+        let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (length - 1.0).abs() <= UNIT_TOLERANCE {
+            return Ok(());
+        }
+        let mut expected = format!("length 1 (within {UNIT_TOLERANCE})");
+        if length > 0.0 {
+            let unit: Vec<_> = vector.iter().map(|x| x / length).collect();
+            let such_as = number::list_text(&number::rounded_together(&unit));
+            expected = format!("{expected}, such as {such_as}");
+        }
+        let found = format!(
+            "{} of length {}",
+            number::list_text(vector),
+            number::text(number::rounded(length))
+        );
+        Err(self.refuse(&at, expected, found))
+    }
+}
+
+/// A value of memory as the file has it.
+fn in_file(at: &[Step], value: f64) -> f64 {
+    let key = at.iter().rev().find_map(|step| match step {
+        Step::Key(key) => Some(*key),
+        Step::Index(_) => None,
+    });
+    if key.is_some_and(is_angle) { value.to_degrees() } else { value }
+}
+
+/// A value of memory as the file has it, with its unit.
+pub(super) fn shown(at: &[Step], value: f64) -> String {
+    with_unit(&number::text(number::rounded(in_file(at, value))), unit_at(at))
+}
+
+fn with_unit(text: &str, unit: &str) -> String {
+    if unit.is_empty() { text.to_owned() } else { format!("{text} {unit}") }
+}

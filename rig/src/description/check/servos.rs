@@ -1,0 +1,80 @@
+//! Servos and their kinds.
+
+use std::collections::HashMap;
+
+use super::joints::check_range;
+use super::part::{Part, Sign};
+use crate::description::error::{DescriptionError, Step};
+use crate::description::{Address, Servo, ServoModel};
+
+/// What each place on each bus has.
+pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
+
+pub(super) fn check<'a>(
+    addresses: &mut Addresses<'a>,
+    index: usize,
+    servo: &'a Servo,
+) -> Result<(), DescriptionError> {
+    let part = Part::of("servo", index, &servo.name);
+    for (key, name) in [("model", &servo.model), ("bus", &servo.bus)] {
+        if name.trim().is_empty() {
+            return Err(part.refuse(&[Step::Key(key)], "a name", format!("{name:?}")));
+        }
+    }
+    check_address(part, addresses, servo)?;
+    if ![1, -1].contains(&servo.direction) {
+        return Err(part.refuse(&[Step::Key("direction")], "1 or -1", servo.direction));
+    }
+    part.number_if_any("offset_deg", servo.offset_rad, Sign::Any)?;
+    part.number(&[Step::Key("gear")], servo.gear, Sign::Positive)?;
+    let at = [Step::Key("range_deg")];
+    for pair in &servo.range_rad {
+        check_range(part, &at, *pair)?;
+    }
+    if servo.range_rad.len() > 1 {
+        let found = servo.range_rad.len();
+        return Err(part.refuse(&at, "one pair [least, most]", found));
+    }
+    for (key, limit) in [
+        ("torque_nm", servo.torque_nm),
+        ("speed_deg_s", servo.speed_rad_s),
+        ("acceleration_deg_s2", servo.acceleration_rad_s2),
+    ] {
+        part.number_if_any(key, limit, Sign::Positive)?;
+    }
+    Ok(())
+}
+
+fn check_address<'a>(
+    part: Part<'_>,
+    addresses: &mut Addresses<'a>,
+    servo: &'a Servo,
+) -> Result<(), DescriptionError> {
+    let (key, number, most) = match servo.address {
+        // 253 and 254 are for the bus itself, 255 begins a packet.
+        Address::Id(id) => ("id", id, 252),
+        Address::Channel(channel) => ("channel", channel, 15),
+    };
+    let at = [Step::Key(key)];
+    if number > most {
+        return Err(part.refuse(&at, format!("a whole number from 0 to {most}"), number));
+    }
+    if let Some(first) = addresses.insert((&servo.bus, servo.address), &servo.name) {
+        let expected = format!("an {key} that no other servo of bus {:?} has", servo.bus);
+        return Err(part.refuse(&at, expected, format!("{number}, as servo {first:?} has")));
+    }
+    Ok(())
+}
+
+pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), DescriptionError> {
+    let part = Part::of("servo_model", index, &model.name);
+    for (key, sourced) in model.clone().values_mut() {
+        let at = [Step::Key(key), Step::Key("value")];
+        part.number(&at, sourced.value, Sign::NotNegative)?;
+        if sourced.source.trim().is_empty() {
+            let expected = "where the value is from, or \"guess: ...\"";
+            return Err(part.refuse(&[at[0], Step::Key("source")], expected, "an empty text"));
+        }
+    }
+    Ok(())
+}

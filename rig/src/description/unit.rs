@@ -1,0 +1,38 @@
+//! The unit of a value is the end of its key.
+
+use super::error::Step;
+
+/// Ends of keys, the longer first, and how people write the unit.
+const UNITS: [(&str, &str); 12] = [
+    ("_kg_m2", "kg m²"),
+    ("_deg_s2", "deg/s²"),
+    ("_deg_s", "deg/s"),
+    ("_deg", "deg"),
+    ("_m_s2", "m/s²"),
+    ("_m_s", "m/s"),
+    ("_kg", "kg"),
+    ("_nm", "N m"),
+    ("_v", "V"),
+    ("_a", "A"),
+    ("_s", "s"),
+    ("_m", "m"),
+];
+
+/// The unit of a key's values, if its name ends with one.
+fn unit(key: &str) -> Option<&'static str> {
+    UNITS.iter().find(|(end, _)| key.ends_with(end)).map(|(_, unit)| *unit)
+}
+
+/// The unit of a place: of the innermost key that has one; empty if none has.
+pub(super) fn unit_at(path: &[Step]) -> &'static str {
+    let of_step = |step: &Step| match step {
+        Step::Key(key) => unit(key),
+        Step::Index(_) => None,
+    };
+    path.iter().rev().find_map(of_step).unwrap_or("")
+}
+
+/// Whether a key's values are degrees in the file, and radians in memory.
+pub(crate) fn is_angle(key: &str) -> bool {
+    unit(key).is_some_and(|unit| unit.starts_with("deg"))
+}

@@ -1,0 +1,71 @@
+//! Numbers as people read them.
+
+/// Digits that are kept. Rounding errors of a conversion stand in the last four of the 16 that an f64 has; f32, which
+/// takes the numbers in the end, has 7.
+const DIGITS: usize = 12;
+
+/// The number of [`DIGITS`] significant digits that is nearest.
+pub(crate) fn rounded(number: f64) -> f64 {
+    if number.is_finite() {
+        // What is printed from a finite number is one.
+        format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
+    } else {
+        number
+    }
+}
+
+/// The same of numbers that belong together: what is below that many digits of the largest is noise as well, such as
+/// the cosine of a right angle.
+pub(crate) fn rounded_together(numbers: &[f64]) -> Vec<f64> {
+    let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
+    // Half a step of the largest number's last digit.
+    let noise = largest * 0.5 * 10.0_f64.powi(1 - DIGITS as i32);
+    numbers
+        .iter()
+        .map(|number| if number.abs() <= noise { 0.0 } else { rounded(*number) })
+        .collect()
+}
+
+/// The shortest text that is read as the same number, as TOML takes it.
+pub(crate) fn text(number: f64) -> String {
+    let size = number.abs();
+    if size <= 0.0 {
+        "0".to_owned()
+    } else if number.is_nan() {
+        "nan".to_owned()
+    } else if (1e-4..1e9).contains(&size) || number.is_infinite() {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+/// Numbers in square brackets.
+pub(crate) fn list_text(numbers: &[f64]) -> String {
+    let texts: Vec<_> = numbers.iter().map(|number| text(*number)).collect();
+    format!("[{}]", texts.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_rounded_and_the_rest_is_short() {
+        for (number, expected) in [
+            (0.1 + 0.2, "0.3"),
+            (90.0, "90"),
+            (-0.0, "0"),
+            (1.2345e-7, "1.2345e-7"),
+            (1e-4, "0.0001"),
+            (2.5e12, "2.5e12"),
+            (std::f64::consts::FRAC_1_SQRT_2, "0.707106781187"),
+            (f64::NAN, "nan"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(text(rounded(number)), expected);
+        }
+        let right_angle = std::f64::consts::FRAC_PI_2;
+        assert_eq!(list_text(&rounded_together(&[right_angle.cos(), right_angle.sin()])), "[0, 1]");
+    }
+}
