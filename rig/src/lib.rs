@@ -8,6 +8,10 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod drive;
+pub mod limited;
+pub mod servo;
+
 #[cfg(feature = "std")]
 pub mod description;
 #[cfg(feature = "std")]
@@ -20,6 +24,8 @@ mod nearest;
 mod number;
 #[cfg(feature = "std")]
 pub mod review;
+#[cfg(feature = "std")]
+pub mod toml_file;
 
 #[cfg(feature = "std")]
 pub use description::Description;

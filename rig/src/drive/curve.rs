@@ -1,0 +1,284 @@
+//! One servo and one joint by a monotone curve through points.
+
+use heapless::Vec;
+
+use super::{DriveError, DrivePose, LARGEST, LEAST_MOTION, Numbers, Tangent, bounded, collect};
+use crate::limited::LimitReason;
+
+/// The most points of a curve.
+pub const POINTS: usize = 16;
+
+/// Least distance of two points, rad of the servo: less than a step of an encoder of 4096.
+const LEAST_GAP: f32 = 1e-3;
+
+/// The least slope that is accepted, as a share of the mean slope.
+const LEAST_SHARE: f32 = 0.01;
+
+/// Steps of the inverse. Newton's method needs five or so; the flattest curves that are accepted take ten, which a test
+/// tries.
+const STEPS: usize = 12;
+
+/// A monotone curve `q(s)` through points, with a continuous derivative that is nowhere near zero: jaws, lids,
+/// push-rods.
+///
+/// Cubics between the points, with slopes after Fritsch and Butland (1984), which keep the curve monotone. At its ends
+/// the slope is that of a parabola through three points, between 1/4 and 3 times that of the last two.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    knots: Vec<Knot, POINTS>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Knot {
+    servo: f32,
+    joint: f32,
+    slope: f32,
+}
+
+impl Curve {
+    /// A curve through points `[s, q]`, `s` in rad and rising, `q` in rad or m and all rising or all falling.
+    ///
+    /// # Errors
+    /// [`DriveError`] if there are fewer than 2 points or more than [`POINTS`], a number is none, servo positions do
+    /// not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below 1/100 of its mean
+    /// slope.
+    pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
+        let (what, found) = ("points", points.len());
+        if found < 2 {
+            return Err(DriveError::TooFew { what, found, least: 2 });
+        }
+        if found > POINTS {
+            return Err(DriveError::TooMany { what, found, most: POINTS });
+        }
+        for (index, [servo, joint]) in points.iter().enumerate() {
+            bounded("servo position of point", index, *servo, [-LARGEST, LARGEST])?;
+            bounded("joint position of point", index, *joint, [-LARGEST, LARGEST])?;
+        }
+        let (first, last) = match points {
+            [first, .., last] => (first, last),
+            _ => return Err(DriveError::TooFew { what, found, least: 2 }),
+        };
+        let mut secants = Vec::<Secant, POINTS>::new();
+        for (before, pair) in points.windows(2).enumerate() {
+            let [[s0, q0], [s1, q1]] = pair else { continue };
+            let point = before.saturating_add(1);
+            if s1 - s0 < LEAST_GAP {
+                return Err(DriveError::NotRising { point });
+            }
+            if (q1 - q0) * (last[1] - first[1]) <= 0.0 {
+                return Err(DriveError::NotMonotone { point });
+            }
+            // There is room: points are counted.
+            let _ = secants.push(Secant { width: s1 - s0, slope: (q1 - q0) / (s1 - s0) });
+        }
+        let mean = (last[1] - first[1]) / (last[0] - first[0]);
+        if mean.abs() < LEAST_MOTION {
+            return Err(DriveError::Unmoved { freedom: 0, largest: mean.abs() });
+        }
+        let mut knots = Vec::new();
+        for (index, [servo, joint]) in points.iter().enumerate() {
+            let slope = slope_at(&secants, index);
+            let _ = knots.push(Knot { servo: *servo, joint: *joint, slope });
+        }
+        let curve = Self { knots };
+        let share = curve
+            .pieces()
+            .map(|piece| piece.least_slope(mean.signum()))
+            .fold(f32::INFINITY, f32::min)
+            / mean.abs();
+        // Written so that NaN is refused.
+        if !(share >= LEAST_SHARE) {
+            return Err(DriveError::Flat { share, least: LEAST_SHARE });
+        }
+        Ok(curve)
+    }
+
+    /// The points `[s, q]` that it goes through.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = [f32; 2]> {
+        self.knots.iter().map(|knot| [knot.servo, knot.joint])
+    }
+
+    fn pieces(&self) -> impl Iterator<Item = Piece> {
+        self.knots.windows(2).filter_map(|pair| match pair {
+            [from, to] => Some(Piece { from: *from, to: *to }),
+            _ => None,
+        })
+    }
+
+    pub(super) fn at_servo(&self, s: f32) -> DrivePose<'_> {
+        self.pose(
+            s,
+            |piece| s <= piece.to.servo,
+            |knot| s < knot.servo,
+            |piece| (s - piece.from.servo) / piece.width(),
+        )
+    }
+
+    pub(super) fn at_joint(&self, q: f32) -> DrivePose<'_> {
+        // Turned round, a falling curve rises.
+        let rising = self.pieces().next().is_none_or(|piece| piece.to.joint > piece.from.joint);
+        let is_below = |a: f32, b: f32| if rising { a < b } else { a > b };
+        self.pose(
+            q,
+            |piece| !is_below(piece.to.joint, q),
+            |knot| is_below(q, knot.joint),
+            |piece| piece.inverse(q),
+        )
+    }
+
+    /// The pose of a wanted position: in the first piece that reaches it, at the share of its width that `share_of`
+    /// finds; else at the end that is nearest.
+    fn pose(
+        &self,
+        wanted: f32,
+        reached: impl Fn(&Piece) -> bool,
+        before: impl Fn(&Knot) -> bool,
+        share_of: impl Fn(&Piece) -> f32,
+    ) -> DrivePose<'_> {
+        let at = |knot: &Knot, reason| pose_of(knot.servo, knot.joint, knot.slope, reason);
+        match (self.knots.first(), self.pieces().find(reached), self.knots.last()) {
+            (Some(first), ..) if before(first) => at(first, Some(LimitReason::Range)),
+            (_, Some(piece), _) => {
+                let share = share_of(&piece);
+                let servo = piece.from.servo + share * piece.width();
+                pose_of(servo, piece.joint(share), piece.slope(share), None)
+            }
+            (_, None, Some(last)) => at(last, Some(LimitReason::Range)),
+            // A curve has two points at least.
+            (_, None, None) => pose_of(wanted, wanted, 1.0, Some(LimitReason::Range)),
+        }
+    }
+}
+
+fn pose_of(servo: f32, joint: f32, slope: f32, reason: Option<LimitReason>) -> DrivePose<'static> {
+    let one = |number: f32| -> Numbers { collect([number]) };
+    DrivePose { joints: one(joint), servos: one(servo), reason, tangent: Tangent::Slope(slope) }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Secant {
+    width: f32,
+    slope: f32,
+}
+
+/// Slope of the curve at a point.
+fn slope_at(secants: &[Secant], point: usize) -> f32 {
+    let at = |index: usize| secants.get(index).copied();
+    let before = point.checked_sub(1).and_then(at);
+    match (before, at(point)) {
+        // The harmonic mean, weighted for the widths.
+        (Some(a), Some(b)) => {
+            let (wa, wb) = (2.0 * b.width + a.width, b.width + 2.0 * a.width);
+            (wa + wb) / (wa / a.slope + wb / b.slope)
+        }
+        (None, Some(end)) => end_slope(end, at(1)),
+        (Some(end), None) => end_slope(end, point.checked_sub(2).and_then(at)),
+        (None, None) => 0.0,
+    }
+}
+
+/// Slope at an end, of the secant there and the one behind it.
+fn end_slope(end: Secant, behind: Option<Secant>) -> f32 {
+    let Some(behind) = behind else { return end.slope };
+    let weight = end.width / (end.width + behind.width);
+    // As a share of the end's own: in its direction, whatever that is.
+    let share = 1.0 + weight * (1.0 - behind.slope / end.slope);
+    end.slope * share.clamp(0.25, 3.0)
+}
+
+/// The cubic between two knots.
+struct Piece {
+    from: Knot,
+    to: Knot,
+}
+
+impl Piece {
+    fn width(&self) -> f32 {
+        self.to.servo - self.from.servo
+    }
+
+    /// Coefficients `a, b, c` of `y = t (a + t (b + t c))`: share of the height at share `t` of the width.
+    fn cubic(&self) -> [f32; 3] {
+        let secant = (self.to.joint - self.from.joint) / self.width();
+        let (from, to) = (self.from.slope / secant, self.to.slope / secant);
+        [from, 3.0 - 2.0 * from - to, from + to - 2.0]
+    }
+
+    fn joint(&self, share: f32) -> f32 {
+        let [a, b, c] = self.cubic();
+        let height = self.to.joint - self.from.joint;
+        self.from.joint + height * (share * (a + share * (b + share * c)))
+    }
+
+    fn slope(&self, share: f32) -> f32 {
+        let [a, b, c] = self.cubic();
+        let height = self.to.joint - self.from.joint;
+        (a + share * (2.0 * b + share * (3.0 * c))) * (height / self.width())
+    }
+
+    /// The least slope, in the direction of `sign`.
+    fn least_slope(&self, sign: f32) -> f32 {
+        let [_, b, c] = self.cubic();
+        let lowest = -b / (3.0 * c);
+        // NaN of a straight line is not within.
+        let lowest = if lowest > 0.0 && lowest < 1.0 { lowest } else { 0.0 };
+        [0.0, lowest, 1.0]
+            .into_iter()
+            .map(|share| self.slope(share) * sign)
+            .fold(f32::INFINITY, f32::min)
+    }
+
+    /// The share of the width where the joint is at `q`: Newton's method between bounds that close in.
+    fn inverse(&self, q: f32) -> f32 {
+        let [a, b, c] = self.cubic();
+        let wanted = (q - self.from.joint) / (self.to.joint - self.from.joint);
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut share = wanted.clamp(0.0, 1.0);
+        for _ in 0..STEPS {
+            let error = share * (a + share * (b + share * c)) - wanted;
+            if error > 0.0 {
+                high = share;
+            } else {
+                low = share;
+            }
+            let next = share - error / (a + share * (2.0 * b + share * (3.0 * c)));
+            share = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+        }
+        share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A piece of unit width and height, with slopes in units of its secant.
+    fn piece(from: f32, to: f32) -> Piece {
+        Piece {
+            from: Knot { servo: 0.0, joint: 0.0, slope: from },
+            to: Knot { servo: 1.0, joint: 1.0, slope: to },
+        }
+    }
+
+    #[test]
+    fn the_steps_of_the_inverse_are_enough_for_the_flattest_piece() {
+        let (mut worst, mut tried) = (0.0_f32, 0);
+        for (from, to) in (0..=60).flat_map(|a| (0..=60).map(move |b| (a, b))) {
+            #[expect(clippy::cast_precision_loss, reason = "small")]
+            let piece = piece(0.05 * from as f32, 0.05 * to as f32);
+            // A piece may be 15 times as steep as the mean, and is then flat in its own units.
+            if piece.least_slope(1.0) < LEAST_SHARE / 15.0 {
+                continue;
+            }
+            tried += 1;
+            for step in 0..=100_u8 {
+                let joint = f32::from(step) / 100.0;
+                let share = piece.inverse(joint);
+                worst = worst.max((piece.joint(share) - joint).abs());
+            }
+        }
+        assert!(tried > 3000, "{tried}");
+        // A few roundings of a sum of three terms of at most 3.
+        assert!(worst < 1e-6, "{worst}");
+    }
+}

@@ -1,0 +1,222 @@
+//! One servo and one joint by a four-bar linkage, in closed form.
+
+use core::f32::consts::TAU;
+
+use sinew_core::coordinates::nearest_turn;
+use sinew_core::glam::Vec2;
+use sinew_core::math;
+
+use super::{DriveError, DrivePose, Numbers, Tangent, bounded, collect};
+use crate::limited::LimitReason;
+
+/// Least angle between crank and rod, and between rod and lever. At 5 degrees a lever takes eleven times the force that
+/// it needs at 90; builders stay above 30.
+const LEAST_ANGLE_RAD: f32 = 5.0 * math::PI / 180.0;
+
+/// Lengths of the links, m: of a push-rod on a watch, and of a crane.
+const LENGTHS_M: [f32; 2] = [1e-4, 10.0];
+
+/// A four-bar linkage: a rod joins the servo's horn (the crank) with a lever on the joint (the rocker).
+///
+/// Angles of crank and rocker are counterclockwise from the line that leads from the servo's axis to the joint's.
+/// Nowhere in the servo's range may two links in a row come nearer to one line than 5 degrees: at a toggle of crank and
+/// rod the servo no longer moves the joint, and where rod and lever are in line it cannot hold it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FourBar {
+    links: Links,
+    range_rad: [f32; 2],
+    joint_rad: [f32; 2],
+    /// On which side of the line from the joint's axis to the crank's tip the rod's other end is: 1 or -1.
+    side: f32,
+    /// On which side of the line from the servo's axis to the rod's far end the crank's tip is: 1 or -1.
+    elbow: f32,
+}
+
+/// The links of a four-bar, and where its zeros are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Links {
+    /// From the servo's axis to the joint's, m.
+    pub ground_m: f32,
+    /// The servo's horn, m.
+    pub crank_m: f32,
+    /// The rod, m.
+    pub coupler_m: f32,
+    /// The lever on the joint, m.
+    pub rocker_m: f32,
+    /// Angle of the crank where the servo is at zero, rad.
+    pub crank_zero_rad: f32,
+    /// Angle of the rocker where the joint is at zero, rad.
+    pub rocker_zero_rad: f32,
+    /// Which of the two ways to close: the open one, in which crank and rocker stand on the same side of the ground
+    /// line where the servo is at zero, or the crossed one.
+    pub crossed: bool,
+}
+
+/// The linkage at one position. Origin at the servo's axis, x towards the joint's.
+#[derive(Clone, Copy)]
+struct Closed {
+    /// The crank's tip.
+    tip: Vec2,
+    /// From the joint's axis to the rod's far end.
+    lever: Vec2,
+    rod: Vec2,
+}
+
+impl Closed {
+    /// Angle between two links' lines, 0 to π/2.
+    fn angle(a: Vec2, b: Vec2) -> f32 {
+        math::atan2(a.perp_dot(b).abs(), a.dot(b).abs())
+    }
+
+    /// dq/ds, since the rod keeps its length.
+    fn slope(&self) -> f32 {
+        self.tip.perp_dot(self.rod) / self.lever.perp_dot(self.rod)
+    }
+}
+
+impl FourBar {
+    /// A linkage whose servo moves within a range, rad.
+    ///
+    /// # Errors
+    /// [`DriveError`] if a number is none or no length, the range is empty or a whole turn, the links do not close
+    /// everywhere in the range, come too near one line there, or the rocker passes half a turn from its zero.
+    pub fn new(links: Links, range_rad: [f32; 2]) -> Result<Self, DriveError> {
+        for (what, length) in [
+            ("ground_m", links.ground_m),
+            ("crank_m", links.crank_m),
+            ("coupler_m", links.coupler_m),
+            ("rocker_m", links.rocker_m),
+        ] {
+            bounded(what, 0, length, LENGTHS_M)?;
+        }
+        let [least, most] = range_rad;
+        for (index, angle) in
+            [links.crank_zero_rad, links.rocker_zero_rad, least, most].into_iter().enumerate()
+        {
+            bounded("angle", index, angle, [-TAU, TAU])?;
+        }
+        // Less than a turn, by a step of an encoder of 4096.
+        bounded("width of the servo's range", 0, most - least, [1e-3, TAU - 1e-3])?;
+        let mut all = Self { links, range_rad, joint_rad: [0.0; 2], side: 1.0, elbow: 1.0 };
+        let (crank_side, _) = math::sin_cos(links.crank_zero_rad);
+        all.side = if (crank_side < 0.0) == links.crossed { 1.0 } else { -1.0 };
+        all.check()?;
+        let at = |servo_rad| all.close(servo_rad).ok_or(DriveError::Open { servo_rad });
+        let (first, last) = (at(least)?, at(most)?);
+        let (from, to) = (all.joint_of(&first), all.joint_of(&last));
+        if (to - from) * first.slope() <= 0.0 {
+            return Err(DriveError::RockerWraps);
+        }
+        let end = first.lever + Vec2::new(links.ground_m, 0.0);
+        all.elbow = if end.perp_dot(first.tip) < 0.0 { -1.0 } else { 1.0 };
+        all.joint_rad = [from, to];
+        Ok(all)
+    }
+
+    /// The links.
+    pub fn links(&self) -> Links {
+        self.links
+    }
+
+    /// The servo's range, rad.
+    pub fn range_rad(&self) -> [f32; 2] {
+        self.range_rad
+    }
+
+    /// Both angles that must not vanish have their least values at the ends of the range, where the crank lies on the
+    /// ground line, where crank and rod are in line, and where the rocker lies on the ground line: nowhere else.
+    fn check(&self) -> Result<(), DriveError> {
+        let Links { ground_m: g, crank_m: a, coupler_m: b, rocker_m: c, .. } = self.links;
+        let [least, most] = self.range_rad;
+        // Angles that are no numbers are of places where the linkage cannot be.
+        let corner = |near: f32, next: f32, far: f32| {
+            let cosine = (near * near + next * next - far * far) / (2.0 * near * next);
+            math::atan2(math::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine)
+        };
+        let (stretched, folded) = (corner(a + b, g, c), math::PI - corner(b - a, g, c));
+        let (outward, inward) = (corner(a, g + c, b), corner(a, g - c, b));
+        let crank_angles = [0.0, math::PI].into_iter().chain(
+            [stretched, folded, outward, inward].into_iter().flat_map(|angle| [angle, -angle]),
+        );
+        let places = crank_angles
+            .map(|crank| nearest_turn(crank - self.links.crank_zero_rad, 0.5 * (least + most)))
+            // NaN is not within.
+            .filter(|servo| *servo >= least && *servo <= most);
+        for servo_rad in [least, most].into_iter().chain(places) {
+            let closed = self.close(servo_rad).ok_or(DriveError::Open { servo_rad })?;
+            let least_rad = LEAST_ANGLE_RAD;
+            let found_rad = Closed::angle(closed.lever, closed.rod);
+            if found_rad < least_rad {
+                return Err(DriveError::Transmission { servo_rad, found_rad, least_rad });
+            }
+            let found_rad = Closed::angle(closed.tip, closed.rod);
+            if found_rad < least_rad {
+                return Err(DriveError::Toggle { servo_rad, found_rad, least_rad });
+            }
+        }
+        Ok(())
+    }
+
+    /// The linkage at a servo position; `None` if it does not close.
+    fn close(&self, servo_rad: f32) -> Option<Closed> {
+        let links = &self.links;
+        let tip = turned(links.crank_m, servo_rad + links.crank_zero_rad);
+        let ground = Vec2::new(links.ground_m, 0.0);
+        let lever = third_corner(tip - ground, links.rocker_m, links.coupler_m, self.side)?;
+        Some(Closed { tip, lever, rod: ground + lever - tip })
+    }
+
+    fn joint_of(&self, closed: &Closed) -> f32 {
+        let angle = math::atan2(closed.lever.y, closed.lever.x);
+        nearest_turn(angle - self.links.rocker_zero_rad, 0.0)
+    }
+
+    pub(super) fn at_servo(&self, s: f32) -> DrivePose<'_> {
+        let [least, most] = self.range_rad;
+        let servo = s.max(least).min(most);
+        self.pose(servo, (servo < s || servo > s).then_some(LimitReason::Range))
+    }
+
+    pub(super) fn at_joint(&self, q: f32) -> DrivePose<'_> {
+        let links = &self.links;
+        let [from, to] = self.joint_rad;
+        let joint = q.max(from.min(to)).min(from.max(to));
+        let lever = turned(links.rocker_m, joint + links.rocker_zero_rad);
+        let end = lever + Vec2::new(links.ground_m, 0.0);
+        let [least, most] = self.range_rad;
+        let servo =
+            third_corner(end, links.crank_m, links.coupler_m, -self.elbow).map_or(least, |tip| {
+                let servo = math::atan2(tip.y, tip.x) - links.crank_zero_rad;
+                nearest_turn(servo, 0.5 * (least + most)).max(least).min(most)
+            });
+        let reason = (joint < q || joint > q).then_some(LimitReason::Range);
+        let pose = self.pose(servo, reason);
+        DrivePose { joints: collect([joint]), ..pose }
+    }
+
+    fn pose(&self, servo: f32, reason: Option<LimitReason>) -> DrivePose<'_> {
+        let one = |number: f32| -> Numbers { collect([number]) };
+        // It closes: the range was checked.
+        let (joint, slope) =
+            self.close(servo).map_or((0.0, 1.0), |closed| (self.joint_of(&closed), closed.slope()));
+        DrivePose { joints: one(joint), servos: one(servo), reason, tangent: Tangent::Slope(slope) }
+    }
+}
+
+fn turned(length: f32, angle: f32) -> Vec2 {
+    let (sine, cosine) = math::sin_cos(angle);
+    Vec2::new(length * cosine, length * sine)
+}
+
+/// From one corner of a triangle to the third: at a distance, and `far` from the second, which is at `second`.
+/// `side` is 1 if it is clockwise of the second, -1 if counterclockwise. `None` if there is no such triangle.
+fn third_corner(second: Vec2, distance: f32, far: f32, side: f32) -> Option<Vec2> {
+    let base = math::sqrt(second.dot(second));
+    let cosine = (distance * distance + base * base - far * far) / (2.0 * distance * base);
+    if !(cosine.abs() <= 1.0) {
+        return None;
+    }
+    let along = second * (distance / base);
+    let sine = math::sqrt((1.0 - cosine) * (1.0 + cosine));
+    Some(along * cosine - along.perp() * (sine * side))
+}

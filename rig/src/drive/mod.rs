@@ -1,0 +1,195 @@
+//! Drives: how servos move joints. Positions, velocities and efforts of joints to those of servos, and back.
+//!
+//! Servo positions here are those of the shafts that a drive sees, rad; [`Servo`](crate::servo::Servo) turns them into
+//! the servo's own. Of a ball joint, `q` is the rotation vector of the body in the joint frame, velocities and efforts
+//! are in body axes, as in `sinew-core`.
+//!
+//! A [`DrivePose`] is a drive at one position. Its maps of velocities and efforts belong together: the power is the same
+//! on both sides.
+//!
+//! ```
+//! use sinew_rig::drive::{Drive, Matrix};
+//! // Two servos turn a wrist through a differential: together they bend it, against each other they roll it.
+//! let wrist = Drive::from(Matrix::new(&[[0.5, 0.5], [0.5, -0.5]], &[])?);
+//! let pose = wrist.at_joints(&[0.3, 0.1])?;
+//! assert_eq!(pose.servos(), [0.4, 0.2]);
+//! assert_eq!(pose.servo_torques(&[2.0, 0.0])?, [1.0, 1.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is refused
+//! A drive that is singular, or nearly so, somewhere in its range. Where a servo hardly moves its joint, small errors of
+//! position become large motions and torques of the servo; where the joint would move the servo, the servo cannot hold
+//! it. Real transmissions stay far from both; what is refused is a mistake in the file:
+//! - a [`Matrix`] of a condition number above 100 (see there);
+//! - a [`Curve`] with a slope below 1/100 of its mean;
+//! - a [`FourBar`] whose links come nearer to one line than 5 degrees.
+
+#![warn(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::missing_errors_doc,
+    clippy::arithmetic_side_effects
+)]
+
+mod curve;
+mod error;
+mod four_bar;
+mod matrix;
+mod pose;
+mod pseudo_inverse;
+mod rotation_vector;
+
+use heapless::Vec;
+
+pub use curve::{Curve, POINTS};
+pub use error::{DriveError, DriveInputError};
+pub use four_bar::{FourBar, Links};
+pub use matrix::{ENTRIES, Matrix};
+pub use pose::DrivePose;
+
+use pose::Tangent;
+
+/// The most freedoms of a drive, and the most servos.
+pub const MOST: usize = 6;
+
+/// One number for each freedom, or for each servo, of a drive.
+pub type Numbers = Vec<f32, MOST>;
+
+/// The largest number that a drive takes, as in `sinew-core`'s coordinates.
+const LARGEST: f32 = 1e6;
+
+/// What moves a joint less than this, per radian of the servo, does not move it: rad/rad, or m/rad.
+const LEAST_MOTION: f32 = 1e-6;
+
+/// How servos move joints.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "boxes take an allocator")]
+pub enum Drive {
+    /// Linear: one to one, mirrored, mimic, differential, three servos of a ball joint.
+    Matrix(Matrix),
+    /// One servo and one joint, by a monotone curve.
+    Curve(Curve),
+    /// One servo and one joint, by a four-bar linkage.
+    FourBar(FourBar),
+}
+
+impl From<Matrix> for Drive {
+    fn from(matrix: Matrix) -> Self {
+        Self::Matrix(matrix)
+    }
+}
+
+impl From<Curve> for Drive {
+    fn from(curve: Curve) -> Self {
+        Self::Curve(curve)
+    }
+}
+
+impl From<FourBar> for Drive {
+    fn from(four_bar: FourBar) -> Self {
+        Self::FourBar(four_bar)
+    }
+}
+
+impl Drive {
+    /// How many freedoms it moves.
+    pub fn freedoms(&self) -> usize {
+        match self {
+            Self::Matrix(matrix) => matrix.freedoms(),
+            Self::Curve(_) | Self::FourBar(_) => 1,
+        }
+    }
+
+    /// How many servos it has.
+    pub fn servos(&self) -> usize {
+        match self {
+            Self::Matrix(matrix) => matrix.servos(),
+            Self::Curve(_) | Self::FourBar(_) => 1,
+        }
+    }
+
+    /// The drive where the joints are at `q`, rad or m. Beyond the ends of a curve or a four-bar it is held at the end,
+    /// and says so.
+    ///
+    /// With fewer servos than freedoms (mimic joints), `q` may be out of what the servos can do: they then go where the
+    /// squared errors, each as a share of its joint's row, are least together.
+    ///
+    /// # Errors
+    /// [`DriveInputError`] if there is not one number for each freedom, or one is NaN, infinite or above 1e6 in size.
+    pub fn at_joints(&self, q: &[f32]) -> Result<DrivePose<'_>, DriveInputError> {
+        check("joint positions", self.freedoms(), q)?;
+        Ok(match (self, q) {
+            (Self::Matrix(matrix), _) => matrix.at_joints(q),
+            (Self::Curve(curve), &[q, ..]) => curve.at_joint(q),
+            (Self::FourBar(four_bar), &[q, ..]) => four_bar.at_joint(q),
+            // One number was counted above.
+            (Self::Curve(_) | Self::FourBar(_), []) => return Err(none_of("joint positions")),
+        })
+    }
+
+    /// The drive where the servos' shafts are at `s`, rad. Beyond the ends of a curve or a four-bar it is held at the
+    /// end, and says so.
+    ///
+    /// # Errors
+    /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
+    pub fn at_servos(&self, s: &[f32]) -> Result<DrivePose<'_>, DriveInputError> {
+        check("servo positions", self.servos(), s)?;
+        Ok(match (self, s) {
+            (Self::Matrix(matrix), _) => matrix.at_servos(s),
+            (Self::Curve(curve), &[s, ..]) => curve.at_servo(s),
+            (Self::FourBar(four_bar), &[s, ..]) => four_bar.at_servo(s),
+            (Self::Curve(_) | Self::FourBar(_), []) => return Err(none_of("servo positions")),
+        })
+    }
+}
+
+fn none_of(what: &'static str) -> DriveInputError {
+    DriveInputError::Count { what, expected: 1, found: 0 }
+}
+
+/// Refuses what is not one proper number for each.
+fn check(what: &'static str, expected: usize, numbers: &[f32]) -> Result<(), DriveInputError> {
+    if numbers.len() != expected {
+        return Err(DriveInputError::Count { what, expected, found: numbers.len() });
+    }
+    // Written so that NaN is refused.
+    match numbers.iter().position(|number| !(number.abs() <= LARGEST)) {
+        None => Ok(()),
+        Some(index) => {
+            let found = numbers.get(index).copied().unwrap_or(f32::NAN);
+            Err(DriveInputError::Number { what, index, found })
+        }
+    }
+}
+
+/// A number of a drive's description, between bounds. NaN is refused.
+fn bounded(
+    what: &'static str,
+    index: usize,
+    found: f32,
+    [least, most]: [f32; 2],
+) -> Result<f32, DriveError> {
+    if (least..=most).contains(&found) {
+        Ok(found)
+    } else {
+        Err(DriveError::Number { what, index, found, least, most })
+    }
+}
+
+/// The numbers that fit, in their order: all, since they were counted. `collect` cannot know that, and would panic.
+fn collect<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> Vec<f32, N> {
+    let mut all = Vec::new();
+    for number in numbers {
+        if all.push(number).is_err() {
+            break;
+        }
+    }
+    all
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

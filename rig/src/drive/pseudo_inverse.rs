@@ -1,0 +1,107 @@
+//! The pseudo-inverse of a small matrix and its condition number, by its singular values.
+
+use heapless::Vec;
+use sinew_core::math;
+
+use super::matrix::ENTRIES;
+use super::{MOST, Numbers, collect, dot};
+
+/// Sweeps over all pairs of columns. Convergence is quadratic: matrices of up to six columns take five or so.
+const SWEEPS: usize = 12;
+
+/// A column of `A V`, and the column of `V` that makes it.
+struct Column {
+    image: Numbers,
+    of: Numbers,
+}
+
+impl Column {
+    fn squared(&self) -> f32 {
+        dot(&self.image, &self.image)
+    }
+}
+
+/// The pseudo-inverse (its rows one after the other) of `rows x columns` numbers, row after row, and the condition
+/// number: infinite, and numbers of no use, if a singular value is zero.
+///
+/// One-sided Jacobi (Hestenes 1958): columns are turned in pairs until all are perpendicular. Their lengths then are
+/// the singular values.
+pub(super) fn pseudo_inverse(
+    numbers: &[f32],
+    rows: usize,
+    columns: usize,
+) -> (Vec<f32, ENTRIES>, f32) {
+    // Of a matrix and its transpose, the one that is not wider than high.
+    let wide = columns > rows;
+    let mut turned = Vec::<Column, MOST>::new();
+    let count = rows.min(columns);
+    for index in 0..count {
+        let image = if wide {
+            collect(numbers.iter().skip(index.saturating_mul(columns)).take(columns).copied())
+        } else {
+            collect(numbers.iter().skip(index).step_by(columns.max(1)).copied())
+        };
+        let of = collect((0..count).map(|other| if other == index { 1.0 } else { 0.0 }));
+        // There is room: both counts are at most `MOST`.
+        let _ = turned.push(Column { image, of });
+    }
+    for _ in 0..SWEEPS {
+        if !sweep(&mut turned) {
+            break;
+        }
+    }
+    let squares = || turned.iter().map(Column::squared);
+    let (least, most) = (squares().fold(f32::INFINITY, f32::min), squares().fold(0.0, f32::max));
+    let condition = math::sqrt(most / least);
+    // Σ v wᵀ / σ², of the transpose transposed.
+    let element = |of_column: usize, of_row: usize| -> f32 {
+        let (inner, outer) = if wide { (of_row, of_column) } else { (of_column, of_row) };
+        turned
+            .iter()
+            .map(|column| {
+                let v = column.of.get(inner).copied().unwrap_or_default();
+                let w = column.image.get(outer).copied().unwrap_or_default();
+                v * w / column.squared()
+            })
+            .sum()
+    };
+    let inverse = collect(
+        (0..columns)
+            .flat_map(|column| (0..rows).map(move |row| (column, row)))
+            .map(|(column, row)| element(column, row)),
+    );
+    (inverse, condition)
+}
+
+/// Makes each pair of columns perpendicular, one pair after the other. Whether any was not.
+fn sweep(columns: &mut [Column]) -> bool {
+    let mut any = false;
+    for index in 1..columns.len() {
+        let (before, from) = columns.split_at_mut(index);
+        if let Some(second) = from.first_mut() {
+            for first in before {
+                any |= make_perpendicular(first, second);
+            }
+        }
+    }
+    any
+}
+
+fn make_perpendicular(first: &mut Column, second: &mut Column) -> bool {
+    let (a, b, product) = (first.squared(), second.squared(), dot(&first.image, &second.image));
+    if product.abs() <= f32::EPSILON * math::sqrt(a * b) {
+        return false;
+    }
+    let zeta = (b - a) / (2.0 * product);
+    let tangent = zeta.signum() / (zeta.abs() + math::sqrt(1.0 + zeta * zeta));
+    let cosine = 1.0 / math::sqrt(1.0 + tangent * tangent);
+    let sine = cosine * tangent;
+    let turn = |p: &mut Numbers, q: &mut Numbers| {
+        for (p, q) in p.iter_mut().zip(q) {
+            (*p, *q) = (cosine * *p - sine * *q, sine * *p + cosine * *q);
+        }
+    };
+    turn(&mut first.image, &mut second.image);
+    turn(&mut first.of, &mut second.of);
+    true
+}
