@@ -21,6 +21,8 @@ pub mod mechanism;
 #[cfg(feature = "std")]
 mod nearest;
 #[cfg(feature = "std")]
+pub mod new;
+#[cfg(feature = "std")]
 mod number;
 #[cfg(feature = "std")]
 pub mod review;

@@ -18,12 +18,13 @@ mod unit;
 pub use body::{Body, InertiaMatrix};
 pub(crate) use check::is_possible;
 pub(crate) use drive::offset_key;
+pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
-pub(crate) use unit::is_angle;
 pub use servo::{Address, Servo, ServoModel, SignalLoss, Sourced};
+pub(crate) use unit::is_angle;
 
 /// A whole rig.
 #[derive(Debug, Clone, PartialEq, Default)]
