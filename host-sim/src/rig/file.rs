@@ -38,7 +38,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let text = text.trim_start_matches('\u{feff}');
     let (description, notes) = if text.trim_start().starts_with('<') {
         let Imported { description, notes } =
-            import::xml(text, options).map_err(|error| refused(error.to_string()))?;
+            import::urdf(text, options).map_err(|error| refused(error.to_string()))?;
         (description, notes.iter().map(ToString::to_string).collect())
     } else {
         (toml_file::read(text).map_err(|error| refused(error.to_string()))?, Vec::new())

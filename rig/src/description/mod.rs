@@ -17,7 +17,6 @@ mod unit;
 
 pub use body::{Body, InertiaMatrix};
 pub(crate) use check::is_possible;
-pub(crate) use drive::offset_key;
 pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};

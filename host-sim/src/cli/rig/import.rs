@@ -21,9 +21,13 @@ pub(super) struct ImportArgs {
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     cut: Vec<String>,
 
-    /// Take masses without an inertia, or with an impossible one, as points at their centre.
+    /// Take a mechanism with closed loops as the tree that the file holds: the loops stay open.
     #[arg(long)]
-    point_masses: bool,
+    open_loops: bool,
+
+    /// Replace inertia that no body can have by a ball's, and inertia that is missing by a point's.
+    #[arg(long)]
+    repair_inertia: bool,
 
     #[command(flatten)]
     target: Target,
@@ -31,7 +35,11 @@ pub(super) struct ImportArgs {
 
 /// Reads and writes.
 pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
-    let options = Options { cut: args.cut.clone(), point_masses: args.point_masses, ..Options::default() };
+    let options = Options {
+        cut: args.cut.clone(),
+        open_loops: args.open_loops,
+        repair_inertia: args.repair_inertia,
+    };
     let loaded = load(&args.file, &options)?;
     for line in &loaded.notes {
         note(format_args!("note: {line}"));

@@ -24,7 +24,10 @@ pub(super) struct NewArgs {
 
 /// Writes it.
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
-    let rig = args.arm.map_or_else(new::face, |joints| new::arm(usize::from(joints)));
+    let rig = match args.arm {
+        Some(joints) => new::arm(usize::from(joints))?,
+        None => new::face(),
+    };
     args.target.write(&toml_file::write(&rig))?;
     Ok(ExitCode::SUCCESS)
 }
