@@ -46,7 +46,7 @@ impl ReadError {
     /// The text is no TOML.
     pub(super) fn syntax(text: &str, error: &toml::de::Error) -> Self {
         let at = error.span().map_or(0, |span| span.start);
-        Wrong { at, message: error.message().to_owned() }.in_text(text)
+        Wrong { at, message: format!("this is not TOML: {}", error.message()) }.in_text(text)
     }
 
     /// The text is TOML, and no rig.
