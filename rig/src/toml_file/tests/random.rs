@@ -5,7 +5,7 @@ use crate::description::{
     LinkedLimit, Mount, Servo, ServoModel, SignalLoss, Sourced, Supply,
 };
 
-/// SplitMix64.
+/// Seeded random numbers (`SplitMix64`).
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
@@ -18,7 +18,7 @@ impl Random {
     }
 
     fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
+        usize::try_from(self.next() % count as u64).unwrap()
     }
 
     fn one_of<T: Clone>(&mut self, choices: &[T]) -> T {
