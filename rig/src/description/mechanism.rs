@@ -202,9 +202,10 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "small whole numbers")]
     fn a_body_on_a_fixed_joint_is_part_of_the_one_that_carries_it() {
-        // Points of 1 kg at the origin and of 3 kg at x = 2: centre at 1.5, and 1 · 1.5² + 3 · 0.5² = 3 about y and z.
-        // The second one's frame is turned a quarter about z, so its own x is the first one's y.
+        // Points of 1 kg at the origin and of 3 kg at x = 2: centre at 1.5, and 1 · 1.5² + 3 · 0.5² = 3 about y and
+        // z. The second one's frame is turned a quarter about z, so its own x is the first one's y.
         let mut weld = joint("weld", JointType::Fixed, "arm", "tool");
         weld.position_m = [2.0, 0.0, 0.0];
         weld.rotation_xyzw = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
@@ -239,6 +240,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "small whole numbers")]
     fn bodies_welded_to_the_base_and_to_each_other_are_one() {
         let joints =
             vec![joint("a", JointType::Fixed, "x", "y"), joint("b", JointType::Fixed, "y", "z")];

@@ -5,7 +5,8 @@ use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
 };
 
-/// Axes of a face that looks along +z, y up: what turns up, to the face's left (+x), and to its left shoulder.
+/// Axes of a face that looks along +z, y up, its left at +x. A positive angle looks up, to the left, or leans to the
+/// left shoulder.
 const UP: [f64; 3] = [-1.0, 0.0, 0.0];
 const LEFT: [f64; 3] = [0.0, 1.0, 0.0];
 const TILT: [f64; 3] = [0.0, 0.0, -1.0];
@@ -81,13 +82,12 @@ fn add(
         servos: vec![name.to_owned()],
         kind: DriveKind::one_to_one(1),
     });
-    // 14 servos: far below what a u8 counts.
-    let channel = rig.servos.len() as u8;
     rig.servos.push(Servo {
         name: name.to_owned(),
         model: "hobby".to_owned(),
         bus: "pwm".to_owned(),
-        address: Address::Channel(channel),
+        // There are 14 channels.
+        address: Address::Channel(u8::try_from(rig.servos.len()).unwrap_or(u8::MAX)),
         on_signal_loss: SignalLoss::Hold,
         ..Servo::default()
     });
