@@ -9,6 +9,9 @@
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "std")]
+pub mod actuation;
+pub mod board;
+#[cfg(feature = "std")]
 pub mod description;
 pub mod drive;
 pub mod limited;
@@ -18,10 +21,11 @@ pub mod mechanism;
 mod nearest;
 #[cfg(feature = "std")]
 mod number;
+pub mod servo;
+#[cfg(feature = "std")]
+mod servo_model;
 #[cfg(feature = "std")]
 pub mod toml_file;
-
-pub mod servo;
 
 #[cfg(feature = "std")]
 pub use description::Description;

@@ -53,7 +53,8 @@ pub enum DriveKind {
 impl DriveKind {
     /// Each of some servos moves one degree of freedom, in their order: the default of the file.
     pub fn one_to_one(count: usize) -> Self {
-        let row = |turned: usize| (0..count).map(|servo| f64::from(u8::from(servo == turned))).collect();
+        let row =
+            |turned: usize| (0..count).map(|servo| f64::from(u8::from(servo == turned))).collect();
         Self::Matrix { rows: (0..count).map(row).collect(), offset: Vec::new() }
     }
 }

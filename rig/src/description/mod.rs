@@ -21,8 +21,8 @@ pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
-pub(crate) use unit::is_angle;
 pub use servo::{Address, Servo, ServoModel, SignalLoss, Sourced};
+pub(crate) use unit::is_angle;
 
 /// A whole rig.
 #[derive(Debug, Clone, PartialEq, Default)]

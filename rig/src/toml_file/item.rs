@@ -58,9 +58,9 @@ impl<'t> Item<'t> {
     /// A number; degrees become radians.
     pub(super) fn number(&self) -> Result<f64, Wrong> {
         let number: Option<f64> = match self.value() {
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
-            }
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|integer| integer as f64),
             DeValue::Float(float) => float.as_str().parse().ok(),
             _ => None,
         };

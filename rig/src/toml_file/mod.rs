@@ -18,7 +18,8 @@ use crate::description::Description;
 use crate::number::rounded_together;
 
 /// What the first line of a written file says.
-const HEADER: &str = "# A rig for Sinew: m, kg, N m, degrees. What each key means: docs/rig-file.md\n";
+const HEADER: &str =
+    "# A rig for Sinew: m, kg, N m, degrees. What each key means: docs/rig-file.md\n";
 
 /// Reads a rig, and refuses what cannot be one, see [`Description::check`].
 ///

@@ -60,7 +60,8 @@ impl<'t> Reader<'t> {
     }
 
     fn refuse_unknown(&self) -> Result<(), Wrong> {
-        let is_unknown = |key: &&Spanned<_>| !self.known.contains(&AsRef::<str>::as_ref(key.get_ref()));
+        let is_unknown =
+            |key: &&Spanned<_>| !self.known.contains(&AsRef::<str>::as_ref(key.get_ref()));
         let Some(key) = self.table.keys().filter(is_unknown).min_by_key(|key| key.span().start)
         else {
             return Ok(());

@@ -3,8 +3,8 @@
 use super::value::Ranges;
 use super::visitor::Visitor;
 use crate::description::{
-    Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit,
-    Mount, Servo, ServoModel, Sourced, Supply, offset_key,
+    Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
+    ServoModel, Sourced, Supply, offset_key,
 };
 
 pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Result<(), V::Error> {

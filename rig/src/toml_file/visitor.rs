@@ -7,11 +7,7 @@ pub(super) trait Visitor: Sized {
     type Error;
 
     /// A key that must be there.
-    fn required<T: Value>(
-        &mut self,
-        key: &'static str,
-        field: &mut T,
-    ) -> Result<(), Self::Error>;
+    fn required<T: Value>(&mut self, key: &'static str, field: &mut T) -> Result<(), Self::Error>;
 
     /// A key that may be left out.
     fn optional<T: Value>(
