@@ -20,6 +20,8 @@ pub mod mechanism;
 #[cfg(feature = "std")]
 mod nearest;
 #[cfg(feature = "std")]
+pub mod new;
+#[cfg(feature = "std")]
 mod number;
 pub mod servo;
 #[cfg(feature = "std")]

@@ -25,8 +25,7 @@ pub enum DriveKind {
         /// One number a row, rad or m. Default: zeros.
         offset: Vec<f64>,
     },
-    /// A monotone curve through points `[s, q]` (in the file: both in degrees, or degrees and m): jaws, lids,
-    /// push-rods.
+    /// A monotone curve through points `[s, q]`, rad, or rad and m: jaws, lids, push-rods.
     Curve {
         /// At least two, `s` rising, `q` strictly rising or falling.
         points: Vec<[f64; 2]>,
@@ -41,9 +40,9 @@ pub enum DriveKind {
         coupler_m: f64,
         /// The lever on the joint, m.
         rocker_m: f64,
-        /// Crank angle where the servo is at zero, from the line of the ground, rad (degrees in the file).
+        /// Crank angle where the servo is at zero, from the line of the ground, rad.
         crank_zero_rad: f64,
-        /// Rocker angle where the joint is at zero, rad (degrees in the file).
+        /// Rocker angle where the joint is at zero, rad.
         rocker_zero_rad: f64,
         /// Whether crank and rocker lie on opposite sides of the ground.
         crossed: bool,
@@ -66,9 +65,22 @@ impl Default for DriveKind {
     }
 }
 
-/// The key of a matrix's offset in the file: metres if the joints slide, else degrees.
-pub(crate) fn offset_key<'a>(joints: impl IntoIterator<Item = &'a Joint>) -> &'static str {
-    let mut joints = joints.into_iter().peekable();
-    let slide = joints.peek().is_some() && joints.all(|joint| joint.kind == JointType::Prismatic);
-    if slide { "offset_m" } else { "offset_deg" }
+/// The keys of a drive whose unit is that of its joints.
+pub(crate) struct UnitKeys {
+    /// Of a matrix: degrees, or metres.
+    pub(crate) offset: &'static str,
+    /// Of a curve: degrees of servo and joint, or degrees of the servo and metres of the joint.
+    pub(crate) points: &'static str,
+}
+
+impl UnitKeys {
+    /// Metres if all joints slide.
+    pub(crate) fn of<'a>(joints: impl IntoIterator<Item = &'a Joint>) -> Self {
+        let mut joints = joints.into_iter().peekable();
+        if joints.peek().is_some() && joints.all(|joint| joint.kind == JointType::Prismatic) {
+            Self { offset: "offset_m", points: "points_deg_m" }
+        } else {
+            Self { offset: "offset_deg", points: "points_deg" }
+        }
+    }
 }

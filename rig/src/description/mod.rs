@@ -16,7 +16,7 @@ mod servo;
 mod unit;
 
 pub use body::{Body, InertiaMatrix};
-pub(crate) use drive::offset_key;
+pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};

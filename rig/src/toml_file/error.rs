@@ -34,10 +34,9 @@ impl Wrong {
 
     pub(super) fn in_text(self, text: &str) -> ReadError {
         let before = text.as_bytes().get(..self.at).unwrap_or(text.as_bytes());
-        let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
-        let on_line = before.get(line_start..).unwrap_or_default();
-        let column = String::from_utf8_lossy(on_line).chars().count() + 1;
+        let lines = before.split(|byte| *byte == b'\n');
+        let on_line = String::from_utf8_lossy(lines.clone().next_back().unwrap_or_default());
+        let (line, column) = (lines.count(), on_line.chars().count() + 1);
         ReadError { line, column, message: self.message }
     }
 }
@@ -46,7 +45,7 @@ impl ReadError {
     /// The text is no TOML.
     pub(super) fn syntax(text: &str, error: &toml::de::Error) -> Self {
         let at = error.span().map_or(0, |span| span.start);
-        Wrong { at, message: error.message().to_owned() }.in_text(text)
+        Wrong { at, message: format!("this is not TOML: {}", error.message()) }.in_text(text)
     }
 
     /// The text is TOML, and no rig.

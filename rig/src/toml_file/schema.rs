@@ -4,7 +4,7 @@ use super::value::Ranges;
 use super::visitor::Visitor;
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
-    ServoModel, Sourced, Supply, offset_key,
+    ServoModel, Sourced, Supply, UnitKeys, is_angle,
 };
 
 pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Result<(), V::Error> {
@@ -99,8 +99,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
     v.required("joints", &mut drive.joints)?;
     v.required("servos", &mut drive.servos)?;
     let moved = joints.iter().filter(|joint| drive.joints.contains(&joint.name));
-    let offset_key = offset_key(moved);
-    let slides = offset_key == "offset_m";
+    let keys = UnitKeys::of(moved);
     let one_to_one = DriveKind::one_to_one(drive.servos.len());
     let of_field = match &drive.kind {
         kind if *kind == one_to_one => None,
@@ -116,7 +115,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
             };
             v.inline("matrix", &mut (&mut rows, &mut offset), |(rows, offset), v| {
                 v.required("rows", *rows)?;
-                v.optional(offset_key, *offset, Vec::new())
+                v.optional(keys.offset, *offset, Vec::new())
             })?;
             drive.kind = DriveKind::Matrix { rows, offset };
         }
@@ -125,7 +124,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
                 DriveKind::Curve { points } => points.clone(),
                 _ => Vec::new(),
             };
-            v.inline("curve", &mut points, |points, v| curve_points(points, slides, v))?;
+            v.inline("curve", &mut points, |points, v| curve_points(points, keys.points, v))?;
             drive.kind = DriveKind::Curve { points };
         }
         Some("four_bar") => {
@@ -149,19 +148,20 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
     Ok(())
 }
 
-/// Pairs of the servo's angle and the joint's position, which is in metres if the joint slides.
+/// Pairs of the servo's angle and the joint's position.
 fn curve_points<V: Visitor>(
     points: &mut Vec<[f64; 2]>,
-    slides: bool,
+    key: &'static str,
     v: &mut V,
 ) -> Result<(), V::Error> {
-    if !slides {
-        return v.required("points_deg", points);
+    if is_angle(key) {
+        return v.required(key, points);
     }
+    // Of a joint that slides: the servo's angle alone is in degrees.
     for [servo, _] in points.iter_mut() {
         *servo = servo.to_degrees();
     }
-    v.required("points_deg_m", points)?;
+    v.required(key, points)?;
     for [servo, _] in points.iter_mut() {
         *servo = servo.to_radians();
     }

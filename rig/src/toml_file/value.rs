@@ -187,10 +187,7 @@ impl<T: Choice> Value for T {
     }
 
     fn text(&self, _: bool) -> String {
-        T::WORDS
-            .iter()
-            .filter(|(_, choice)| choice == self)
-            .map(|(word, _)| format!("\"{word}\""))
-            .collect()
+        let word = T::WORDS.iter().find(|(_, choice)| choice == self);
+        word.map_or_else(String::new, |(word, _)| format!("\"{word}\""))
     }
 }

@@ -37,8 +37,7 @@ impl Writer {
     }
 
     fn add_section(&mut self, header: &str, table: &Self) {
-        self.sections.push_str(&format!("\n{header}\n"));
-        for line in &table.lines {
+        for line in ["", header].into_iter().chain(table.lines.iter().map(String::as_str)) {
             self.sections.push_str(line);
             self.sections.push('\n');
         }
