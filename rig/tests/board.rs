@@ -187,7 +187,7 @@ fn a_baked_rig_is_the_described_one() {
     let rig = baked();
     // Of the table in the documentation.
     let drives = [9 * 4 + 3 * 4 + 12, 4 * 4 + 2 * 4 + 8, 2 * 4 + 2 * 4 + 6, 2 + 24 + 4, 34 + 4];
-    let expected = 16 + 7 * 96 + 9 * 24 + 20 + (5 * 6 + drives.iter().sum::<usize>()) + 8 * 60 + 4;
+    let expected = 16 + 7 * 96 + 9 * 24 + 20 + (5 * 6 + drives.iter().sum::<usize>()) + 8 * 56 + 4;
     assert_eq!(encoded(&rig).len(), expected);
     assert_eq!(rig.tree().bodies()[1].joint, JointKind::Spherical);
     // The mount stands in the placement of body 0: gravity is along -y of the world.
@@ -197,11 +197,7 @@ fn a_baked_rig_is_the_described_one() {
     );
     let [ball, .., jaw, lid] = rig.freedoms() else { panic!("{:?}", rig.freedoms()) };
     assert!(ball.range[0] >= 0.0 && (ball.range[1] - 60_f32.to_radians()).abs() < 1e-6);
-    assert!(
-        (jaw.effort - 0.3).abs() < 1e-7 && lid.effort.is_finite(),
-        "as its servo: {}",
-        lid.effort
-    );
+    assert!((jaw.effort - 0.3).abs() < 1e-7 && lid.effort > jaw.effort, "{jaw:?} {lid:?}");
     let knuckle = rig.freedoms()[5];
     assert!((knuckle.home - 10_f32.to_radians()).abs() < 1e-6, "{knuckle:?}");
     assert!((knuckle.speed - 90_f32.to_radians()).abs() < 1e-5, "{knuckle:?}");
@@ -334,9 +330,11 @@ proptest! {
         sign(&mut bytes);
         if let Ok(rig) = Board::decode(&bytes) {
             check_invariants(&rig);
-            // Rotations and axes are made unit on the way in: once they are, nothing changes any more.
             let again = Board::decode(&encoded(&rig)).unwrap();
-            prop_assert_eq!(Board::decode(&encoded(&again)).unwrap(), again);
+            // Rotations and axes are made unit on the way in, which may change their last bits; all else is the same.
+            prop_assert_eq!(again.tree().len(), rig.tree().len());
+            prop_assert_eq!((again.freedoms(), again.limits()), (rig.freedoms(), rig.limits()));
+            prop_assert_eq!((again.drives(), again.servos()), (rig.drives(), rig.servos()));
         }
     }
 }

@@ -306,7 +306,12 @@ fn read_servo(from: &mut Reader<'_>, index: usize) -> Result<BoardServo, BoardRi
         1 => SignalLoss::Hold,
         2 => SignalLoss::Home,
         found => {
-            return Err(BoardRigError::Kind { what: "signal loss of servo", index, found, most: 2 });
+            return Err(BoardRigError::Kind {
+                what: "signal loss of servo",
+                index,
+                found,
+                most: 2,
+            });
         }
     };
     match from.u16()? {

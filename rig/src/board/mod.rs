@@ -12,7 +12,7 @@
 //! | v x 24 | freedom: least, most, home, largest speed, acceleration and effort, 6 x f32 (rad, m, N m, N) |
 //! | 20 each | linked limit: freedom and other u16, factors 2 x f32, least and most 2 x f32 |
 //! | | drive: its freedoms and its servos, each a count u16 and as many indices u16; kind u16 and numbers: 0 matrix, 1 matrix of a ball joint: rows, then offsets, f32; 2 curve: count of points u16, points 2 x f32; 3 four-bar: ground, crank, coupler, rocker, crank's zero, rocker's zero, range 8 x f32, crossed u16 |
-//! | s x 60 | servo: bus u16, address u16 (channels from 256), gear, offset, range, torque, speed, acceleration, torque constant, position gain, friction, damping, rotor inertia 12 x f32, on signal loss u16 (0 limp, 1 hold, 2 home), zero u16 |
+//! | s x 56 | servo: bus u16, address u16 (channels from 256), gear, offset, range, torque, speed, acceleration, torque constant, position gain, friction, damping, rotor inertia 12 x f32, on signal loss u16 (0 limp, 1 hold, 2 home), zero u16 |
 //! | u32 | CRC-32 (ISO-HDLC) of all bytes before it |
 //!
 //! Where and how the base stands is the placement of body 0: gravity is along -y of the world.
