@@ -2,16 +2,20 @@
 //!
 //! - [`Description`] is what a person writes (`rig.toml`), with names; it is read from TOML, URDF or MJCF.
 //! - [`Mechanism`] is its bodies and joints by index, f64, fixed joints merged: what simulators and checks take.
+//! - [`drive`] and [`servo`] are the same maths on a board and at the desk; [`board`] is the rig's compact form there.
 //!
 //! Simulates nothing, and opens no files: readers take text.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod board;
 pub mod drive;
 pub mod limited;
 pub mod servo;
 
+#[cfg(feature = "std")]
+pub mod actuation;
 #[cfg(feature = "std")]
 pub mod description;
 #[cfg(feature = "std")]
@@ -26,6 +30,8 @@ pub mod new;
 mod number;
 #[cfg(feature = "std")]
 pub mod review;
+#[cfg(feature = "std")]
+mod servo_model;
 #[cfg(feature = "std")]
 pub mod toml_file;
 

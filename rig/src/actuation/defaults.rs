@@ -1,0 +1,147 @@
+//! What joints get from the servos that move them.
+
+use super::{Actuation, DriveOf};
+use crate::description::{Description, JointType};
+use crate::drive::{DriveInputError, DrivePose};
+use crate::servo::Servo;
+
+/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several freedoms, which has one number
+/// for all: the mean of inertia and frictions, the least of the limits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointDefaults {
+    /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
+    pub rotor_inertia: f64,
+    /// Coulomb friction: N m, or N of a slide.
+    pub friction: f64,
+    /// Viscous friction: N m s, or N s/m of a slide.
+    pub damping: f64,
+    /// The largest effort of one freedom alone, N m or N.
+    pub effort: f64,
+    /// The largest speed of one freedom alone, rad/s or m/s.
+    pub speed: f64,
+}
+
+/// The same of one freedom, and what servos have at their shafts.
+#[derive(Debug, Clone, Copy)]
+struct OfFreedom {
+    inertia: f32,
+    friction: f32,
+    damping: f32,
+    effort: f32,
+    speed: f32,
+}
+
+impl Actuation {
+    /// What each joint of a description gets from the servos that move it, at its home pose; `None` if none do.
+    pub fn joint_defaults(&self, rig: &Description) -> Vec<Option<JointDefaults>> {
+        let mut defaults = vec![None; rig.joints.len()];
+        for drive in &self.drives {
+            // A home pose is of numbers, one for each freedom: `Description::check`.
+            let Ok(of_freedoms) = self.of_freedoms(rig, drive) else { continue };
+            let mut rest = &of_freedoms[..];
+            for joint in &drive.joints {
+                let count = rig.joints[*joint].kind.degrees_of_freedom().min(rest.len());
+                let (own, behind) = rest.split_at(count);
+                rest = behind;
+                defaults[*joint] = (!own.is_empty()).then(|| joined(own));
+            }
+        }
+        defaults
+    }
+
+    fn of_freedoms(
+        &self,
+        rig: &Description,
+        drive: &DriveOf,
+    ) -> Result<Vec<OfFreedom>, DriveInputError> {
+        let home: Vec<f32> = drive.joints.iter().flat_map(|joint| home(rig, *joint)).collect();
+        let pose = drive.drive.at_joints(&home)?;
+        let servos: Vec<&Servo> = drive.servos.iter().map(|servo| &self.servos[*servo]).collect();
+        let each =
+            |of: fn(&Servo) -> f32| -> Vec<f32> { servos.iter().map(|servo| of(servo)).collect() };
+        let gear = |servo: &Servo| servo.settings().gear.abs();
+        let inertia = pose.reflected_to_joints(&each(Servo::shaft_inertia))?;
+        let damping = pose.reflected_to_joints(&each(|servo| {
+            servo.settings().damping_nm_s * servo.settings().gear * servo.settings().gear
+        }))?;
+        let friction: Vec<f32> =
+            servos.iter().map(|servo| servo.settings().friction_nm * gear(servo)).collect();
+        let torque: Vec<f32> =
+            servos.iter().map(|servo| servo.settings().torque_nm * gear(servo)).collect();
+        let speed: Vec<f32> =
+            servos.iter().map(|servo| servo.settings().speed_rad_s / gear(servo)).collect();
+        let speeds = speeds(&pose, &speed)?;
+        (0..home.len())
+            .map(|freedom| {
+                let alone = unit(home.len(), freedom);
+                let lost = pose.servo_velocities(&alone)?;
+                Ok(OfFreedom {
+                    inertia: inertia[freedom],
+                    friction: friction
+                        .iter()
+                        .zip(&lost)
+                        .map(|(friction, speed)| friction * speed.abs())
+                        .sum(),
+                    damping: damping[freedom],
+                    effort: least_share(&torque, &pose.servo_torques(&alone)?),
+                    speed: speeds[freedom],
+                })
+            })
+            .collect()
+    }
+}
+
+/// How fast each freedom goes alone; mimic joints, which cannot, with their servos.
+fn speeds(pose: &DrivePose<'_>, of_servos: &[f32]) -> Result<Vec<f32>, DriveInputError> {
+    let (freedoms, servos) = (pose.joints().len(), of_servos.len());
+    if freedoms <= servos {
+        return (0..freedoms)
+            .map(|freedom| {
+                Ok(least_share(of_servos, &pose.servo_velocities(&unit(freedoms, freedom))?))
+            })
+            .collect();
+    }
+    let mut speeds = vec![0.0; freedoms];
+    for (servo, speed) in of_servos.iter().enumerate() {
+        let moved = pose.joint_velocities(&unit(servos, servo))?;
+        for (sum, share) in speeds.iter_mut().zip(&moved) {
+            *sum += speed * share.abs();
+        }
+    }
+    Ok(speeds)
+}
+
+/// How many times what is asked of each servo its limits allow.
+fn least_share(limits: &[f32], asked: &[f32]) -> f32 {
+    let shares = limits.iter().zip(asked).filter(|(_, asked)| asked.abs() > 0.0);
+    shares.map(|(limit, asked)| limit / asked.abs()).fold(f32::INFINITY, f32::min)
+}
+
+fn unit(count: usize, of: usize) -> Vec<f32> {
+    (0..count).map(|index| if index == of { 1.0 } else { 0.0 }).collect()
+}
+
+fn home(rig: &Description, joint: usize) -> Vec<f32> {
+    let joint = &rig.joints[joint];
+    match joint.kind {
+        // At rest: the home of a ball joint is its zero pose.
+        JointType::Spherical => vec![0.0; 3],
+        _ => joint.home().iter().map(|position| *position as f32).collect(),
+    }
+}
+
+fn joined(freedoms: &[OfFreedom]) -> JointDefaults {
+    let mean = |of: fn(&OfFreedom) -> f32| {
+        freedoms.iter().map(|freedom| f64::from(of(freedom))).sum::<f64>() / freedoms.len() as f64
+    };
+    let least = |of: fn(&OfFreedom) -> f32| {
+        freedoms.iter().map(|freedom| f64::from(of(freedom))).fold(f64::INFINITY, f64::min)
+    };
+    JointDefaults {
+        rotor_inertia: mean(|freedom| freedom.inertia),
+        friction: mean(|freedom| freedom.friction),
+        damping: mean(|freedom| freedom.damping),
+        effort: least(|freedom| freedom.effort),
+        speed: least(|freedom| freedom.speed),
+    }
+}

@@ -1,0 +1,178 @@
+//! From a description to what a board has.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use heapless::Vec;
+
+use super::{Address, BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
+use crate::actuation::Actuation;
+use crate::description::{self, Description, DescriptionError};
+use crate::drive::MOST;
+use crate::mechanism::{self, Link, Mechanism};
+
+/// Why a description does not go on a board.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BakeError {
+    /// It cannot be a rig.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
+    /// A board of this capacity cannot have it.
+    #[error(transparent)]
+    Board(#[from] BoardRigError),
+}
+
+impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+    /// The rig of a description, whose [`Mechanism`] the caller has made.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the description's servos or drives cannot be, or the board does not hold the rig.
+    pub fn bake(rig: &Description, mechanism: &Mechanism) -> Result<Self, BakeError> {
+        let (what, found) = ("bodies", mechanism.bodies.len());
+        if found > B {
+            return Err(BoardRigError::Capacity { what, found, holds: B }.into());
+        }
+        let actuation = rig.actuation()?;
+        let places = places(mechanism);
+        let freedoms = mechanism.bodies.iter().flat_map(freedoms).collect();
+        let limits = rig.limits.iter().filter_map(|limit| limit_of(&places, limit)).collect();
+        let baked = Self {
+            tree: mechanism.tree().map_err(BoardRigError::Tree)?,
+            freedoms: filled("degrees of freedom", freedoms)?,
+            limits: filled("linked limits", limits)?,
+            servos: filled("servos", servos(rig, &actuation))?,
+            drives: filled("drives", drives(rig, &actuation, &places))?,
+        };
+        Ok(baked.checked()?)
+    }
+}
+
+/// All items, if there is room.
+fn filled<T, const N: usize>(
+    what: &'static str,
+    items: std::vec::Vec<T>,
+) -> Result<Vec<T, N>, BoardRigError> {
+    let full = BoardRigError::Capacity { what, found: items.len(), holds: N };
+    let mut all = Vec::new();
+    for item in items {
+        all.push(item).map_err(|_| full)?;
+    }
+    Ok(all)
+}
+
+/// Where the freedoms of each joint are.
+type Places<'m> = HashMap<&'m str, Range<u16>>;
+
+fn places(mechanism: &Mechanism) -> Places<'_> {
+    let mut next = 0_u16;
+    let mut places = HashMap::new();
+    for link in &mechanism.bodies {
+        // Beyond 2^16 there is no board; `filled` says so.
+        let count = u16::try_from(link.joint.kind().degrees_of_freedom()).unwrap_or(u16::MAX);
+        let end = next.saturating_add(count);
+        places.insert(link.joint_name.as_str(), next..end);
+        next = end;
+    }
+    places
+}
+
+fn freedoms(link: &Link) -> std::vec::Vec<Freedom> {
+    let is_ball = link.joint == mechanism::Freedom::Spherical;
+    let home: std::vec::Vec<f32> = match (link.joint, &link.home[..]) {
+        (mechanism::Freedom::Spherical, rotation) => rotation_vector(rotation).to_vec(),
+        (mechanism::Freedom::Free, coordinates) => {
+            let (rotation, position) = coordinates.split_at_checked(4).unwrap_or_default();
+            rotation_vector(rotation)
+                .into_iter()
+                .chain(position.iter().map(|x| *x as f32))
+                .collect()
+        }
+        (_, coordinates) => coordinates.iter().map(|x| *x as f32).collect(),
+    };
+    home.into_iter()
+        .enumerate()
+        .map(|(axis, home)| {
+            let unlimited =
+                [if is_ball && axis == 0 { 0.0 } else { f64::NEG_INFINITY }, f64::INFINITY];
+            let range = link.ranges.get(axis).copied().unwrap_or(unlimited).map(|end| end as f32);
+            Freedom {
+                range,
+                // A home at an end of its range may be beyond it by a rounding of f32.
+                home: if is_ball { home } else { home.max(range[0]).min(range[1]) },
+                speed: link.speed as f32,
+                acceleration: link.acceleration as f32,
+                effort: link.effort as f32,
+            }
+        })
+        .collect()
+}
+
+/// Of a unit quaternion x y z w.
+fn rotation_vector(rotation: &[f64]) -> [f32; 3] {
+    match rotation {
+        [x, y, z, w] => {
+            let q = glam::Quat::from_xyzw(*x as f32, *y as f32, *z as f32, *w as f32);
+            sinew_core::math::log(q).to_array()
+        }
+        _ => [0.0; 3],
+    }
+}
+
+/// `None` if one of its joints is fixed, which `Description::check` refuses.
+fn limit_of(places: &Places<'_>, limit: &description::LinkedLimit) -> Option<LinkedLimit> {
+    let freedom = |joint: &str| places.get(joint).map(|place| place.start);
+    let least = limit.least_rad.or(limit.least_m).unwrap_or(f64::NEG_INFINITY);
+    let most = limit.most_rad.or(limit.most_m).unwrap_or(f64::INFINITY);
+    Some(LinkedLimit {
+        freedom: freedom(&limit.joint)?,
+        other: freedom(&limit.other)?,
+        factor: limit.factor as f32,
+        other_factor: limit.other_factor as f32,
+        range: [least, most].map(|end| end as f32),
+    })
+}
+
+fn drives(
+    rig: &Description,
+    actuation: &Actuation,
+    places: &Places<'_>,
+) -> std::vec::Vec<BoardDrive> {
+    let index = |index: &usize| u16::try_from(*index).unwrap_or(u16::MAX);
+    actuation
+        .drives
+        .iter()
+        .map(|of| {
+            let joints = of.joints.iter().map(|joint| rig.joints[*joint].name.as_str());
+            let freedoms = joints.filter_map(|joint| places.get(joint)).flat_map(Range::clone);
+            BoardDrive {
+                drive: of.drive.clone(),
+                // What is beyond has no place in any drive, and is refused for its count.
+                freedoms: freedoms.take(MOST).collect(),
+                servos: of.servos.iter().map(index).take(MOST).collect(),
+            }
+        })
+        .collect()
+}
+
+/// Buses are numbered as they first appear.
+fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo> {
+    let mut buses: std::vec::Vec<&str> = std::vec::Vec::new();
+    rig.servos
+        .iter()
+        .zip(&actuation.servos)
+        .map(|(described, servo)| {
+            let bus = buses.iter().position(|bus| *bus == described.bus).unwrap_or_else(|| {
+                buses.push(&described.bus);
+                buses.len() - 1
+            });
+            BoardServo {
+                bus: u16::try_from(bus).unwrap_or(u16::MAX),
+                address: match described.address {
+                    description::Address::Id(id) => Address::Id(id),
+                    description::Address::Channel(channel) => Address::Channel(channel),
+                },
+                servo: *servo,
+            }
+        })
+        .collect()
+}

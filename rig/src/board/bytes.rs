@@ -1,0 +1,122 @@
+//! Bytes one after the other, in and out.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use sinew_core::glam::{Quat, Vec3};
+
+use super::BoardRigError;
+
+const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+const CRC_LEN: usize = 4;
+
+/// Reads what a [`Writer`] has written.
+pub(super) struct Reader<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    fn take<const K: usize>(&mut self) -> Result<[u8; K], BoardRigError> {
+        let end = self.at.saturating_add(K);
+        let field = self.bytes.get(self.at..end).and_then(|field| field.try_into().ok());
+        self.at = end;
+        field.ok_or(BoardRigError::Length { expected: end, found: self.bytes.len() })
+    }
+
+    pub(super) fn magic(&mut self) -> Result<[u8; 4], BoardRigError> {
+        self.take()
+    }
+
+    pub(super) fn u16(&mut self) -> Result<u16, BoardRigError> {
+        self.take().map(u16::from_le_bytes)
+    }
+
+    pub(super) fn f32(&mut self) -> Result<f32, BoardRigError> {
+        self.take().map(f32::from_le_bytes)
+    }
+
+    pub(super) fn numbers<const K: usize>(&mut self) -> Result<[f32; K], BoardRigError> {
+        let mut numbers = [0.0; K];
+        for number in &mut numbers {
+            *number = self.f32()?;
+        }
+        Ok(numbers)
+    }
+
+    pub(super) fn vec3(&mut self) -> Result<Vec3, BoardRigError> {
+        self.numbers().map(Vec3::from_array)
+    }
+
+    pub(super) fn quat(&mut self) -> Result<Quat, BoardRigError> {
+        self.numbers().map(Quat::from_array)
+    }
+
+    /// Refuses bytes that were damaged, before any of them counts.
+    pub(super) fn check_crc(&self) -> Result<(), BoardRigError> {
+        let found = self.bytes.len();
+        let short = BoardRigError::Length { expected: CRC_LEN, found };
+        let (content, stored) = self.bytes.split_last_chunk::<CRC_LEN>().ok_or(short)?;
+        let (stored, computed) = (u32::from_le_bytes(*stored), CHECKSUM.checksum(content));
+        if stored == computed { Ok(()) } else { Err(BoardRigError::Checksum { stored, computed }) }
+    }
+
+    /// Refuses bytes behind the last one that was asked for, but for the CRC.
+    pub(super) fn check_end(&self) -> Result<(), BoardRigError> {
+        let (expected, found) = (self.at.saturating_add(CRC_LEN), self.bytes.len());
+        if expected == found { Ok(()) } else { Err(BoardRigError::Length { expected, found }) }
+    }
+}
+
+/// Writes as far as there is room, and counts beyond.
+pub(super) struct Writer<'a> {
+    bytes: &'a mut [u8],
+    at: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(bytes: &'a mut [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    pub(super) fn put(&mut self, field: &[u8]) {
+        let end = self.at.saturating_add(field.len());
+        if let Some(room) = self.bytes.get_mut(self.at..end) {
+            room.copy_from_slice(field);
+        }
+        self.at = end;
+    }
+
+    pub(super) fn u16(&mut self, number: u16) {
+        self.put(&number.to_le_bytes());
+    }
+
+    /// A count, which the capacities of boards keep below 2^16.
+    pub(super) fn count(&mut self, count: usize) {
+        self.u16(u16::try_from(count).unwrap_or(u16::MAX));
+    }
+
+    pub(super) fn f32(&mut self, number: f32) {
+        self.put(&number.to_le_bytes());
+    }
+
+    pub(super) fn numbers(&mut self, numbers: impl IntoIterator<Item = f32>) {
+        for number in numbers {
+            self.f32(number);
+        }
+    }
+
+    /// Puts the CRC behind all, and says how many bytes there are.
+    pub(super) fn finish(mut self) -> Result<usize, BoardRigError> {
+        let crc = self.bytes.get(..self.at).map_or(0, |content| CHECKSUM.checksum(content));
+        self.put(&crc.to_le_bytes());
+        let (expected, found) = (self.at, self.bytes.len());
+        if expected <= found {
+            Ok(expected)
+        } else {
+            Err(BoardRigError::Length { expected, found })
+        }
+    }
+}

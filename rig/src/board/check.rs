@@ -1,0 +1,189 @@
+//! That the parts of a rig fit each other.
+
+use heapless::Vec;
+use sinew_core::{JointKind, math};
+
+use super::{BoardDrive, BoardRig, BoardRigError};
+use crate::drive::Drive;
+
+impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+    /// The rig, if its parts fit each other.
+    pub(super) fn checked(self) -> Result<Self, BoardRigError> {
+        if self.tree.is_empty() {
+            return Err(BoardRigError::Count { what: "bodies", expected: 1, found: 0 });
+        }
+        let (expected, found) = (self.tree.degrees_of_freedom(), self.freedoms.len());
+        if expected != found {
+            return Err(BoardRigError::Count { what: "degrees of freedom", expected, found });
+        }
+        self.check_freedoms()?;
+        self.check_balls()?;
+        self.check_limits()?;
+        self.check_drives()?;
+        for (index, servo) in self.servos.iter().enumerate() {
+            let place = (servo.bus, servo.address);
+            if self.servos.iter().take(index).any(|other| (other.bus, other.address) == place) {
+                return Err(BoardRigError::Shared { what: "address of servo", index });
+            }
+        }
+        Ok(self)
+    }
+
+    fn check_freedoms(&self) -> Result<(), BoardRigError> {
+        for (index, freedom) in self.freedoms.iter().enumerate() {
+            check_range("range of freedom", index, freedom.range)?;
+            if !freedom.home.is_finite() {
+                return Err(BoardRigError::Number {
+                    what: "home of freedom",
+                    index,
+                    found: freedom.home,
+                });
+            }
+            for (what, found) in [
+                ("speed of freedom", freedom.speed),
+                ("acceleration of freedom", freedom.acceleration),
+                ("effort of freedom", freedom.effort),
+            ] {
+                // Written so that NaN is refused.
+                if !(found >= 0.0) {
+                    return Err(BoardRigError::Number { what, index, found });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Homes within ranges: of axes each, of a ball joint its angle from the zero pose.
+    fn check_balls(&self) -> Result<(), BoardRigError> {
+        let mut first = 0_usize;
+        for body in self.tree.bodies() {
+            let count = body.joint.degrees_of_freedom();
+            let own = || self.freedoms.iter().skip(first).take(count);
+            let what = "home, beyond its range, of freedom";
+            if body.joint == JointKind::Spherical {
+                let squares: f32 = own().map(|freedom| freedom.home * freedom.home).sum();
+                let (angle, most) =
+                    (math::sqrt(squares), own().next().map_or(0.0, |freedom| freedom.range[1]));
+                // Three squares of f32 may be above the bound by rounding.
+                if !(angle <= most * (1.0 + 4.0 * f32::EPSILON)) {
+                    return Err(BoardRigError::Number { what, index: first, found: angle });
+                }
+            } else {
+                for (place, freedom) in own().enumerate() {
+                    let ([least, most], found) = (freedom.range, freedom.home);
+                    if found < least || found > most {
+                        let index = first.saturating_add(place);
+                        return Err(BoardRigError::Number { what, index, found });
+                    }
+                }
+            }
+            first = first.saturating_add(count);
+        }
+        Ok(())
+    }
+
+    fn check_limits(&self) -> Result<(), BoardRigError> {
+        for (index, limit) in self.limits.iter().enumerate() {
+            for found in [limit.freedom, limit.other].map(usize::from) {
+                if found >= self.freedoms.len() {
+                    let (what, part) = ("limit", "freedom");
+                    return Err(BoardRigError::Index { what, index, part, found });
+                }
+            }
+            if limit.freedom == limit.other {
+                return Err(BoardRigError::Shared { what: "freedom of limit", index });
+            }
+            for found in [limit.factor, limit.other_factor] {
+                if !found.is_finite() {
+                    return Err(BoardRigError::Number { what: "factor of limit", index, found });
+                }
+            }
+            check_range("range of limit", index, limit.range)?;
+        }
+        Ok(())
+    }
+
+    fn check_drives(&self) -> Result<(), BoardRigError> {
+        let (mut freedoms, mut servos) = (Vec::<u16, V>::new(), Vec::<u16, S>::new());
+        for (index, drive) in self.drives.iter().enumerate() {
+            take(index, "freedom", &drive.freedoms, self.freedoms.len(), &mut freedoms)?;
+            take(index, "servo", &drive.servos, self.servos.len(), &mut servos)?;
+            for (what, expected, found) in [
+                ("freedoms of a drive", drive.drive.freedoms(), drive.freedoms.len()),
+                ("servos of a drive", drive.drive.servos(), drive.servos.len()),
+            ] {
+                if expected != found {
+                    return Err(BoardRigError::Count { what, expected, found });
+                }
+            }
+            if !self.fits(drive) {
+                return Err(BoardRigError::Joints { drive: index });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a drive moves whole joints: one ball joint, or joints with axes.
+    fn fits(&self, drive: &BoardDrive) -> bool {
+        let is_ball = matches!(&drive.drive, Drive::Matrix(matrix) if matrix.is_ball());
+        let mut rest = &drive.freedoms[..];
+        while let Some(first) = rest.first() {
+            let mut at = 0_usize;
+            let joint = self.tree.bodies().iter().map(|body| body.joint).find(|joint| {
+                let here = at;
+                at = at.saturating_add(joint.degrees_of_freedom());
+                here == usize::from(*first) && joint.degrees_of_freedom() > 0
+            });
+            let count = joint.map_or(0, JointKind::degrees_of_freedom);
+            let Some((own, behind)) = rest.split_at_checked(count) else { return false };
+            let in_order = own.windows(2).all(|pair| match pair {
+                [a, b] => a.checked_add(1) == Some(*b),
+                _ => false,
+            });
+            let suits = match joint {
+                Some(JointKind::Spherical) => is_ball,
+                Some(
+                    JointKind::Revolute { .. }
+                    | JointKind::Prismatic { .. }
+                    | JointKind::Universal { .. },
+                ) => !is_ball,
+                Some(JointKind::Fixed | JointKind::Free) | None => false,
+            };
+            if !(in_order && suits) {
+                return false;
+            }
+            rest = behind;
+        }
+        true
+    }
+}
+
+/// Takes parts for a drive, which no other drive may have.
+fn take<const N: usize>(
+    index: usize,
+    part: &'static str,
+    wanted: &[u16],
+    count: usize,
+    taken: &mut Vec<u16, N>,
+) -> Result<(), BoardRigError> {
+    for number in wanted {
+        let found = usize::from(*number);
+        if found >= count {
+            return Err(BoardRigError::Index { what: "drive", index, part, found });
+        }
+        // More than there are cannot be taken: then one was taken twice.
+        if taken.contains(number) || taken.push(*number).is_err() {
+            return Err(BoardRigError::Shared { what: part, index: found });
+        }
+    }
+    Ok(())
+}
+
+fn check_range(
+    what: &'static str,
+    index: usize,
+    [least, most]: [f32; 2],
+) -> Result<(), BoardRigError> {
+    // Written so that NaN is refused.
+    if least <= most { Ok(()) } else { Err(BoardRigError::Number { what, index, found: least }) }
+}
