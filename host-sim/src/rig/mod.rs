@@ -5,10 +5,3 @@ mod file;
 
 pub use dynamics::{DynamicsError, freedom_names, inverse_dynamics};
 pub use file::{Loaded, RigFileError, load};
-
-use sinew_rig::review::Servos;
-
-/// What is known of a rig's servos.
-pub fn servos(_loaded: &Loaded) -> anyhow::Result<Servos> {
-    Ok(Servos::default())
-}

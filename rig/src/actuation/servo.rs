@@ -13,7 +13,7 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
         expected,
         found,
     };
-    let model = model(rig, &described.model).ok_or_else(|| {
+    let model = rig.servo_model(&described.model).ok_or_else(|| {
         refused("model", known_models(rig, &described.model), format!("{:?}", described.model))
     })?;
     // Own positions count from the middle of the range.
@@ -43,10 +43,12 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
     })
 }
 
-/// A kind of servo: the rig's own, else a built-in one.
-fn model(rig: &Description, name: &str) -> Option<ServoModel> {
-    let own = rig.servo_models.iter().find(|model| model.name == name);
-    own.cloned().or_else(|| ServoModel::built_in(name))
+impl Description {
+    /// A kind of servo by its name: the rig's own, else a built-in one.
+    pub fn servo_model(&self, name: &str) -> Option<ServoModel> {
+        let own = self.servo_models.iter().find(|model| model.name == name);
+        own.cloned().or_else(|| ServoModel::built_in(name))
+    }
 }
 
 fn known_models(rig: &Description, wrong: &str) -> String {
@@ -54,7 +56,9 @@ fn known_models(rig: &Description, wrong: &str) -> String {
     for name in ServoModel::built_in_names() {
         names.push(name);
     }
-    match nearest(wrong, names.iter().copied()) {
+    let begins = |name: &&str| name.to_lowercase().starts_with(&wrong.to_lowercase());
+    let longer = names.iter().copied().find(|name| !wrong.is_empty() && begins(name));
+    match longer.or_else(|| nearest(wrong, names.iter().copied())) {
         Some(near) => format!("a known kind of servo, such as {near:?}"),
         None => format!("a known kind of servo: {}", names.join(", ")),
     }

@@ -72,9 +72,9 @@ pub struct Joint {
     /// What the drive's rotor adds to the inertia of each freedom, as its gear shows it: kg m², or kg of a slide.
     /// Default: that of the servos which move the joint.
     pub rotor_inertia: Option<f64>,
-    /// Coulomb friction: N m, or N of a slide.
+    /// Coulomb friction beside that of the servos: N m, or N of a slide.
     pub friction: f64,
-    /// Viscous friction: N m s, or N s/m of a slide.
+    /// Viscous friction beside that of the servos: N m s, or N s/m of a slide.
     pub damping: f64,
 }
 

@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 
 use super::mass::Mass;
 use super::{Base, Body, Description, DescriptionError, Joint, JointType};
+use crate::actuation::JointDefaults;
 use crate::mechanism::{Freedom, Link, Mechanism, MergedBody};
 
 /// Where a frame is in another.
@@ -39,6 +40,7 @@ impl Description {
     /// As [`Self::check`].
     pub fn mechanism(&self) -> Result<Mechanism, DescriptionError> {
         let shape = self.checked()?;
+        let of_servos = self.actuation()?.joint_defaults(self);
         let mut links = vec![self.base_link(&self.bodies[shape.base])];
         // Bodies whose joints are to be followed, the next one last; each with its link, and its frame in that.
         let mut to_follow = vec![(shape.base, 0, Frame::IDENTITY)];
@@ -58,7 +60,8 @@ impl Description {
                 to_follow.push((shape.child[index], parent, frame));
             } else {
                 to_follow.push((shape.child[index], links.len(), Frame::IDENTITY));
-                links.push(self.moved_link(joint, body, parent, frame));
+                let servos = of_servos.get(index).copied().flatten();
+                links.push(moved_link(joint, servos, body, parent, frame));
             }
         }
         Ok(Mechanism { bodies: links })
@@ -72,27 +75,30 @@ impl Description {
         let frame = Frame::new(self.mount.position_m, self.mount.rotation_xyzw);
         Link { joint, home, ..link(base, &base.name, None, frame) }
     }
+}
 
-    fn moved_link(&self, joint: &Joint, body: &Body, parent: usize, frame: Frame) -> Link {
-        let limit = |turn: Option<f64>, slide| turn.or(slide).unwrap_or(f64::INFINITY);
-        Link {
-            joint: freedom(joint),
-            rotor_inertia: self.rotor_inertia(joint),
-            friction: joint.friction,
-            damping: joint.damping,
-            ranges: joint.range_m.map_or_else(|| joint.range_rad.clone(), |range| vec![range]),
-            home: joint.home(),
-            speed: limit(joint.speed_rad_s, joint.speed_m_s),
-            acceleration: limit(joint.acceleration_rad_s2, joint.acceleration_m_s2),
-            effort: limit(joint.effort, None),
-            ..link(body, &joint.name, Some(parent), frame)
-        }
-    }
-
-    /// What rotors add to the inertia of each freedom of a joint, kg m² or kg.
-    #[expect(clippy::unused_self, reason = "the servos that move the joint are the rig's")]
-    fn rotor_inertia(&self, joint: &Joint) -> f64 {
-        joint.rotor_inertia.unwrap_or(0.0)
+/// A body on a joint. What the joint does not say is that of the servos which move it.
+fn moved_link(
+    joint: &Joint,
+    servos: Option<JointDefaults>,
+    body: &Body,
+    parent: usize,
+    frame: Frame,
+) -> Link {
+    let or_servos = |own: Option<f64>, of: fn(JointDefaults) -> f64, neither: f64| {
+        own.or(servos.map(of)).unwrap_or(neither)
+    };
+    Link {
+        joint: freedom(joint),
+        rotor_inertia: or_servos(joint.rotor_inertia, |servos| servos.rotor_inertia, 0.0),
+        friction: joint.friction + servos.map_or(0.0, |servos| servos.friction),
+        damping: joint.damping + servos.map_or(0.0, |servos| servos.damping),
+        ranges: joint.range_m.map_or_else(|| joint.range_rad.clone(), |range| vec![range]),
+        home: joint.home(),
+        speed: or_servos(joint.speed_rad_s.or(joint.speed_m_s), |servos| servos.speed, f64::INFINITY),
+        acceleration: joint.acceleration_rad_s2.or(joint.acceleration_m_s2).unwrap_or(f64::INFINITY),
+        effort: or_servos(joint.effort, |servos| servos.effort, f64::INFINITY),
+        ..link(body, &joint.name, Some(parent), frame)
     }
 }
 

@@ -77,7 +77,7 @@ pub fn arm(joints: usize) -> Result<Description, ArmError> {
         });
         rig.servos.push(Servo {
             name: name.clone(),
-            model: "XL330-M288".to_owned(),
+            model: "XL330-M288-T".to_owned(),
             address: Address::Id(id),
             ..Servo::default()
         });

@@ -84,7 +84,7 @@ fn add(
     });
     rig.servos.push(Servo {
         name: name.to_owned(),
-        model: "hobby".to_owned(),
+        model: "MG90S".to_owned(),
         bus: "pwm".to_owned(),
         // There are 14 channels.
         address: Address::Channel(u8::try_from(rig.servos.len()).unwrap_or(u8::MAX)),

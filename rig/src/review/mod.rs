@@ -6,6 +6,7 @@ mod finding;
 mod gain;
 mod gravity;
 mod reach;
+mod servos;
 #[cfg(test)]
 mod tests;
 

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
-use sinew_rig::review::{Loop, Review, Severity};
+use sinew_rig::review::{Loop, Review, Servos, Severity};
 use sinew_sim::command::print;
 
 use super::read;
@@ -72,7 +72,8 @@ enum Format {
 /// Checks and prints. A fault is a bad result.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let loaded = read(&args.rig)?;
-    let servos = sinew_sim::rig::servos(&loaded)?;
+    let servos = Servos::of(&loaded.description, &loaded.mechanism)
+        .with_context(|| args.rig.display().to_string())?;
     let review = Review::of(&loaded.mechanism, &servos, args.control.control())
         .with_context(|| args.rig.display().to_string())?;
     print(&match args.format {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use sinew_rig::review::Review;
+use sinew_rig::review::{Review, Servos};
 use sinew_sim::report::rig::page;
 
 use super::check::LoopArgs;
@@ -30,7 +30,8 @@ pub(super) struct ViewArgs {
 /// Draws.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
     let loaded = read(&args.rig)?;
-    let servos = sinew_sim::rig::servos(&loaded)?;
+    let servos = Servos::of(&loaded.description, &loaded.mechanism)
+        .with_context(|| args.rig.display().to_string())?;
     let review = Review::of(&loaded.mechanism, &servos, args.control.control())
         .with_context(|| args.rig.display().to_string())?;
     write_file(&args.output, &page(&loaded.description.name, &loaded.mechanism, &review))?;

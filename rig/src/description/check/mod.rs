@@ -23,12 +23,15 @@ impl Description {
     /// Refuses what cannot be a rig. O(bodies + joints + servos).
     ///
     /// What passes has the names that it uses, once each; is a tree; has numbers that f32 holds, unit axes and
-    /// rotations, possible inertias, and a home pose within all limits.
+    /// rotations, possible inertias, a home pose within all limits, known kinds of servo, and drives that are singular
+    /// nowhere.
     ///
     /// # Errors
     /// The first [`DescriptionError`] in the order of the file's sections.
     pub fn check(&self) -> Result<(), DescriptionError> {
-        self.checked().map(|_| ())
+        self.checked()?;
+        self.actuation()?;
+        Ok(())
     }
 
     /// [`Self::check`], and the tree that it found.

@@ -35,7 +35,7 @@ fn joint(name: &str, kind: JointType, parent: &str, child: &str) -> Joint {
 fn servo(name: &str, id: u8) -> Servo {
     Servo {
         name: name.to_owned(),
-        model: "any".to_owned(),
+        model: "MG90S".to_owned(),
         address: Address::Id(id),
         ..Servo::default()
     }

@@ -29,7 +29,7 @@ servos = ["left"]
 
 [[servo]]
 name = "left"
-model = "XL330"
+model = "XL330-M288-T"
 id = 3
 "#;
 

@@ -227,33 +227,63 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
         let mut columns = freedoms;
         let kind = match r.below(5) {
             0 => DriveKind::one_to_one(freedoms),
-            1 if freedoms == 1 => {
-                let points = (0..2 + r.below(3)).map(|_| [r.angle(), of_joint(r)]).collect();
-                DriveKind::Curve { points }
-            }
-            2 if joint.kind == JointType::Revolute => DriveKind::FourBar {
-                ground_m: r.positive(),
-                crank_m: r.positive(),
-                coupler_m: r.positive(),
-                rocker_m: r.positive(),
-                crank_zero_rad: r.angle(),
-                rocker_zero_rad: r.angle(),
-                crossed: r.below(2) == 0,
-            },
+            1 if freedoms == 1 => DriveKind::Curve { points: curve(r, slides) },
+            2 if joint.kind == JointType::Revolute => four_bar(r),
             _ => {
                 columns += r.below(2);
-                let rows =
-                    (0..freedoms).map(|_| (0..columns).map(|_| r.number()).collect()).collect();
                 let offset = r.perhaps(|r| (0..freedoms).map(|_| of_joint(r)).collect());
+                let rows = rows(r, freedoms, columns);
                 DriveKind::Matrix { rows, offset: offset.unwrap_or_default() }
             }
         };
         let first = servos.len();
         servos.extend((first..first + columns).map(|index| servo(r, index)));
+        if matches!(kind, DriveKind::FourBar { .. }) {
+            // Within the linkage's good range.
+            let shaft = &mut servos[first];
+            (shaft.gear, shaft.offset_rad, shaft.range_rad) = (1.0, None, vec![[-1.0, 1.0]]);
+        }
         let names = servos[first..].iter().map(|servo: &Servo| servo.name.clone()).collect();
         drives.push(Drive { joints: vec![joint.name.clone()], servos: names, kind });
     }
     (drives, servos)
+}
+
+/// Far from singular: each freedom has a servo of its own, which the others only join.
+fn rows(r: &mut Random, freedoms: usize, servos: usize) -> Vec<Vec<f64>> {
+    let entry = |r: &mut Random, own: bool| {
+        let share = r.below(2001) as f64 - 1000.0;
+        if own { 1.0 + share / 2000.0 } else { share / 10_000.0 }
+    };
+    (0..freedoms).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
+}
+
+/// Monotone, of slopes that differ by less than a curve's may. In degrees, or in degrees and metres.
+fn curve(r: &mut Random, slides: bool) -> Vec<[f64; 2]> {
+    let down = if r.below(2) == 0 { 1.0 } else { -1.0 };
+    let mut at = [-60.0, 12.0 * down];
+    (0..2 + r.below(3))
+        .map(|_| {
+            let [s, q] = at;
+            let step = (20 + r.below(20)) as f64;
+            at = [s + step, q + down * (10 + r.below(20)) as f64];
+            [s.to_radians(), if slides { q / 1000.0 } else { q.to_radians() }]
+        })
+        .collect()
+}
+
+/// A parallelogram of any size, a right angle where the servo is at zero.
+fn four_bar(r: &mut Random) -> DriveKind {
+    let size_m = 0.01 * (1.0 + r.below(10) as f64);
+    DriveKind::FourBar {
+        ground_m: 2.0 * size_m,
+        crank_m: size_m,
+        coupler_m: 2.0 * size_m,
+        rocker_m: size_m,
+        crank_zero_rad: std::f64::consts::FRAC_PI_2,
+        rocker_zero_rad: ((45 + r.below(90)) as f64).to_radians(),
+        crossed: false,
+    }
 }
 
 fn servo(r: &mut Random, index: usize) -> Servo {
@@ -263,7 +293,7 @@ fn servo(r: &mut Random, index: usize) -> Servo {
     };
     Servo {
         name: r.name("servo", index),
-        model: r.name("model", index),
+        model: r.one_of(&["XL330-M288-T".to_owned(), "MX-64".to_owned(), "MG90S".to_owned()]),
         bus: r.one_of(&["main".to_owned(), "second".to_owned()]),
         address,
         direction: r.one_of(&[1, -1]),

@@ -1,0 +1,174 @@
+//! What a rig's servos can do at its joints.
+
+use std::collections::HashMap;
+
+use super::{Capability, Servos};
+use crate::actuation::{Actuation, DriveOf};
+use crate::description::{Description, DescriptionError, ServoModel};
+use crate::drive::{DriveInputError, DrivePose};
+use crate::mechanism::{Freedom, Link, Mechanism};
+
+/// Poses over the range of a joint at which a curve or a four-bar is looked at.
+const POSES: usize = 33;
+
+impl Servos {
+    /// Of a rig, by freedom of its mechanism: at the weakest and at the slowest pose of each joint's range.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] if a servo or a drive cannot be.
+    pub fn of(rig: &Description, mechanism: &Mechanism) -> Result<Self, DescriptionError> {
+        let actuation = rig.actuation()?;
+        let models: Vec<ServoModel> =
+            rig.servos.iter().filter_map(|servo| rig.servo_model(&servo.model)).collect();
+        let links: HashMap<&str, &Link> =
+            mechanism.bodies.iter().map(|link| (link.joint_name.as_str(), link)).collect();
+        let mut by_joint: HashMap<&str, Vec<Option<Capability>>> = HashMap::new();
+        for drive in &actuation.drives {
+            let joints: Vec<&Link> = drive
+                .joints
+                .iter()
+                .filter_map(|joint| links.get(rig.joints[*joint].name.as_str()).copied())
+                .collect();
+            // Positions within a joint's range are numbers: `Description::check`.
+            let Ok(all) = capabilities(rig, &actuation, &models, drive, &joints) else { continue };
+            let mut all = all.into_iter();
+            for joint in &joints {
+                let count = joint.joint.kind().degrees_of_freedom();
+                by_joint.insert(&joint.joint_name, all.by_ref().take(count).map(Some).collect());
+            }
+        }
+        let of_link = |link: &Link| {
+            let none = || vec![None; link.joint.kind().degrees_of_freedom()];
+            by_joint.remove(link.joint_name.as_str()).unwrap_or_else(none)
+        };
+        Ok(Self {
+            by_freedom: mechanism.bodies.iter().flat_map(of_link).collect(),
+            stall_current_a: models.iter().map(|model| model.stall_current_a.value).sum(),
+            supply_a: rig.supply.map(|supply| supply.current_a),
+        })
+    }
+}
+
+/// What the servos of one drive can do for each of its freedoms alone.
+fn capabilities(
+    rig: &Description,
+    actuation: &Actuation,
+    models: &[ServoModel],
+    drive: &DriveOf,
+    joints: &[&Link],
+) -> Result<Vec<Capability>, DriveInputError> {
+    let servos: Vec<Shaft> = drive
+        .servos
+        .iter()
+        .filter_map(|index| {
+            let settings = actuation.servos.get(*index)?.settings();
+            Some(Shaft::of(settings.gear, settings.torque_nm, models.get(*index)?))
+        })
+        .collect();
+    let nameless = Capability {
+        servos: drive.servos.iter().map(|servo| rig.servos[*servo].name.clone()).collect(),
+        continuous: f64::INFINITY,
+        stall: f64::INFINITY,
+        no_load_speed: f64::INFINITY,
+        resolution: 0.0,
+        current_per_effort: 0.0,
+        guessed: servos.iter().any(|servo| servo.guessed),
+    };
+    let mut all = vec![nameless; drive.drive.freedoms()];
+    for q in poses(joints) {
+        let pose = drive.drive.at_joints(&q)?;
+        for (freedom, capability) in all.iter_mut().enumerate() {
+            at_pose(&pose, freedom, &servos, capability)?;
+        }
+    }
+    Ok(all)
+}
+
+/// A servo as the drive sees it.
+struct Shaft {
+    continuous_nm: f64,
+    stall_nm: f64,
+    speed_rad_s: f64,
+    resolution_rad: f64,
+    current_a_per_nm: f64,
+    guessed: bool,
+}
+
+impl Shaft {
+    fn of(gear: f32, torque_nm: f32, model: &ServoModel) -> Self {
+        let gear = f64::from(gear).abs();
+        let stall_nm = f64::from(torque_nm).min(model.stall_torque_nm.value);
+        let used = [
+            &model.continuous_torque_nm,
+            &model.stall_torque_nm,
+            &model.no_load_speed_rad_s,
+            &model.resolution_rad,
+            &model.torque_constant_nm_a,
+        ];
+        Self {
+            continuous_nm: gear * model.continuous_torque_nm.value.min(stall_nm),
+            stall_nm: gear * stall_nm,
+            speed_rad_s: model.no_load_speed_rad_s.value / gear,
+            resolution_rad: model.resolution_rad.value / gear,
+            current_a_per_nm: 1.0 / (gear * model.torque_constant_nm_a.value),
+            guessed: used.iter().any(|value| value.is_guess()),
+        }
+    }
+}
+
+/// Takes what is least, or worst, at one pose.
+fn at_pose(
+    pose: &DrivePose<'_>,
+    freedom: usize,
+    servos: &[Shaft],
+    capability: &mut Capability,
+) -> Result<(), DriveInputError> {
+    let alone = unit(pose.joints().len(), freedom);
+    let asked: Vec<f64> = pose.servo_torques(&alone)?.iter().map(|x| f64::from(x.abs())).collect();
+    let most = |of: fn(&Shaft) -> f64| {
+        let shares = servos.iter().zip(&asked).filter(|(_, asked)| **asked > 0.0);
+        shares.map(|(servo, asked)| of(servo) / asked).fold(f64::INFINITY, f64::min)
+    };
+    capability.continuous = capability.continuous.min(most(|servo| servo.continuous_nm));
+    capability.stall = capability.stall.min(most(|servo| servo.stall_nm));
+    let current: f64 =
+        servos.iter().zip(&asked).map(|(servo, asked)| servo.current_a_per_nm * asked).sum();
+    capability.current_per_effort = capability.current_per_effort.max(current);
+    // How far each servo alone moves the freedom; their speeds add up, since none is asked to stand.
+    let (mut speed, mut step) = (0.0, 0.0_f64);
+    for (index, servo) in servos.iter().enumerate() {
+        let moved = pose.joint_velocities(&unit(servos.len(), index))?;
+        let moved = moved.get(freedom).map_or(0.0, |moved| f64::from(moved.abs()));
+        speed += servo.speed_rad_s * moved;
+        step = step.max(servo.resolution_rad * moved);
+    }
+    capability.no_load_speed = capability.no_load_speed.min(speed);
+    capability.resolution = capability.resolution.max(step);
+    Ok(())
+}
+
+fn unit(count: usize, of: usize) -> Vec<f32> {
+    (0..count).map(|index| if index == of { 1.0 } else { 0.0 }).collect()
+}
+
+/// Positions of a drive's joints: over the range of the first one's first axis, all others at home. Only curves and
+/// four-bars, which have one joint of one freedom, are not the same everywhere.
+fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
+    let home: Vec<f32> = joints
+        .iter()
+        .flat_map(|link| match link.joint {
+            Freedom::Spherical => vec![0.0; 3],
+            _ => link.home.iter().map(|position| *position as f32).collect(),
+        })
+        .collect();
+    let single = matches!(joints, [link] if link.joint.kind().degrees_of_freedom() == 1);
+    match joints.first().and_then(|link| link.ranges.first()) {
+        Some([least, most]) if single => (0..POSES)
+            .map(|pose| {
+                let share = pose as f64 / (POSES - 1) as f64;
+                vec![(least + share * (most - least)) as f32]
+            })
+            .collect(),
+        _ => vec![home],
+    }
+}
