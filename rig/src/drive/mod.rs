@@ -12,7 +12,8 @@
 //! // Two servos turn a wrist through a differential: together they bend it, against each other they roll it.
 //! let wrist = Drive::from(Matrix::new(&[[0.5, 0.5], [0.5, -0.5]], &[])?);
 //! let pose = wrist.at_joints(&[0.3, 0.1])?;
-//! assert_eq!(pose.servos(), [0.4, 0.2]);
+//! let [left, right] = pose.servos() else { unreachable!("it has two") };
+//! assert!((left - 0.4).abs() < 1e-6 && (right - 0.2).abs() < 1e-6);
 //! assert_eq!(pose.servo_torques(&[2.0, 0.0])?, [1.0, 1.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
