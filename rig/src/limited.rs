@@ -48,17 +48,23 @@ impl core::error::Error for NotFinite {}
 pub(crate) fn hold(
     what: &'static str,
     value: f32,
-    [least, most]: [f32; 2],
+    range: [f32; 2],
     reason: LimitReason,
 ) -> Result<Limited<f32>, NotFinite> {
-    if !value.is_finite() {
-        return Err(NotFinite { what, found: value });
+    if value.is_finite() {
+        Ok(within(value, range, reason))
+    } else {
+        Err(NotFinite { what, found: value })
     }
-    Ok(if value < least {
+}
+
+/// The same of a value that is known to be finite.
+pub(crate) fn within(value: f32, [least, most]: [f32; 2], reason: LimitReason) -> Limited<f32> {
+    if value < least {
         Limited { value: least, reason: Some(reason) }
     } else if value > most {
         Limited { value: most, reason: Some(reason) }
     } else {
         Limited { value, reason: None }
-    })
+    }
 }

@@ -241,11 +241,7 @@ impl fmt::Display for ServoError {
 impl core::error::Error for ServoError {}
 
 #[cfg(test)]
-#[expect(
-    clippy::unwrap_used,
-    clippy::arithmetic_side_effects,
-    reason = "a test may fail by panicking"
-)]
+#[expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
 mod tests {
     use super::*;
 

@@ -98,7 +98,13 @@ curve = { points_deg = [[-40, -10], [0, 0], [40, 25]] }
 [[drive]]
 joints = ["lid"]
 servos = ["s7"]
-four_bar = { ground_m = 0.05, crank_m = 0.02, coupler_m = 0.05, rocker_m = 0.03, crank_zero_deg = 90, rocker_zero_deg = 90 }
+[drive.four_bar]
+ground_m = 0.05
+crank_m = 0.02
+coupler_m = 0.05
+rocker_m = 0.03
+crank_zero_deg = 90
+rocker_zero_deg = 90
 [[servo]]
 name = "s0"
 model = "XL330-M288-T"

@@ -40,8 +40,11 @@ fn numbers(count: usize) -> impl Strategy<Value = Vec<f32>> {
     prop::collection::vec(-2.0_f32..2.0, count)
 }
 
+/// Positions, velocities and efforts.
+type Side = [Vec<f32>; 3];
+
 /// A random matrix, with positions, velocities and efforts for its freedoms and servos.
-fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, Vec<f32>, [Vec<f32>; 3], [Vec<f32>; 3])> {
+fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, Vec<f32>, Side, Side)> {
     (1..=4_usize, 1..=4_usize).prop_flat_map(|(freedoms, servos)| {
         let sides = |count| [numbers(count), numbers(count), numbers(count)];
         (
@@ -185,29 +188,59 @@ proptest! {
             rocker_zero_rad: 0.0,
             crossed,
         };
-        let sampled = sampled_least_angle(&links, half);
-        let (links, made) = match FourBar::new(links, [-half, half]) {
-            // The zero of a rocker that passes half a turn is put where it starts.
-            Err(DriveError::RockerWraps) => {
-                let links = Links { rocker_zero_rad: rocker_angle(&links, 0.0).unwrap() as f32, ..links };
-                (links, FourBar::new(links, [-half, half]))
-            }
-            made => (links, made),
-        };
-        match made {
-            Err(DriveError::RockerWraps) => return Ok(()),
-            Err(DriveError::Open { .. } | DriveError::Toggle { .. } | DriveError::Transmission { .. }) => {
-                // 4000 samples may miss the very place by 4e-4 rad of the crank.
-                prop_assert!(sampled.is_none_or(|least| least < 5.2_f64.to_radians()), "{sampled:?} {made:?}");
-            }
-            Err(other) => panic!("{other}"),
-            Ok(four_bar) => {
-                let least = sampled.expect("it closes everywhere");
-                prop_assert!(least > 4.99_f64.to_radians(), "{}", least.to_degrees());
-                check_four_bar(&Drive::from(four_bar), &links, half, effort);
-            }
-        }
+        try_four_bar(links, half, effort);
     }
+}
+
+/// How a four-bar ends: refused for what samples show as well, or right at every sample.
+fn try_four_bar(links: Links, half: f32, effort: f32) -> &'static str {
+    let sampled = sampled_least_angle(&links, half);
+    let mut links = links;
+    let mut made = FourBar::new(links, [-half, half]);
+    if made == Err(DriveError::RockerWraps) {
+        // The zero of a rocker that passes half a turn is put where the servo's is.
+        let at_zero = rocker_angle(&links, 0.0).expect("it closes, or it was refused for that");
+        #[expect(clippy::cast_possible_truncation, reason = "a zero may be anywhere")]
+        let rocker_zero_rad = at_zero as f32;
+        links.rocker_zero_rad = rocker_zero_rad;
+        made = FourBar::new(links, [-half, half]);
+    }
+    let refused = match made {
+        Ok(four_bar) => {
+            let least = sampled.expect("it closes everywhere");
+            assert!(least > 4.99_f64.to_radians(), "{}", least.to_degrees());
+            check_four_bar(&Drive::from(four_bar), &links, half, effort);
+            return "made";
+        }
+        Err(DriveError::Open { .. }) => "open",
+        Err(DriveError::Toggle { .. }) => "toggle",
+        Err(DriveError::Transmission { .. }) => "transmission",
+        Err(other) => panic!("{other}"),
+    };
+    // 4000 samples may miss the very place by 4e-4 rad of the crank.
+    assert!(sampled.is_none_or(|least| least < 5.2_f64.to_radians()), "{sampled:?} {made:?}");
+    refused
+}
+
+#[test]
+fn four_bars_of_a_grid_are_made_and_refused_for_every_reason() {
+    let mut ends = std::collections::BTreeMap::new();
+    for step in 0..3000_u16 {
+        let digit = |place: u32, count: u16| f32::from(step / 6_u16.pow(place) % count);
+        let links = Links {
+            ground_m: 0.05,
+            crank_m: 0.01 + 0.012 * digit(0, 6),
+            coupler_m: 0.02 + 0.02 * digit(1, 6),
+            rocker_m: 0.02 + 0.015 * digit(2, 6),
+            crank_zero_rad: 0.9 * digit(3, 6) - 2.4,
+            rocker_zero_rad: 0.0,
+            crossed: step % 2 == 1,
+        };
+        *ends.entry(try_four_bar(links, 0.6, 1.0)).or_insert(0) += 1;
+    }
+    // Each of the four ends is tried often enough to be a test.
+    assert!(ends.len() == 4 && ends.values().all(|count| *count > 40), "{ends:?}");
+    assert!(ends["made"] > 500, "{ends:?}");
 }
 
 /// Angle of the rocker from the line of the ground, f64, by its own way: the circles of rod and lever meet. `None` if

@@ -61,7 +61,7 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
             (0.4..1.0).contains(&ratio),
             "{name}: no-load speed {ratio} of voltage over constant"
         );
-        // At the speed without load, what is left of the torque is lost in friction: less than half of the stall torque.
+        // Friction at the speed without load leaves something of the torque.
         let lost = value(|m| &m.friction_nm)
             + value(|m| &m.damping_nm_s) * value(|m| &m.no_load_speed_rad_s);
         assert!(lost < torque, "{name}: friction {lost} of {torque} N m");
@@ -110,10 +110,11 @@ fn the_page_of_servos_is_what_the_files_say() {
 fn page() -> String {
     let models = models();
     let mut page = "# Servos\n\n\
-        These kinds of servo are built in: write their name as the `model` of a `[[servo]]` of your rig. A kind that is \
-        not here goes into the rig's own `[[servo_model]]`, with the same keys and a source for every value.\n\n\
+        These kinds of servo are built in: write their name as the `model` of a `[[servo]]` of your rig. A kind that \
+        is not here goes into the rig's own `[[servo_model]]`, with the same keys and a source for every value.\n\n\
         Values are at the output shaft, at the voltage in the first row. A question mark is a guess: nobody has \
-        measured or stated it. Measure your own before you rely on it.\n\n"
+        measured or stated it. Measure your own before you rely on it. A servo's own position counts from the middle \
+        of its range.\n\n"
         .to_owned();
     let mut line = |cells: Vec<String>| writeln!(page, "| {} |", cells.join(" | ")).unwrap();
     let names = models.iter().map(|model| model.name.clone());

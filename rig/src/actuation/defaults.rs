@@ -1,12 +1,12 @@
 //! What joints get from the servos that move them.
 
-use super::{Actuation, DriveOf};
+use super::{Actuation, DriveOf, single};
 use crate::description::{Description, JointType};
 use crate::drive::{DriveInputError, DrivePose};
 use crate::servo::Servo;
 
-/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several freedoms, which has one number
-/// for all: the mean of inertia and frictions, the least of the limits.
+/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several freedoms, which has one
+/// number for all: the mean of inertia and frictions, the least of the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDefaults {
     /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
@@ -126,7 +126,7 @@ fn home(rig: &Description, joint: usize) -> Vec<f32> {
     match joint.kind {
         // At rest: the home of a ball joint is its zero pose.
         JointType::Spherical => vec![0.0; 3],
-        _ => joint.home().iter().map(|position| *position as f32).collect(),
+        _ => joint.home().into_iter().map(single).collect(),
     }
 }
 

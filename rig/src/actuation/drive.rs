@@ -1,6 +1,6 @@
 //! A drive of a description, checked by its numbers.
 
-use super::DriveOf;
+use super::{DriveOf, single};
 use crate::description::{Description, DescriptionError, DriveKind, JointType, Path, Step};
 use crate::drive::{Curve, Drive, DriveError, FourBar, Links, Matrix};
 use crate::servo::Servo;
@@ -62,18 +62,16 @@ fn key(kind: &DriveKind) -> &'static str {
 
 /// A drive as a board has it. `range_rad`: of its servo's shaft.
 fn drive(kind: &DriveKind, ball: bool, range_rad: [f32; 2]) -> Result<Drive, DriveError> {
-    let single = |value: &f64| *value as f32;
     match kind {
         DriveKind::Matrix { rows, offset } => {
             let rows: Vec<Vec<f32>> =
-                rows.iter().map(|row| row.iter().map(single).collect()).collect();
-            let offset: Vec<f32> = offset.iter().map(single).collect();
+                rows.iter().map(|row| row.iter().copied().map(single).collect()).collect();
+            let offset: Vec<f32> = offset.iter().copied().map(single).collect();
             let matrix = if ball { Matrix::of_ball } else { Matrix::new };
             Ok(matrix(&rows, &offset)?.into())
         }
         DriveKind::Curve { points } => {
-            let points: Vec<[f32; 2]> =
-                points.iter().map(|point| point.each_ref().map(single)).collect();
+            let points: Vec<[f32; 2]> = points.iter().map(|point| point.map(single)).collect();
             Ok(Curve::new(&points)?.into())
         }
         DriveKind::FourBar {
@@ -86,12 +84,12 @@ fn drive(kind: &DriveKind, ball: bool, range_rad: [f32; 2]) -> Result<Drive, Dri
             crossed,
         } => {
             let links = Links {
-                ground_m: single(ground_m),
-                crank_m: single(crank_m),
-                coupler_m: single(coupler_m),
-                rocker_m: single(rocker_m),
-                crank_zero_rad: single(crank_zero_rad),
-                rocker_zero_rad: single(rocker_zero_rad),
+                ground_m: single(*ground_m),
+                crank_m: single(*crank_m),
+                coupler_m: single(*coupler_m),
+                rocker_m: single(*rocker_m),
+                crank_zero_rad: single(*crank_zero_rad),
+                rocker_zero_rad: single(*rocker_zero_rad),
                 crossed: *crossed,
             };
             Ok(FourBar::new(links, range_rad)?.into())

@@ -1,5 +1,6 @@
 //! A servo of a description, with what its kind says where the file says nothing.
 
+use super::single;
 use crate::description::{Description, DescriptionError, Path, ServoModel, SignalLoss, Step};
 use crate::nearest::nearest;
 use crate::servo::{Servo, ServoSettings};
@@ -19,7 +20,6 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
     // Own positions count from the middle of the range.
     let half = 0.5 * model.range_rad.value;
     let range = described.range_rad.first().copied().unwrap_or([-half, half]);
-    let single = |value: f64| value as f32;
     Servo::new(ServoSettings {
         gear: single(f64::from(described.direction) * described.gear),
         offset_rad: single(described.offset_rad.unwrap_or(0.0)),

@@ -132,7 +132,7 @@ fn what_cannot_be_is_refused_by_name() {
     assert!(found.contains("drive[0].four_bar") && found.contains("width"), "{found}");
     linkage.servos[0].range_rad = vec![[-0.6, 0.6]];
     assert!(linkage.actuation().is_ok());
-    // The drive's zero is where the servo's offset says. The range moves with it, over a toggle at 21.8 deg of the crank.
+    // The drive's zero is where the servo's offset says: the range moves over a toggle at 21.8 deg of the crank.
     linkage.servos[0].offset_rad = Some(1.0);
     assert!(message(&linkage).contains("one line"), "{}", message(&linkage));
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use heapless::Vec;
 
 use super::{Address, BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
-use crate::actuation::Actuation;
+use crate::actuation::{Actuation, single};
 use crate::description::{self, Description, DescriptionError};
 use crate::drive::MOST;
 use crate::mechanism::{self, Link, Mechanism};
@@ -84,24 +84,24 @@ fn freedoms(link: &Link) -> std::vec::Vec<Freedom> {
             let (rotation, position) = coordinates.split_at_checked(4).unwrap_or_default();
             rotation_vector(rotation)
                 .into_iter()
-                .chain(position.iter().map(|x| *x as f32))
+                .chain(position.iter().copied().map(single))
                 .collect()
         }
-        (_, coordinates) => coordinates.iter().map(|x| *x as f32).collect(),
+        (_, coordinates) => coordinates.iter().copied().map(single).collect(),
     };
     home.into_iter()
         .enumerate()
         .map(|(axis, home)| {
             let unlimited =
                 [if is_ball && axis == 0 { 0.0 } else { f64::NEG_INFINITY }, f64::INFINITY];
-            let range = link.ranges.get(axis).copied().unwrap_or(unlimited).map(|end| end as f32);
+            let range = link.ranges.get(axis).copied().unwrap_or(unlimited).map(single);
             Freedom {
                 range,
                 // A home at an end of its range may be beyond it by a rounding of f32.
                 home: if is_ball { home } else { home.max(range[0]).min(range[1]) },
-                speed: link.speed as f32,
-                acceleration: link.acceleration as f32,
-                effort: link.effort as f32,
+                speed: single(link.speed),
+                acceleration: single(link.acceleration),
+                effort: single(link.effort),
             }
         })
         .collect()
@@ -111,7 +111,7 @@ fn freedoms(link: &Link) -> std::vec::Vec<Freedom> {
 fn rotation_vector(rotation: &[f64]) -> [f32; 3] {
     match rotation {
         [x, y, z, w] => {
-            let q = glam::Quat::from_xyzw(*x as f32, *y as f32, *z as f32, *w as f32);
+            let q = glam::Quat::from_array([*x, *y, *z, *w].map(single));
             sinew_core::math::log(q).to_array()
         }
         _ => [0.0; 3],
@@ -126,9 +126,9 @@ fn limit_of(places: &Places<'_>, limit: &description::LinkedLimit) -> Option<Lin
     Some(LinkedLimit {
         freedom: freedom(&limit.joint)?,
         other: freedom(&limit.other)?,
-        factor: limit.factor as f32,
-        other_factor: limit.other_factor as f32,
-        range: [least, most].map(|end| end as f32),
+        factor: single(limit.factor),
+        other_factor: single(limit.other_factor),
+        range: [least, most].map(single),
     })
 }
 
@@ -142,8 +142,9 @@ fn drives(
         .drives
         .iter()
         .map(|of| {
-            let joints = of.joints.iter().map(|joint| rig.joints[*joint].name.as_str());
-            let freedoms = joints.filter_map(|joint| places.get(joint)).flat_map(Range::clone);
+            let joints = of.joints.iter().filter_map(|joint| rig.joints.get(*joint));
+            let freedoms =
+                joints.filter_map(|joint| places.get(joint.name.as_str())).flat_map(Range::clone);
             BoardDrive {
                 drive: of.drive.clone(),
                 // What is beyond has no place in any drive, and is refused for its count.
@@ -157,22 +158,22 @@ fn drives(
 /// Buses are numbered as they first appear.
 fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo> {
     let mut buses: std::vec::Vec<&str> = std::vec::Vec::new();
+    for servo in &rig.servos {
+        if !buses.contains(&servo.bus.as_str()) {
+            buses.push(&servo.bus);
+        }
+    }
+    let number_of = |bus: &str| buses.iter().position(|other| *other == bus).unwrap_or_default();
     rig.servos
         .iter()
         .zip(&actuation.servos)
-        .map(|(described, servo)| {
-            let bus = buses.iter().position(|bus| *bus == described.bus).unwrap_or_else(|| {
-                buses.push(&described.bus);
-                buses.len() - 1
-            });
-            BoardServo {
-                bus: u16::try_from(bus).unwrap_or(u16::MAX),
-                address: match described.address {
-                    description::Address::Id(id) => Address::Id(id),
-                    description::Address::Channel(channel) => Address::Channel(channel),
-                },
-                servo: *servo,
-            }
+        .map(|(described, servo)| BoardServo {
+            bus: u16::try_from(number_of(&described.bus)).unwrap_or(u16::MAX),
+            address: match described.address {
+                description::Address::Id(id) => Address::Id(id),
+                description::Address::Channel(channel) => Address::Channel(channel),
+            },
+            servo: *servo,
         })
         .collect()
 }

@@ -44,8 +44,8 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
                 ("acceleration of freedom", freedom.acceleration),
                 ("effort of freedom", freedom.effort),
             ] {
-                // Written so that NaN is refused.
-                if !(found >= 0.0) {
+                // NaN is not within.
+                if !(0.0..).contains(&found) {
                     return Err(BoardRigError::Number { what, index, found });
                 }
             }
@@ -65,7 +65,7 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
                 let (angle, most) =
                     (math::sqrt(squares), own().next().map_or(0.0, |freedom| freedom.range[1]));
                 // Three squares of f32 may be above the bound by rounding.
-                if !(angle <= most * (1.0 + 4.0 * f32::EPSILON)) {
+                if !(..=most * (1.0 + 4.0 * f32::EPSILON)).contains(&angle) {
                     return Err(BoardRigError::Number { what, index: first, found: angle });
                 }
             } else {

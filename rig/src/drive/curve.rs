@@ -40,13 +40,13 @@ impl Curve {
     ///
     /// # Errors
     /// [`DriveError`] if there are fewer than 2 points or more than [`POINTS`], a number is none, servo positions do
-    /// not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below 1/100 of its mean
-    /// slope.
+    /// not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below 1/100 of its
+    /// mean slope.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
         let (what, found) = ("points", points.len());
-        if found < 2 {
+        let [first, .., last] = points else {
             return Err(DriveError::TooFew { what, found, least: 2 });
-        }
+        };
         if found > POINTS {
             return Err(DriveError::TooMany { what, found, most: POINTS });
         }
@@ -54,10 +54,6 @@ impl Curve {
             bounded("servo position of point", index, *servo, [-LARGEST, LARGEST])?;
             bounded("joint position of point", index, *joint, [-LARGEST, LARGEST])?;
         }
-        let (first, last) = match points {
-            [first, .., last] => (first, last),
-            _ => return Err(DriveError::TooFew { what, found, least: 2 }),
-        };
         let mut secants = Vec::<Secant, POINTS>::new();
         for (before, pair) in points.windows(2).enumerate() {
             let [[s0, q0], [s1, q1]] = pair else { continue };
@@ -86,8 +82,8 @@ impl Curve {
             .map(|piece| piece.least_slope(mean.signum()))
             .fold(f32::INFINITY, f32::min)
             / mean.abs();
-        // Written so that NaN is refused.
-        if !(share >= LEAST_SHARE) {
+        // NaN is not within.
+        if !(LEAST_SHARE..).contains(&share) {
             return Err(DriveError::Flat { share, least: LEAST_SHARE });
         }
         Ok(curve)

@@ -7,7 +7,7 @@ use sinew_core::glam::Vec2;
 use sinew_core::math;
 
 use super::{DriveError, DrivePose, Numbers, Tangent, bounded, collect};
-use crate::limited::LimitReason;
+use crate::limited::{LimitReason, within};
 
 /// Least angle between crank and rod, and between rod and lever. At 5 degrees a lever takes eleven times the force that
 /// it needs at 90; builders stay above 30.
@@ -172,26 +172,24 @@ impl FourBar {
     }
 
     pub(super) fn at_servo(&self, s: f32) -> DrivePose<'_> {
-        let [least, most] = self.range_rad;
-        let servo = s.max(least).min(most);
-        self.pose(servo, (servo < s || servo > s).then_some(LimitReason::Range))
+        let servo = within(s, self.range_rad, LimitReason::Range);
+        self.pose(servo.value, servo.reason)
     }
 
     pub(super) fn at_joint(&self, q: f32) -> DrivePose<'_> {
         let links = &self.links;
         let [from, to] = self.joint_rad;
-        let joint = q.max(from.min(to)).min(from.max(to));
-        let lever = turned(links.rocker_m, joint + links.rocker_zero_rad);
+        let joint = within(q, [from.min(to), from.max(to)], LimitReason::Range);
+        let lever = turned(links.rocker_m, joint.value + links.rocker_zero_rad);
         let end = lever + Vec2::new(links.ground_m, 0.0);
         let [least, most] = self.range_rad;
-        let servo =
-            third_corner(end, links.crank_m, links.coupler_m, -self.elbow).map_or(least, |tip| {
-                let servo = math::atan2(tip.y, tip.x) - links.crank_zero_rad;
-                nearest_turn(servo, 0.5 * (least + most)).max(least).min(most)
-            });
-        let reason = (joint < q || joint > q).then_some(LimitReason::Range);
-        let pose = self.pose(servo, reason);
-        DrivePose { joints: collect([joint]), ..pose }
+        let tip = third_corner(end, links.crank_m, links.coupler_m, -self.elbow);
+        // It closes: the range was checked.
+        let servo = tip.map_or(least, |tip| {
+            let servo = math::atan2(tip.y, tip.x) - links.crank_zero_rad;
+            nearest_turn(servo, 0.5 * (least + most)).max(least).min(most)
+        });
+        DrivePose { joints: collect([joint.value]), ..self.pose(servo, joint.reason) }
     }
 
     fn pose(&self, servo: f32, reason: Option<LimitReason>) -> DrivePose<'_> {
@@ -213,7 +211,8 @@ fn turned(length: f32, angle: f32) -> Vec2 {
 fn third_corner(second: Vec2, distance: f32, far: f32, side: f32) -> Option<Vec2> {
     let base = math::sqrt(second.dot(second));
     let cosine = (distance * distance + base * base - far * far) / (2.0 * distance * base);
-    if !(cosine.abs() <= 1.0) {
+    // NaN is not within.
+    if !(-1.0..=1.0).contains(&cosine) {
         return None;
     }
     let along = second * (distance / base);

@@ -136,8 +136,8 @@ impl Matrix {
             self.rows().zip(&lengths).flat_map(|(row, length)| row.iter().map(move |x| x / length)),
         );
         let (inverse, condition) = pseudo_inverse(&scaled, self.freedoms(), self.servos);
-        // Written so that NaN is refused.
-        if !(condition <= CONDITION_MOST) {
+        // NaN is not within.
+        if !(0.0..=CONDITION_MOST).contains(&condition) {
             return Err(DriveError::Singular { condition, most: CONDITION_MOST });
         }
         self.inverse = collect(

@@ -4,23 +4,24 @@
 //! the servo's own. Of a ball joint, `q` is the rotation vector of the body in the joint frame, velocities and efforts
 //! are in body axes, as in `sinew-core`.
 //!
-//! A [`DrivePose`] is a drive at one position. Its maps of velocities and efforts belong together: the power is the same
-//! on both sides.
+//! A [`DrivePose`] is a drive at one position. Its maps of velocities and efforts belong together: the power is the
+//! same on both sides.
 //!
 //! ```
 //! use sinew_rig::drive::{Drive, Matrix};
 //! // Two servos turn a wrist through a differential: together they bend it, against each other they roll it.
 //! let wrist = Drive::from(Matrix::new(&[[0.5, 0.5], [0.5, -0.5]], &[])?);
 //! let pose = wrist.at_joints(&[0.3, 0.1])?;
-//! assert_eq!(pose.servos(), [0.4, 0.2]);
+//! let [left, right] = pose.servos() else { unreachable!("it has two") };
+//! assert!((left - 0.4).abs() < 1e-6 && (right - 0.2).abs() < 1e-6);
 //! assert_eq!(pose.servo_torques(&[2.0, 0.0])?, [1.0, 1.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # What is refused
-//! A drive that is singular, or nearly so, somewhere in its range. Where a servo hardly moves its joint, small errors of
-//! position become large motions and torques of the servo; where the joint would move the servo, the servo cannot hold
-//! it. Real transmissions stay far from both; what is refused is a mistake in the file:
+//! A drive that is singular, or nearly so, somewhere in its range. Where a servo hardly moves its joint, small errors
+//! of position become large motions of the servo; where rod and lever are in line, the servo cannot hold the joint.
+//! Real transmissions stay far from both; what is refused is a mistake in the file:
 //! - a [`Matrix`] of a condition number above 100 (see there);
 //! - a [`Curve`] with a slope below 1/100 of its mean;
 //! - a [`FourBar`] whose links come nearer to one line than 5 degrees.
@@ -66,7 +67,6 @@ const LEAST_MOTION: f32 = 1e-6;
 
 /// How servos move joints.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "boxes take an allocator")]
 pub enum Drive {
     /// Linear: one to one, mirrored, mimic, differential, three servos of a ball joint.
     Matrix(Matrix),
@@ -155,8 +155,8 @@ fn check(what: &'static str, expected: usize, numbers: &[f32]) -> Result<(), Dri
     if numbers.len() != expected {
         return Err(DriveInputError::Count { what, expected, found: numbers.len() });
     }
-    // Written so that NaN is refused.
-    match numbers.iter().position(|number| !(number.abs() <= LARGEST)) {
+    // NaN is not within.
+    match numbers.iter().position(|number| !(-LARGEST..=LARGEST).contains(number)) {
         None => Ok(()),
         Some(index) => {
             let found = numbers.get(index).copied().unwrap_or(f32::NAN);

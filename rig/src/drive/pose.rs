@@ -36,8 +36,8 @@ impl DrivePose<'_> {
         &self.servos
     }
 
-    /// [`LimitReason::Range`] if the position asked for is beyond an end, and this is the end; of a ball joint, if it is
-    /// beyond half a turn.
+    /// [`LimitReason::Range`] if the position asked for is beyond an end, and this is the end; of a ball joint, if it
+    /// is beyond half a turn.
     pub fn reason(&self) -> Option<LimitReason> {
         self.reason
     }
