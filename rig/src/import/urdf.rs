@@ -45,7 +45,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     let mut description = import::empty(robot.attribute("name"));
     description.bodies = bodies;
     description.joints = tree.joints.iter().map(|joint| joint.joint.clone()).collect();
-    import::turn_up("URDF", &mut description, &mut notes);
+    import::turn_up("a URDF", &mut description, &mut notes);
     stand(&mut description, &mut notes);
     let ties = tree
         .joints
@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     tie::tie(&ties, &mut description, &mut notes);
     limits::doubt(&mut description.joints, &mut notes);
     tell_actuators(robot, &description, &mut notes);
-    tell_massless(&description, &mut notes);
+    import::tell_massless(&description, &mut notes);
     tell_unread(robot, &tree.links, &tree.joints, &mut notes);
     import::finish(robot, description, notes)
 }
@@ -140,25 +140,6 @@ fn tell_actuators(robot: Node<'_, '_>, description: &Description, notes: &mut No
         if !driven.contains(joint.name.as_str()) {
             let text = "moves, but the file's transmissions do not drive it; in the rig it is as any other";
             notes.add_of(NoteKind::Doubtful, text, &joint.name);
-        }
-    }
-}
-
-/// Bodies that move and weigh nothing, alone and with all that is welded to them.
-fn tell_massless(description: &Description, notes: &mut Notes) {
-    let mut carried: BTreeMap<&str, f64> =
-        description.bodies.iter().map(|body| (body.name.as_str(), body.mass_kg)).collect();
-    // Joints are from the base outwards: inwards, a welded body's mass is complete before it is passed on.
-    for joint in description.joints.iter().rev().filter(|joint| joint.kind == JointType::Fixed) {
-        let mass_kg = carried.get(joint.child.as_str()).copied().unwrap_or_default();
-        if let Some(on_parent) = carried.get_mut(joint.parent.as_str()) {
-            *on_parent += mass_kg;
-        }
-    }
-    for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
-        if carried.get(joint.child.as_str()).is_some_and(|mass_kg| *mass_kg <= 0.0) {
-            let text = "moves and weighs nothing in the file: torques lack what it weighs in truth";
-            notes.add_of(NoteKind::Doubtful, text, &joint.child);
         }
     }
 }
