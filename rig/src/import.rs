@@ -17,6 +17,8 @@ pub use note::{Note, NoteKind};
 
 use std::collections::BTreeMap;
 
+use glam::{DQuat, DVec3};
+
 use note::Notes;
 
 use crate::Description;
@@ -119,6 +121,14 @@ fn turn_up(format: &str, description: &mut Description, notes: &mut Notes) {
              up in this file, take that line out"
         ),
     );
+}
+
+/// Puts the base where a file with z up has it.
+fn place_base(description: &mut Description, position_m: DVec3, rotation: DQuat) {
+    // Zero is added so that no -0 is written.
+    description.mount.position_m = [position_m.x, position_m.z, 0.0 - position_m.y];
+    let up = DQuat::from_array(Mount::z_up().rotation_xyzw);
+    description.mount.rotation_xyzw = (up * rotation).normalize().to_array();
 }
 
 /// Bodies that move and weigh nothing, alone and with all that is welded to them.

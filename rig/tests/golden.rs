@@ -114,8 +114,16 @@ fn assert_golden(name: &str) {
 #[ignore = "needs SINEW_DATA"]
 fn torques_are_those_of_other_programs() {
     for name in [
-        "poppy", "op3", "open_duck_urdf", "open_duck_mjcf", "panda", "so100", "h1", "allegro",
-        "anymal", "talos",
+        "poppy",
+        "op3",
+        "open_duck_urdf",
+        "open_duck_mjcf",
+        "panda",
+        "so100",
+        "h1",
+        "allegro",
+        "anymal",
+        "talos",
     ] {
         assert_golden(name);
     }

@@ -69,9 +69,9 @@ fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
         node.ancestors().any(|outer| outer.has_tag_name("worldbody"))
             || node.has_tag_name("include")
     };
-    let part = root.descendants().find(|node| {
-        PARTS.iter().any(|part| node.has_tag_name(*part)) && in_bodies(node)
-    });
+    let part = root
+        .descendants()
+        .find(|node| PARTS.iter().any(|part| node.has_tag_name(*part)) && in_bodies(node));
     match part {
         None => Ok(()),
         Some(node) => {
@@ -98,7 +98,9 @@ fn tell_gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<(), ImportError
     for option in xml::children(root, "option") {
         let Some([x, y, z]) = xml::vector(option, "gravity")? else { continue };
         if x.abs().max(y.abs()).max((z + 9.81).abs()) > 0.02 {
-            let text = format!("gravity is {x} {y} {z} m/s² in the file, and 9.81 m/s² downwards in a rig");
+            let text = format!(
+                "gravity is {x} {y} {z} m/s² in the file, and 9.81 m/s² downwards in a rig"
+            );
             notes.add(NoteKind::Changed, text);
         }
     }
@@ -108,7 +110,14 @@ fn tell_gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<(), ImportError
 /// Sections that say nothing a rig has, counted by name.
 fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
     const READ: [&str; 9] = [
-        "compiler", "option", "default", "worldbody", "actuator", "equality", "asset", "visual",
+        "compiler",
+        "option",
+        "default",
+        "worldbody",
+        "actuator",
+        "equality",
+        "asset",
+        "visual",
         "statistic",
     ];
     let mut unread: BTreeMap<&str, usize> = BTreeMap::new();

@@ -112,10 +112,11 @@ fn stand(description: &mut Description, notes: &mut Notes) {
     let Some(place) = on_base(&base.name) else { return };
     let joint = description.joints.remove(place);
     let base = description.bodies.remove(0);
-    let up = DQuat::from_array(description.mount.rotation_xyzw);
-    description.mount.position_m = (up * glam::DVec3::from(joint.position_m)).to_array();
-    description.mount.rotation_xyzw =
-        (up * DQuat::from_array(joint.rotation_xyzw)).normalize().to_array();
+    import::place_base(
+        description,
+        joint.position_m.into(),
+        DQuat::from_array(joint.rotation_xyzw),
+    );
     let text = format!(
         "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, held fast, as on a stand. To drive \
          it freely: mount.base = \"driven\"",

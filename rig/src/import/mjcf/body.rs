@@ -14,6 +14,7 @@ use super::mass;
 use super::pose::Pose;
 use crate::description::mass::Mass;
 use crate::description::{Description, Joint, JointType};
+use crate::import;
 
 /// What a body holds, with that in its `frame` elements: each with the frame's pose in the body.
 pub(super) struct Parts<'a, 'd> {
@@ -36,7 +37,11 @@ impl<'a, 'd> Parts<'a, 'd> {
         std::iter::once(self.node).chain(joints).filter_map(|node| node.attribute("name"))
     }
 
-    fn read(node: Node<'a, 'd>, class: usize, model: &Model<'a, 'd, '_>) -> Result<Self, ImportError> {
+    fn read(
+        node: Node<'a, 'd>,
+        class: usize,
+        model: &Model<'a, 'd, '_>,
+    ) -> Result<Self, ImportError> {
         let (inertial, geoms, joints, bodies) = (None, Vec::new(), Vec::new(), Vec::new());
         let mut parts = Self { node, inertial, geoms, joints, bodies };
         let mut to_come = vec![(node, Pose::IDENTITY, class)];
@@ -45,9 +50,13 @@ impl<'a, 'd> Parts<'a, 'd> {
             for node in outer.children().filter(Node::is_element) {
                 match node.tag_name().name() {
                     "inertial" => parts.inertial = Some((node, frame)),
-                    "geom" => parts.geoms.push((model.defaults.element(node, &["geom"], class)?, frame)),
+                    "geom" => {
+                        parts.geoms.push((model.defaults.element(node, &["geom"], class)?, frame))
+                    }
                     "joint" | "freejoint" => {
-                        parts.joints.push((model.defaults.element(node, &["joint"], class)?, frame));
+                        parts
+                            .joints
+                            .push((model.defaults.element(node, &["joint"], class)?, frame));
                     }
                     "body" => {
                         let class = model.defaults.named(node, "childclass", class)?;
@@ -94,7 +103,8 @@ pub(super) fn read<'a, 'd>(
         return Err(xml::refuse(root, "a body in `worldbody`", "none"));
     }
     refuse_several_robots(root, &top)?;
-    let is_base = |body: &ToCome<'_, '_>| body.parts.joints.iter().all(|(joint, _)| joint::is_free(joint));
+    let is_base =
+        |body: &ToCome<'_, '_>| body.parts.joints.iter().all(|(joint, _)| joint::is_free(joint));
     if !(top.len() == 1 && top.iter().all(is_base)) {
         let world = Names::fresh(&mut names.bodies, "world");
         description.bodies.push(Mass::point(0.0).body(&world));
@@ -170,16 +180,8 @@ fn inside<'a, 'd>(
 }
 
 /// The base, where the file draws it.
-fn stand(
-    name: &str,
-    floats: bool,
-    pose: Pose,
-    description: &mut Description,
-    notes: &mut Notes,
-) {
-    let up = DQuat::from_array(description.mount.rotation_xyzw);
-    description.mount.position_m = (up * pose.position_m).to_array();
-    description.mount.rotation_xyzw = (up * pose.rotation).normalize().to_array();
+fn stand(name: &str, floats: bool, pose: Pose, description: &mut Description, notes: &mut Notes) {
+    import::place_base(description, pose.position_m, pose.rotation);
     if floats {
         let text = format!(
             "`{name}` floats by a free joint: it is the base, held fast, as on a stand. To drive it freely: \
@@ -239,7 +241,8 @@ fn hang(
 }
 
 fn refuse_several_robots(root: Node<'_, '_>, top: &[ToCome<'_, '_>]) -> Result<(), ImportError> {
-    let floats = |body: &&ToCome<'_, '_>| body.parts.joints.iter().any(|(joint, _)| joint::is_free(joint));
+    let floats =
+        |body: &&ToCome<'_, '_>| body.parts.joints.iter().any(|(joint, _)| joint::is_free(joint));
     let names: Vec<&str> =
         top.iter().filter(floats).map(|body| body.parts.name().unwrap_or_default()).collect();
     if names.len() < 2 {
@@ -275,7 +278,9 @@ impl Names {
                 "joint" | "freejoint" => &mut names.joints,
                 _ => continue,
             };
-            let Some(name) = node.attribute("name").filter(|name| !name.is_empty()) else { continue };
+            let Some(name) = node.attribute("name").filter(|name| !name.is_empty()) else {
+                continue;
+            };
             if !taken.insert(name.to_owned()) {
                 return Err(xml::refuse_value(node, "name", "a name that no other one has"));
             }

@@ -83,7 +83,8 @@ impl<'a, 'd> Defaults<'a, 'd> {
         let mut nodes = vec![node];
         while let Some(Class { around, elements }) = class.map(|class| &self.classes[class]) {
             for tag in tags {
-                let of_class = elements.iter().flat_map(|element| xml::children(*element, tag).rev());
+                let of_class =
+                    elements.iter().flat_map(|element| xml::children(*element, tag).rev());
                 nodes.extend(of_class);
             }
             class = *around;

@@ -17,8 +17,7 @@ pub(super) fn read<'a, 'd>(
     notes: &mut Notes,
 ) -> Result<Vec<Tie>, ImportError> {
     let (mut ties, mut loops) = (Vec::new(), Vec::new());
-    let bodies: BTreeSet<&str> =
-        description.bodies.iter().map(|body| body.name.as_str()).collect();
+    let bodies: BTreeSet<&str> = description.bodies.iter().map(|body| body.name.as_str()).collect();
     let sections = xml::children(root, "equality").flat_map(|section| section.children());
     for node in sections.filter(Node::is_element) {
         let tag = node.tag_name().name();
@@ -34,14 +33,22 @@ pub(super) fn read<'a, 'd>(
                 if node.has_attribute("body1") && ends.iter().any(|end| is_left_out(&end)) {
                     let text = "equalities of bodies that are left out";
                     notes.add_of(NoteKind::LeftOut, text, ends.join(" to "));
-                } else if ends.len() == 1 && description.bodies.first().is_some_and(|base| base.name == ends[0]) {
-                    notes.add_of(NoteKind::LeftOut, "what holds the base: it is held in a rig", ends[0]);
+                } else if ends.len() == 1
+                    && description.bodies.first().is_some_and(|base| base.name == ends[0])
+                {
+                    notes.add_of(
+                        NoteKind::LeftOut,
+                        "what holds the base: it is held in a rig",
+                        ends[0],
+                    );
                 } else {
                     loops.push((node, ends));
                 }
             }
             "joint" => ties.extend(tie(root, node, model, description, notes)?),
-            _ => notes.add_of(NoteKind::LeftOut, "equalities that are not of bodies or joints", tag),
+            _ => {
+                notes.add_of(NoteKind::LeftOut, "equalities that are not of bodies or joints", tag)
+            }
         }
     }
     let Some((first, _)) = loops.first() else { return Ok(ties) };
@@ -79,7 +86,8 @@ fn tie<'a, 'd>(
         return Ok(None);
     }
     let mut references = [0.0; 2];
-    for (slot, (name, attribute)) in references.iter_mut().zip([(joint, "joint1"), (of, "joint2")]) {
+    for (slot, (name, attribute)) in references.iter_mut().zip([(joint, "joint1"), (of, "joint2")])
+    {
         let Some(found) = find(root, name) else {
             return Err(xml::refuse_value(node, attribute, "a joint of the file"));
         };

@@ -33,7 +33,11 @@ pub(super) fn read(
         Some("slide") => JointType::Prismatic,
         Some("ball") => JointType::Spherical,
         Some(_) => {
-            return Err(xml::refuse_value(element.at("type"), "type", "hinge, slide, ball or free"));
+            return Err(xml::refuse_value(
+                element.at("type"),
+                "type",
+                "hinge, slide, ball or free",
+            ));
         }
     };
     let mut joint = Joint { name, kind, ..Joint::default() };
@@ -42,14 +46,17 @@ pub(super) fn read(
     }
     let anchor = element.vector("pos")?.map_or(DVec3::ZERO, DVec3::from_array);
     let anchor_m = frame.position_m + frame.rotation * anchor;
-    joint.rotor_inertia =
-        Some(element.not_negative("armature")?).filter(|inertia| *inertia > 0.0);
+    joint.rotor_inertia = Some(element.not_negative("armature")?).filter(|inertia| *inertia > 0.0);
     joint.friction = element.not_negative("frictionloss")?;
     joint.damping = xml::numbers(element.at("damping"), "damping", 3)?
         .and_then(|numbers| numbers.first().copied())
         .unwrap_or(0.0);
     if joint.damping < 0.0 {
-        return Err(xml::refuse_value(element.at("damping"), "damping", "a number of zero or more"));
+        return Err(xml::refuse_value(
+            element.at("damping"),
+            "damping",
+            "a number of zero or more",
+        ));
     }
     if element.not_negative("stiffness")? > 0.0 {
         notes.add_of(NoteKind::LeftOut, "springs of joints (stiffness)", &joint.name);
@@ -65,9 +72,9 @@ pub(super) fn read(
         return Ok(MjcfJoint { joint, anchor_m, zero });
     }
     let axis = element.vector("axis")?.map_or(DVec3::Z, DVec3::from_array);
-    let axis = (frame.rotation * axis).try_normalize().ok_or_else(|| {
-        xml::refuse_value(element.at("axis"), "axis", "an axis that is not zero")
-    })?;
+    let axis = (frame.rotation * axis)
+        .try_normalize()
+        .ok_or_else(|| xml::refuse_value(element.at("axis"), "axis", "an axis that is not zero"))?;
     // Zero is added so that no -0 is written.
     joint.axis = Some((axis + DVec3::ZERO).to_array());
     let reference = element.number("ref")?.unwrap_or(0.0);

@@ -34,10 +34,11 @@ impl MassRules {
     pub(super) fn read(compilers: &[Node<'_, '_>]) -> Result<Self, ImportError> {
         let with = |name: &str| compilers.iter().find(|node| node.has_attribute(name));
         let number = |name| with(name).map_or(Ok(None), |node| xml::number(*node, name));
-        let from_geoms = match with("inertiafromgeom").and_then(|node| node.attribute("inertiafromgeom")) {
-            Some("auto") => None,
-            _ => flag(compilers, "inertiafromgeom")?,
-        };
+        let from_geoms =
+            match with("inertiafromgeom").and_then(|node| node.attribute("inertiafromgeom")) {
+                Some("auto") => None,
+                _ => flag(compilers, "inertiafromgeom")?,
+            };
         let groups = with("inertiagrouprange")
             .map_or(Ok(None), |node| xml::vector(*node, "inertiagrouprange"))?
             .unwrap_or([0.0, 5.0]);
@@ -66,13 +67,18 @@ impl MassRules {
             body.mass_kg *= factor;
             if let Some(inertia) = &mut body.inertia_kg_m2 {
                 let elements = [
-                    &mut inertia.xx, &mut inertia.xy, &mut inertia.xz, &mut inertia.yy,
-                    &mut inertia.yz, &mut inertia.zz,
+                    &mut inertia.xx,
+                    &mut inertia.xy,
+                    &mut inertia.xz,
+                    &mut inertia.yy,
+                    &mut inertia.yz,
+                    &mut inertia.zz,
                 ];
                 elements.into_iter().for_each(|element| *element *= factor);
             }
         }
-        let text = format!("all masses are scaled to {total_kg} kg, by the compiler's settotalmass");
+        let text =
+            format!("all masses are scaled to {total_kg} kg, by the compiler's settotalmass");
         notes.add(NoteKind::Changed, text);
     }
 }
@@ -166,7 +172,11 @@ fn of_geoms(
             if !model.options.repair_inertia {
                 let expected = "an `inertial` in the body, or geoms that are solids (sphere, capsule, cylinder, box, \
                                 ellipsoid), since meshes are not read; or the option repair-inertia";
-                return Err(xml::refuse(geom.node(), expected, "a mesh that makes the body's mass"));
+                return Err(xml::refuse(
+                    geom.node(),
+                    expected,
+                    "a mesh that makes the body's mass",
+                ));
             }
             let pose = frame.then(model.angles.pose_of(geom)?);
             let text = match own_kg {
@@ -174,7 +184,8 @@ fn of_geoms(
                 None => "has a mesh that makes its mass, which is not known: left out",
             };
             notes.add_of(NoteKind::Filled, text, name);
-            sum = sum.plus(Mass::point(own_kg.unwrap_or(0.0)).seen_from(pose.rotation, pose.position_m));
+            sum = sum
+                .plus(Mass::point(own_kg.unwrap_or(0.0)).seen_from(pose.rotation, pose.position_m));
             continue;
         };
         let kg = own_kg.unwrap_or(density * solid.volume_m3());

@@ -14,8 +14,7 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    pub(super) const IDENTITY: Self =
-        Self { position_m: DVec3::ZERO, rotation: DQuat::IDENTITY };
+    pub(super) const IDENTITY: Self = Self { position_m: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
     /// Where a frame is that is so in this one.
     pub(super) fn then(self, inner: Self) -> Self {
@@ -46,7 +45,9 @@ impl Angles {
             Some((_, Some("radian"))) => 1.0,
             Some((node, _)) => return Err(xml::refuse_value(*node, "angle", "degree or radian")),
         };
-        if let Some(node) = with("coordinate").filter(|node| node.attribute("coordinate") != Some("local")) {
+        if let Some(node) =
+            with("coordinate").filter(|node| node.attribute("coordinate") != Some("local"))
+        {
             let expected = "local: MuJoCo itself has no other coordinates since version 2.3.4";
             return Err(xml::refuse_value(*node, "coordinate", expected));
         }
@@ -54,7 +55,8 @@ impl Angles {
         if let Some(node) = with("eulerseq") {
             let text = node.attribute("eulerseq").unwrap_or_default();
             let wrong = || {
-                let expected = "three of x, y, z (axes that turn along) or X, Y, Z (axes that stay)";
+                let expected =
+                    "three of x, y, z (axes that turn along) or X, Y, Z (axes that stay)";
                 xml::refuse_value(*node, "eulerseq", expected)
             };
             let letters: Vec<char> = text.trim().chars().collect();
@@ -95,10 +97,15 @@ impl Angles {
             [] => return Ok(DQuat::IDENTITY),
             [way] => way,
             [_, second, ..] => {
-                return Err(xml::refuse_value(node, second, "one way to say the rotation, not two"));
+                return Err(xml::refuse_value(
+                    node,
+                    second,
+                    "one way to say the rotation, not two",
+                ));
             }
         };
-        let not_zero = || xml::refuse_value(node, way, "a rotation that vectors of length zero do not give");
+        let not_zero =
+            || xml::refuse_value(node, way, "a rotation that vectors of length zero do not give");
         let rotation = match way {
             "quat" => {
                 let [w, x, y, z] = xml::vector(node, way)?.unwrap_or_default();
