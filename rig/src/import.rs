@@ -5,6 +5,7 @@
 
 mod error;
 mod mass;
+mod mjcf;
 mod note;
 mod solid;
 mod tie;
@@ -14,15 +15,19 @@ mod xml;
 pub use error::{ImportError, Place};
 pub use note::{Note, NoteKind};
 
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
+
 use note::Notes;
 
 use crate::Description;
-use crate::description::Mount;
+use crate::description::{JointType, Mount};
 
 /// The user's word on what a file leaves open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Options {
-    /// Joints to leave out, by name, and with them all that then hangs on nothing.
+    /// Joints to leave out, by name, and with them all that then hangs on nothing; of an MJCF, bodies too.
     pub cut: Vec<String>,
     /// Takes a mechanism with closed loops as the tree that the file holds: the loops stay open.
     pub open_loops: bool,
@@ -68,6 +73,29 @@ pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
     urdf::read(text, options)
 }
 
+/// Reads an MJCF (the format of MuJoCo).
+///
+/// Every body is a body; one with several joints is a chain, with bodies without mass between. The body at the top is
+/// the base. What rotors add (`armature`) is each joint's rotor inertia, the largest forces of its actuators are its
+/// effort, and an equality of two joints ties them as in [`urdf`].
+///
+/// # Errors
+/// [`ImportError`] if the text is no XML or no model, has parts in other files, closed loops, or a value cannot be.
+///
+/// ```
+/// let text = r#"<mujoco model="nod"><worldbody><body name="stand"><body name="head">
+///   <joint name="neck" axis="0 1 0" range="-30 30" armature="0.01"/>
+///   <geom type="box" size="0.03 0.02 0.04" pos="0 0 0.05"/>
+/// </body></body></worldbody></mujoco>"#;
+/// let imported = sinew_rig::import::mjcf(text, &Default::default())?;
+/// let neck = &imported.description.joints[0];
+/// assert_eq!((neck.axis, neck.rotor_inertia), (Some([0.0, 1.0, 0.0]), Some(0.01)));
+/// # Ok::<(), sinew_rig::import::ImportError>(())
+/// ```
+pub fn mjcf(text: &str, options: &Options) -> Result<Imported, ImportError> {
+    mjcf::read(text, options)
+}
+
 /// A rig of nothing yet.
 fn empty(name: Option<&str>) -> Description {
     Description {
@@ -89,10 +117,37 @@ fn turn_up(format: &str, description: &mut Description, notes: &mut Notes) {
     notes.add(
         NoteKind::Changed,
         format!(
-            "z is up in {format} and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is \
+            "z is up in {format}, and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is \
              up in this file, take that line out"
         ),
     );
+}
+
+/// Puts the base where a file with z up has it.
+fn place_base(description: &mut Description, position_m: DVec3, rotation: DQuat) {
+    // Zero is added so that no -0 is written.
+    description.mount.position_m = [position_m.x, position_m.z, 0.0 - position_m.y];
+    let up = DQuat::from_array(Mount::z_up().rotation_xyzw);
+    description.mount.rotation_xyzw = (up * rotation).normalize().to_array();
+}
+
+/// Bodies that move and weigh nothing, alone and with all that is welded to them.
+fn tell_massless(description: &Description, notes: &mut Notes) {
+    let mut carried: BTreeMap<&str, f64> =
+        description.bodies.iter().map(|body| (body.name.as_str(), body.mass_kg)).collect();
+    // Joints are from the base outwards: inwards, a welded body's mass is complete before it is passed on.
+    for joint in description.joints.iter().rev().filter(|joint| joint.kind == JointType::Fixed) {
+        let mass_kg = carried.get(joint.child.as_str()).copied().unwrap_or_default();
+        if let Some(on_parent) = carried.get_mut(joint.parent.as_str()) {
+            *on_parent += mass_kg;
+        }
+    }
+    for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
+        if carried.get(joint.child.as_str()).is_some_and(|mass_kg| *mass_kg <= 0.0) {
+            let text = "moves and weighs nothing in the file: torques lack what it weighs in truth";
+            notes.add_of(NoteKind::Doubtful, text, &joint.child);
+        }
+    }
 }
 
 /// The rig, if it passes the check of all rigs: what a reader does not look at, that does.

@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use sinew_rig::Mechanism;
 use sinew_rig::import::{self, ImportError, Imported, Options};
 
 fn read(file: &str, options: &Options) -> Result<Imported, ImportError> {
     let data = std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data");
     let text = std::fs::read_to_string(PathBuf::from(data).join(file)).expect("the file");
-    import::urdf(&text, options)
+    let read = if file.ends_with("mjcf.xml") { import::mjcf } else { import::urdf };
+    read(&text, options)
 }
 
 #[test]
@@ -18,13 +20,14 @@ fn robots_are_imported_by_name_and_with_notes() {
     let open = Options { open_loops: true, ..Options::default() };
     for (file, options, bodies, moving) in [
         ("urdf/poppy-humanoid/Poppy_Humanoid.urdf", &Options::default(), 26, 25),
-        ("urdf/robotis-op3/robotis_op3.urdf", &Options::default(), 25, 20),
+        ("urdf/robotis-op3/robotis_op3.urdf", &Options::default(), 23, 20),
         ("urdf/open-duck-mini/open_duck_mini_v2.urdf", &Options::default(), 21, 16),
+        ("urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml", &Options::default(), 22, 16),
         ("urdf/reachy-mini/reachy_mini.urdf", &open, 45, 30),
         ("foreign/urdf/so100.urdf", &Options::default(), 7, 6),
         ("foreign/urdf/panda.urdf", &Options::default(), 13, 9),
         ("foreign/urdf/h1.urdf", &Options::default(), 58, 51),
-        ("foreign/urdf/reachy.URDF", &Options::default(), 31, 20),
+        ("foreign/urdf/reachy.URDF", &Options::default(), 31, 21),
         ("foreign/urdf/allegro_left.urdf", &repair, 21, 16),
         ("foreign/urdf/anymal_c.urdf", &repair, 78, 12),
         ("foreign/urdf/talos_reduced.urdf", &repair, 60, 32),
@@ -48,7 +51,6 @@ fn what_cannot_be_is_refused_in_words() {
         ("foreign/urdf/anymal_c.urdf", "repair-inertia", "`depth_camera_rear_camera`"),
         ("foreign/urdf/unitree_a1.xacro", "xacro FILE", "`xacro:arg`"),
         ("urdf/reachy-mini/reachy_mini.urdf", "open-loops", "5 closed loops"),
-        ("urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml", "`robot`", "`mujoco`"),
     ] {
         let error = read(file, &Options::default()).expect_err(file);
         println!("{file}:{error}");
@@ -61,7 +63,7 @@ fn what_cannot_be_is_refused_in_words() {
 fn files_that_broke_readers_are_refused_at_once() {
     for (file, expected) in [
         ("attack/urdf_links20k.urdf", "one link that no joint moves"),
-        ("attack/urdf_xmlns_nest.urdf", "`robot`"),
+        ("attack/urdf_xmlns_nest.urdf", "256 name spaces"),
     ] {
         let start = Instant::now();
         let error = read(file, &Options::default()).expect_err(file);
@@ -69,5 +71,68 @@ fn files_that_broke_readers_are_refused_at_once() {
         assert!(error.expected.contains(expected), "{file}:{error}");
         // Milliseconds; ten seconds on a machine that is busy with something else.
         assert!(start.elapsed() < Duration::from_secs(10), "{file}: {:?}", start.elapsed());
+    }
+}
+
+/// The largest difference of a number of two mechanisms, and where.
+fn largest_difference(
+    one: &Mechanism,
+    other: &Mechanism,
+    of: impl Fn(&sinew_rig::mechanism::Link) -> Vec<f64>,
+) -> f64 {
+    let pairs = one.bodies.iter().map(|link| {
+        let named = other.bodies.iter().find(|other| other.joint_name == link.joint_name);
+        (of(link), of(named.unwrap_or_else(|| panic!("no joint `{}`", link.joint_name))))
+    });
+    pairs.flat_map(|(a, b)| a.into_iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The Open Duck Mini as its makers publish it twice. Both files have six digits, and differ in what is told below.
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
+    let mechanism = |file: &str| {
+        let imported = read(file, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+        imported.description.mechanism().expect("a mechanism")
+    };
+    let mut urdf = mechanism("urdf/open-duck-mini/open_duck_mini_v2.urdf");
+    let mut mjcf = mechanism("urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml");
+    // The MJCF has the trunk welded on a base that floats 0.22 m above the ground.
+    assert_eq!(mjcf.bodies[0].position_m.y, 0.22);
+    for base in [&mut urdf.bodies[0], &mut mjcf.bodies[0]] {
+        base.joint_name = "base".to_owned();
+        base.position_m.y = 0.0;
+    }
+    let parents = |rig: &Mechanism| -> Vec<(String, String)> {
+        let name = |link: &sinew_rig::mechanism::Link| {
+            link.parent.map_or(String::new(), |parent| rig.bodies[parent].joint_name.clone())
+        };
+        let mut parents: Vec<_> =
+            rig.bodies.iter().map(|link| (link.joint_name.clone(), name(link))).collect();
+        parents.sort();
+        parents
+    };
+    assert_eq!(parents(&urdf), parents(&mjcf));
+    let differences = [
+        ("position, m", largest_difference(&urdf, &mjcf, |link| link.position_m.to_array().into())),
+        (
+            "rotation",
+            largest_difference(&urdf, &mjcf, |link| {
+                glam::DMat3::from_quat(link.rotation).to_cols_array().into()
+            }),
+        ),
+        ("mass, kg", largest_difference(&urdf, &mjcf, |link| vec![link.mass_kg])),
+        (
+            "center, m",
+            largest_difference(&urdf, &mjcf, |link| link.center_of_mass_m.to_array().into()),
+        ),
+        (
+            "inertia, kg m2",
+            largest_difference(&urdf, &mjcf, |link| link.inertia_kg_m2.to_cols_array().into()),
+        ),
+        ("range, rad", largest_difference(&urdf, &mjcf, |link| link.ranges.concat())),
+    ];
+    for (what, difference) in differences {
+        println!("{what}: {difference:e}");
     }
 }

@@ -45,7 +45,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     let mut description = import::empty(robot.attribute("name"));
     description.bodies = bodies;
     description.joints = tree.joints.iter().map(|joint| joint.joint.clone()).collect();
-    import::turn_up("URDF", &mut description, &mut notes);
+    import::turn_up("a URDF", &mut description, &mut notes);
     stand(&mut description, &mut notes);
     let ties = tree
         .joints
@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     tie::tie(&ties, &mut description, &mut notes);
     limits::doubt(&mut description.joints, &mut notes);
     tell_actuators(robot, &description, &mut notes);
-    tell_massless(&description, &mut notes);
+    import::tell_massless(&description, &mut notes);
     tell_unread(robot, &tree.links, &tree.joints, &mut notes);
     import::finish(robot, description, notes)
 }
@@ -112,10 +112,11 @@ fn stand(description: &mut Description, notes: &mut Notes) {
     let Some(place) = on_base(&base.name) else { return };
     let joint = description.joints.remove(place);
     let base = description.bodies.remove(0);
-    let up = DQuat::from_array(description.mount.rotation_xyzw);
-    description.mount.position_m = (up * glam::DVec3::from(joint.position_m)).to_array();
-    description.mount.rotation_xyzw =
-        (up * DQuat::from_array(joint.rotation_xyzw)).normalize().to_array();
+    import::place_base(
+        description,
+        joint.position_m.into(),
+        DQuat::from_array(joint.rotation_xyzw),
+    );
     let text = format!(
         "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, held fast, as on a stand. To drive \
          it freely: mount.base = \"driven\"",
@@ -144,25 +145,6 @@ fn tell_actuators(robot: Node<'_, '_>, description: &Description, notes: &mut No
     }
 }
 
-/// Bodies that move and weigh nothing, alone and with all that is welded to them.
-fn tell_massless(description: &Description, notes: &mut Notes) {
-    let mut carried: BTreeMap<&str, f64> =
-        description.bodies.iter().map(|body| (body.name.as_str(), body.mass_kg)).collect();
-    // Joints are from the base outwards: inwards, a welded body's mass is complete before it is passed on.
-    for joint in description.joints.iter().rev().filter(|joint| joint.kind == JointType::Fixed) {
-        let mass_kg = carried.get(joint.child.as_str()).copied().unwrap_or_default();
-        if let Some(on_parent) = carried.get_mut(joint.parent.as_str()) {
-            *on_parent += mass_kg;
-        }
-    }
-    for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
-        if carried.get(joint.child.as_str()).is_some_and(|mass_kg| *mass_kg <= 0.0) {
-            let text = "moves and weighs nothing in the file: torques lack what it weighs in truth";
-            notes.add_of(NoteKind::Doubtful, text, &joint.child);
-        }
-    }
-}
-
 /// Elements that say nothing a rig has, counted by name.
 fn tell_unread(
     robot: Node<'_, '_>,
@@ -183,8 +165,12 @@ fn tell_unread(
         }
     };
     count(robot, &OF_ROBOT, "");
-    links.iter().for_each(|link| count(*link, &OF_LINK, " of a link"));
-    joints.iter().for_each(|joint| count(joint.node, &OF_JOINT, " of a joint"));
+    for link in links {
+        count(*link, &OF_LINK, " of a link");
+    }
+    for joint in joints {
+        count(joint.node, &OF_JOINT, " of a joint");
+    }
     for (what, count) in unread {
         let text = "elements that say nothing a rig has";
         notes.add_of(NoteKind::LeftOut, text, format!("{what}: {count}"));
@@ -197,7 +183,8 @@ fn tell_unread(
     if !meshes.is_empty() {
         let shown: Vec<&str> = meshes.iter().copied().collect();
         let text = format!("shapes in {} mesh files, which are not read", shown.len());
-        let first: Vec<String> = shown.iter().take(3).map(|file| xml::shortened(file)).collect();
+        let name = |file: &str| xml::shortened(file.rsplit('/').next().unwrap_or(file));
+        let first: Vec<String> = shown.iter().take(3).map(|file| name(file)).collect();
         notes.add(NoteKind::LeftOut, format!("{text}, such as {}", list(&first)));
     }
 }

@@ -10,6 +10,7 @@ const NUMBER_MAX: f64 = 1e6;
 
 /// The document of a text.
 pub(super) fn document(text: &str) -> Result<Document<'_>, ImportError> {
+    refuse_slow(text)?;
     Document::parse(text).map_err(|error| {
         let expected = match &error {
             roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => XACRO.to_owned(),
@@ -25,6 +26,46 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, ImportError> {
             found: error.to_string(),
         }
     })
+}
+
+/// More prefixes than this in a file, or attributes in an element, no robot has; they take a time of their square.
+const NAMES_MAX: usize = 256;
+
+/// Refuses what takes an XML reader minutes.
+fn refuse_slow(text: &str) -> Result<(), ImportError> {
+    let (mut prefixes, mut attributes) = (0, 0);
+    for (byte, letter) in text.bytes().enumerate() {
+        match letter {
+            b'<' => attributes = 0,
+            b'=' if followed_by_quote(text, byte) => attributes += 1,
+            b'x' if text.as_bytes()[byte..].starts_with(b"xmlns") => prefixes += 1,
+            _ => continue,
+        }
+        let (expected, found) = if prefixes > NAMES_MAX {
+            ("name spaces (xmlns)", prefixes)
+        } else if attributes > NAMES_MAX {
+            ("attributes in an element", attributes)
+        } else {
+            continue;
+        };
+        let before = &text[..byte];
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|letter| *letter != '\n').count() + 1;
+        let at = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        return Err(ImportError {
+            place: Place { line: at(line), column: at(column) },
+            item: "the file".to_owned(),
+            expected: format!("at most {NAMES_MAX} {expected}"),
+            found: found.to_string(),
+        });
+    }
+    Ok(())
+}
+
+/// Whether an attribute's value begins behind this `=`.
+fn followed_by_quote(text: &str, equals: usize) -> bool {
+    let behind = text.as_bytes().get(equals + 1..).unwrap_or_default();
+    behind.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| b"\"'".contains(byte))
 }
 
 /// What to do with a file that is a program for xacro.
@@ -86,7 +127,7 @@ pub(super) fn label(node: Node<'_, '_>) -> String {
 pub(super) fn children<'a, 'd>(
     node: Node<'a, 'd>,
     tag: &'static str,
-) -> impl Iterator<Item = Node<'a, 'd>> {
+) -> impl DoubleEndedIterator<Item = Node<'a, 'd>> {
     node.children().filter(move |child| child.has_tag_name(tag))
 }
 

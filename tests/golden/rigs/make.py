@@ -37,7 +37,16 @@ URDFS = [
     ("anymal", "foreign/urdf/anymal_c.urdf", True, 0.0),
     ("talos", "foreign/urdf/talos_reduced.urdf", True, 0.0),
 ]
-MJCFS = [("open_duck_mjcf", "urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml")]
+# Files of this folder come without a folder.
+MJCFS = [
+    ("open_duck_mjcf", "urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml"),
+    ("quirks", "quirks.xml"),
+]
+HERE = pathlib.Path(__file__).parent
+
+
+def place(data, file):
+    return data / file if "/" in file else HERE / file
 
 
 def balance(root):
@@ -97,7 +106,8 @@ def of_mjcf(path, random):
     data = mujoco.MjData(model)
     states = []
     for state in range(STATES):
-        q = positions(random, *model.jnt_range.T)
+        ranges = np.where(model.jnt_limited[:, None], model.jnt_range, [-np.pi, np.pi])
+        q = positions(random, *ranges.T)
         moves = 0.0 if state == 0 else 1.0
         data.qpos, data.qvel = q, moves * random.uniform(-3.0, 3.0, model.nv) + 0.0
         data.qacc = moves * random.uniform(-20.0, 20.0, model.nv) + 0.0
@@ -114,14 +124,14 @@ def write(name, data, file, repair, source, names, rotors, states):
         schema="rig_dynamics/1",
         source=source,
         file=file,
-        sha256=hashlib.sha256((data / file).read_bytes()).hexdigest(),
+        sha256=hashlib.sha256(place(data, file).read_bytes()).hexdigest(),
         repair_inertia=repair,
         joints=names,
         rotor_inertia=rotors,
     )
     lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     lines.append('"states": [\n' + ",\n".join(json.dumps(state) for state in states) + "\n]")
-    out = pathlib.Path(__file__).parent / f"{name}.json"
+    out = HERE / f"{name}.json"
     out.write_text("{\n" + ",\n".join(lines) + "\n}\n")
     largest = max(abs(tau) for state in states for tau in state["tau"])
     print(f"{name}: {len(names)} joints, largest effort {largest:.4g}")
@@ -130,11 +140,11 @@ def write(name, data, file, repair, source, names, rotors, states):
 def main(data):
     random = np.random.default_rng(14)
     for name, file, repair, rotor in URDFS:
-        names, states = of_urdf(data / file, repair, rotor, random)
+        names, states = of_urdf(place(data, file), repair, rotor, random)
         source = f"Pinocchio {pinocchio.__version__}"
         write(name, data, file, repair, source, names, [rotor] * len(names), states)
     for name, file in MJCFS:
-        names, states, rotors = of_mjcf(data / file, random)
+        names, states, rotors = of_mjcf(place(data, file), random)
         write(name, data, file, False, f"MuJoCo {mujoco.__version__}", names, rotors, states)
 
 

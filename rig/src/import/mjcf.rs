@@ -1,0 +1,143 @@
+//! MJCF, the format of MuJoCo: bodies inside each other, with classes of defaults.
+
+mod actuator;
+mod body;
+mod defaults;
+mod equality;
+mod joint;
+mod mass;
+mod pose;
+
+use std::collections::BTreeMap;
+
+use roxmltree::Node;
+
+use super::note::Notes;
+use super::{ImportError, Imported, NoteKind, Options, tie, xml};
+use crate::description::{Description, JointType};
+use crate::import;
+use defaults::Defaults;
+use mass::MassRules;
+use pose::Angles;
+
+/// What the whole file agrees on.
+struct Model<'a, 'd, 'o> {
+    defaults: Defaults<'a, 'd>,
+    angles: Angles,
+    masses: MassRules,
+    /// Whether a range alone is a limit.
+    auto_limits: bool,
+    options: &'o Options,
+}
+
+pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
+    let document = xml::document(text)?;
+    let root = document.root_element();
+    if !root.has_tag_name("mujoco") {
+        let found = format!("`{}`", root.tag_name().name());
+        return Err(xml::refuse(root, "`mujoco`, the first element of an MJCF", found));
+    }
+    refuse_parts(root)?;
+    let mut notes = Notes::default();
+    // Sections may come several times: later words override.
+    let compilers: Vec<Node<'_, '_>> = xml::children(root, "compiler").rev().collect();
+    let model = Model {
+        defaults: Defaults::read(root)?,
+        angles: Angles::read(&compilers)?,
+        masses: MassRules::read(&compilers)?,
+        auto_limits: flag(&compilers, "autolimits")?.unwrap_or(true),
+        options,
+    };
+    tell_gravity(root, &mut notes)?;
+
+    let mut description = import::empty(root.attribute("model"));
+    import::turn_up("an MJCF", &mut description, &mut notes);
+    body::read(root, &model, &mut description, &mut notes)?;
+    model.masses.settle(&mut description, &mut notes);
+    actuator::read(root, &model, &mut description, &mut notes)?;
+    let ties = equality::read(root, &model, &description, &mut notes)?;
+    tie::tie(&ties, &mut description, &mut notes);
+    import::tell_massless(&description, &mut notes);
+    tell_unread(root, &mut notes);
+    import::finish(root, description, notes)
+}
+
+/// What MuJoCo puts together from several files, or multiplies, before it reads it.
+fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
+    const PARTS: [&str; 6] = ["include", "attach", "replicate", "composite", "flexcomp", "plugin"];
+    let in_bodies = |node: &Node<'_, '_>| {
+        node.ancestors().any(|outer| outer.has_tag_name("worldbody"))
+            || node.has_tag_name("include")
+    };
+    let part = root
+        .descendants()
+        .find(|node| PARTS.iter().any(|part| node.has_tag_name(*part)) && in_bodies(node));
+    match part {
+        None => Ok(()),
+        Some(node) => {
+            let expected = "one file with all bodies written out: load it in MuJoCo, then mujoco.mj_saveLastXML";
+            Err(xml::refuse(node, expected, format!("`{}`", node.tag_name().name())))
+        }
+    }
+}
+
+/// A word of the compiler, `true` or `false`; of several, the first.
+fn flag(compilers: &[Node<'_, '_>], name: &str) -> Result<Option<bool>, ImportError> {
+    let Some(node) = compilers.iter().find(|node| node.has_attribute(name)) else {
+        return Ok(None);
+    };
+    match node.attribute(name).map(str::trim) {
+        Some("true") => Ok(Some(true)),
+        Some("false") => Ok(Some(false)),
+        _ => Err(xml::refuse_value(*node, name, "true or false")),
+    }
+}
+
+/// MuJoCo's default is that of a rig, along -z.
+fn tell_gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<(), ImportError> {
+    for option in xml::children(root, "option") {
+        let Some([x, y, z]) = xml::vector(option, "gravity")? else { continue };
+        if x.abs().max(y.abs()).max((z + 9.81).abs()) > 0.02 {
+            let text = format!(
+                "gravity is {x} {y} {z} m/s² in the file, and 9.81 m/s² downwards in a rig"
+            );
+            notes.add(NoteKind::Changed, text);
+        }
+    }
+    Ok(())
+}
+
+/// Sections that say nothing a rig has, counted by name.
+fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
+    const READ: [&str; 9] = [
+        "compiler",
+        "option",
+        "default",
+        "worldbody",
+        "actuator",
+        "equality",
+        "asset",
+        "visual",
+        "statistic",
+    ];
+    let mut unread: BTreeMap<&str, usize> = BTreeMap::new();
+    for section in root.children().filter(Node::is_element) {
+        let tag = section.tag_name().name();
+        if !READ.contains(&tag) {
+            *unread.entry(tag).or_default() += section.children().filter(Node::is_element).count();
+        }
+    }
+    for (section, count) in unread {
+        let text = "sections that say nothing a rig has";
+        notes.add_of(NoteKind::LeftOut, text, format!("{}: {count}", xml::shortened(section)));
+    }
+}
+
+/// The joint of a name, if it has one freedom.
+fn single<'a>(
+    description: &'a mut Description,
+    name: &str,
+) -> Option<&'a mut crate::description::Joint> {
+    let joint = description.joints.iter_mut().find(|joint| joint.name == name)?;
+    matches!(joint.kind, JointType::Revolute | JointType::Prismatic).then_some(joint)
+}

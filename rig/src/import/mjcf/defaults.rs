@@ -1,0 +1,165 @@
+//! Classes of defaults: what an element does not say, its class says, or the class around that.
+
+use std::collections::BTreeMap;
+
+use roxmltree::Node;
+
+use super::super::{ImportError, xml};
+
+/// The classes of a file.
+pub(super) struct Defaults<'a, 'd> {
+    classes: Vec<Class<'a, 'd>>,
+    places: BTreeMap<&'a str, usize>,
+}
+
+struct Class<'a, 'd> {
+    around: Option<usize>,
+    /// The `default` elements of this class, the last one first: it overrides.
+    elements: Vec<Node<'a, 'd>>,
+}
+
+/// The outermost class.
+pub(super) const MAIN: usize = 0;
+
+impl<'a, 'd> Defaults<'a, 'd> {
+    pub(super) fn read(root: Node<'a, 'd>) -> Result<Self, ImportError> {
+        let main = Class { around: None, elements: Vec::new() };
+        let mut defaults = Self { classes: vec![main], places: BTreeMap::new() };
+        let mut to_come: Vec<(Node<'a, 'd>, Option<usize>)> = Vec::new();
+        to_come.extend(xml::children(root, "default").rev().map(|node| (node, None)));
+        while let Some((node, around)) = to_come.pop() {
+            let place = defaults.place(node, around)?;
+            defaults.classes[place].elements.insert(0, node);
+            to_come.extend(xml::children(node, "default").rev().map(|node| (node, Some(place))));
+        }
+        Ok(defaults)
+    }
+
+    /// Where the class of a `default` element stands, which may be new.
+    fn place(&mut self, node: Node<'a, 'd>, around: Option<usize>) -> Result<usize, ImportError> {
+        let name = match around {
+            None => node.attribute("class").unwrap_or("main"),
+            Some(_) => xml::required(node, "class")?,
+        };
+        if let Some(place) = self.places.get(name) {
+            return match around {
+                None => Ok(*place),
+                Some(_) => Err(xml::refuse_value(node, "class", "a name that no other class has")),
+            };
+        }
+        if around.is_none() {
+            self.places.insert(name, MAIN);
+            return Ok(MAIN);
+        }
+        let place = self.classes.len();
+        self.classes.push(Class { around, elements: Vec::new() });
+        self.places.insert(name, place);
+        Ok(place)
+    }
+
+    /// The class that an attribute of an element names; `otherwise` if there is no such attribute.
+    pub(super) fn named(
+        &self,
+        node: Node<'a, 'd>,
+        attribute: &str,
+        otherwise: usize,
+    ) -> Result<usize, ImportError> {
+        let Some(name) = node.attribute(attribute) else { return Ok(otherwise) };
+        match self.places.get(name) {
+            Some(place) => Ok(*place),
+            None if name == "main" => Ok(MAIN),
+            None => Err(xml::refuse_value(node, attribute, "a class of the file's defaults")),
+        }
+    }
+
+    /// An element with what its class says of elements with any of these tags. `around`: the class of those around it.
+    pub(super) fn element(
+        &self,
+        node: Node<'a, 'd>,
+        tags: &[&'static str],
+        around: usize,
+    ) -> Result<Element<'a, 'd>, ImportError> {
+        let mut class = Some(self.named(node, "class", around)?);
+        let mut nodes = vec![node];
+        while let Some(Class { around, elements }) = class.map(|class| &self.classes[class]) {
+            for tag in tags {
+                let of_class =
+                    elements.iter().flat_map(|element| xml::children(*element, tag).rev());
+                nodes.extend(of_class);
+            }
+            class = *around;
+        }
+        Ok(Element { nodes })
+    }
+}
+
+/// An element and its defaults.
+pub(super) struct Element<'a, 'd> {
+    /// Itself, then what its class says, then what the class around that says.
+    nodes: Vec<Node<'a, 'd>>,
+}
+
+impl<'a, 'd> Element<'a, 'd> {
+    /// Itself.
+    pub(super) fn node(&self) -> Node<'a, 'd> {
+        self.nodes[0]
+    }
+
+    /// Where an attribute stands that holds for this element; itself if nothing gives it.
+    pub(super) fn at(&self, name: &str) -> Node<'a, 'd> {
+        self.at_any(&[name])
+    }
+
+    /// The same of attributes that exclude each other.
+    pub(super) fn at_any(&self, names: &[&str]) -> Node<'a, 'd> {
+        let gives = |node: &&Node<'_, '_>| names.iter().any(|name| node.has_attribute(*name));
+        *self.nodes.iter().find(gives).unwrap_or(&self.nodes[0])
+    }
+
+    pub(super) fn text(&self, name: &str) -> Option<&'a str> {
+        self.at(name).attribute(name).map(str::trim)
+    }
+
+    pub(super) fn number(&self, name: &str) -> Result<Option<f64>, ImportError> {
+        xml::number(self.at(name), name)
+    }
+
+    pub(super) fn not_negative(&self, name: &str) -> Result<f64, ImportError> {
+        Ok(xml::not_negative(self.at(name), name)?.unwrap_or(0.0))
+    }
+
+    pub(super) fn vector<const N: usize>(
+        &self,
+        name: &str,
+    ) -> Result<Option<[f64; N]>, ImportError> {
+        xml::vector(self.at(name), name)
+    }
+
+    /// A range that limits: by its own word (`limited`), or by being there.
+    pub(super) fn range(
+        &self,
+        name: &str,
+        limited: &str,
+        auto_limits: bool,
+    ) -> Result<Option<[f64; 2]>, ImportError> {
+        let range = self.vector(name)?;
+        let is_limited = match self.text(limited) {
+            Some("true") => true,
+            Some("false") => false,
+            None | Some("auto") => auto_limits && range.is_some(),
+            Some(_) => {
+                return Err(xml::refuse_value(self.at(limited), limited, "true, false or auto"));
+            }
+        };
+        if !is_limited {
+            return Ok(None);
+        }
+        match range {
+            Some([least, most]) if least < most => Ok(Some([least, most])),
+            _ => {
+                let expected = "two numbers, the least and the most";
+                Err(xml::refuse_value(self.at(name), name, expected))
+            }
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Joints of an MJCF.
+
+use glam::{DQuat, DVec3};
+
+use super::super::note::Notes;
+use super::super::{ImportError, NoteKind, xml};
+use super::Model;
+use super::defaults::Element;
+use super::pose::Pose;
+use crate::description::{Joint, JointType};
+
+/// A joint in the frame of the body that it moves.
+pub(super) struct MjcfJoint {
+    /// Name, type, axis, limits; no parent, child and placement yet.
+    pub(super) joint: Joint,
+    /// What it turns about, m.
+    pub(super) anchor_m: DVec3,
+    /// Where its zero is: the file's `ref` is the position in which the bodies are drawn.
+    pub(super) zero: Pose,
+}
+
+/// Reads a joint. `frame`: of the `frame` elements around it, in the body's.
+pub(super) fn read(
+    element: &Element<'_, '_>,
+    name: String,
+    frame: Pose,
+    model: &Model<'_, '_, '_>,
+    notes: &mut Notes,
+) -> Result<MjcfJoint, ImportError> {
+    let kind = match element.text("type") {
+        _ if is_free(element) => JointType::Free,
+        None | Some("hinge") => JointType::Revolute,
+        Some("slide") => JointType::Prismatic,
+        Some("ball") => JointType::Spherical,
+        Some(_) => {
+            return Err(xml::refuse_value(
+                element.at("type"),
+                "type",
+                "hinge, slide, ball or free",
+            ));
+        }
+    };
+    let mut joint = Joint { name, kind, ..Joint::default() };
+    if kind == JointType::Free {
+        return Ok(MjcfJoint { joint, anchor_m: DVec3::ZERO, zero: Pose::IDENTITY });
+    }
+    let anchor = element.vector("pos")?.map_or(DVec3::ZERO, DVec3::from_array);
+    let anchor_m = frame.position_m + frame.rotation * anchor;
+    joint.rotor_inertia = Some(element.not_negative("armature")?).filter(|inertia| *inertia > 0.0);
+    joint.friction = element.not_negative("frictionloss")?;
+    joint.damping = xml::numbers(element.at("damping"), "damping", 3)?
+        .and_then(|numbers| numbers.first().copied())
+        .unwrap_or(0.0);
+    if joint.damping < 0.0 {
+        return Err(xml::refuse_value(
+            element.at("damping"),
+            "damping",
+            "a number of zero or more",
+        ));
+    }
+    if element.not_negative("stiffness")? > 0.0 {
+        notes.add_of(NoteKind::LeftOut, "springs of joints (stiffness)", &joint.name);
+    }
+    let range: Option<[f64; 2]> = element.range("range", "limited", model.auto_limits)?;
+    let forces = element.range("actuatorfrcrange", "actuatorfrclimited", model.auto_limits)?;
+    joint.effort = forces.map(|[least, most]| least.abs().max(most.abs()));
+    let mut zero = Pose::IDENTITY;
+    let in_rad = |range: [f64; 2]| range.map(|angle| model.angles.rad(angle));
+    if kind == JointType::Spherical {
+        let most = range.map(|range| in_rad(range)[1].min(std::f64::consts::PI));
+        joint.range_rad = most.map(|most| [0.0, most]).into_iter().collect();
+        return Ok(MjcfJoint { joint, anchor_m, zero });
+    }
+    let axis = element.vector("axis")?.map_or(DVec3::Z, DVec3::from_array);
+    let axis = (frame.rotation * axis)
+        .try_normalize()
+        .ok_or_else(|| xml::refuse_value(element.at("axis"), "axis", "an axis that is not zero"))?;
+    // Zero is added so that no -0 is written.
+    joint.axis = Some((axis + DVec3::ZERO).to_array());
+    let reference = element.number("ref")?.unwrap_or(0.0);
+    if kind == JointType::Revolute {
+        joint.range_rad = range.map(in_rad).into_iter().collect();
+        zero.rotation = DQuat::from_axis_angle(axis, -model.angles.rad(reference));
+    } else {
+        joint.range_m = range;
+        zero.position_m = -reference * axis;
+    }
+    Ok(MjcfJoint { joint, anchor_m, zero })
+}
+
+/// Whether a joint leaves any motion free.
+pub(super) fn is_free(element: &Element<'_, '_>) -> bool {
+    element.node().has_tag_name("freejoint") || element.text("type") == Some("free")
+}
+
+/// The position (rad or m) in which the file draws a joint's bodies.
+pub(super) fn reference(
+    element: &Element<'_, '_>,
+    kind: JointType,
+    model: &Model<'_, '_, '_>,
+) -> Result<f64, ImportError> {
+    let reference = element.number("ref")?.unwrap_or(0.0);
+    Ok(if kind == JointType::Revolute { model.angles.rad(reference) } else { reference })
+}

@@ -1,0 +1,235 @@
+//! What bodies of an MJCF weigh: their `inertial`, or their geoms.
+
+use glam::{DMat3, DQuat, DVec3};
+use roxmltree::Node;
+
+use super::super::mass::MASS_MIN_KG;
+use super::super::note::Notes;
+use super::super::solid::Solid;
+use super::super::{ImportError, NoteKind, xml};
+use super::Model;
+use super::body::Parts;
+use super::defaults::Element;
+use super::flag;
+use super::pose::Pose;
+use crate::description::{Description, InertiaMatrix};
+use crate::description::mass::Mass;
+
+/// Of a geom that says nothing, kg/m³: water.
+const DENSITY: f64 = 1000.0;
+
+/// The compiler's rules on masses.
+pub(super) struct MassRules {
+    /// Whether geoms count: always, never, or where there is no `inertial`.
+    from_geoms: Option<bool>,
+    /// The first and the last group of geoms that count.
+    groups: [f64; 2],
+    balance: bool,
+    least_kg: f64,
+    total_kg: Option<f64>,
+    has_least_inertia: bool,
+}
+
+impl MassRules {
+    pub(super) fn read(compilers: &[Node<'_, '_>]) -> Result<Self, ImportError> {
+        let with = |name: &str| compilers.iter().find(|node| node.has_attribute(name));
+        let number = |name| with(name).map_or(Ok(None), |node| xml::number(*node, name));
+        let from_geoms =
+            match with("inertiafromgeom").and_then(|node| node.attribute("inertiafromgeom")) {
+                Some("auto") => None,
+                _ => flag(compilers, "inertiafromgeom")?,
+            };
+        let groups = with("inertiagrouprange")
+            .map_or(Ok(None), |node| xml::vector(*node, "inertiagrouprange"))?
+            .unwrap_or([0.0, 5.0]);
+        Ok(Self {
+            from_geoms,
+            groups,
+            balance: flag(compilers, "balanceinertia")?.unwrap_or(false),
+            least_kg: number("boundmass")?.unwrap_or(0.0),
+            total_kg: number("settotalmass")?.filter(|total| *total > 0.0),
+            has_least_inertia: number("boundinertia")?.unwrap_or(0.0) > 0.0,
+        })
+    }
+
+    /// What the compiler does to all masses in the end.
+    pub(super) fn settle(&self, description: &mut Description, notes: &mut Notes) {
+        if self.has_least_inertia {
+            notes.add(NoteKind::LeftOut, "the compiler's boundinertia");
+        }
+        let Some(total_kg) = self.total_kg else { return };
+        let sum_kg: f64 = description.bodies.iter().map(|body| body.mass_kg).sum();
+        if sum_kg <= 0.0 {
+            return;
+        }
+        let factor = total_kg / sum_kg;
+        for body in &mut description.bodies {
+            body.mass_kg *= factor;
+            if let Some(inertia) = &mut body.inertia_kg_m2 {
+                let InertiaMatrix { xx, xy, xz, yy, yz, zz } = inertia;
+                for element in [xx, xy, xz, yy, yz, zz] {
+                    *element *= factor;
+                }
+            }
+        }
+        let text =
+            format!("all masses are scaled to {total_kg} kg, by the compiler's settotalmass");
+        notes.add(NoteKind::Changed, text);
+    }
+}
+
+/// What a body weighs, in its own frame.
+pub(super) fn of_body(
+    parts: &Parts<'_, '_>,
+    name: &str,
+    model: &Model<'_, '_, '_>,
+    notes: &mut Notes,
+) -> Result<Mass, ImportError> {
+    let rules = &model.masses;
+    let inertial = parts.inertial.filter(|_| rules.from_geoms != Some(true));
+    let mut mass = match inertial {
+        Some((node, frame)) => of_inertial(node, frame, name, model, notes)?,
+        None if rules.from_geoms == Some(false) => Mass::point(0.0),
+        None => of_geoms(parts, name, model, notes)?,
+    };
+    if mass.kg < rules.least_kg {
+        let text = format!("now weighs {} kg, by the compiler's boundmass", rules.least_kg);
+        notes.add_of(NoteKind::Changed, text, name);
+        mass.kg = rules.least_kg;
+    }
+    if mass.kg > 0.0 && mass.kg < MASS_MIN_KG {
+        let text = format!("weighs {:e} kg, which stands for nothing; taken as it is", mass.kg);
+        notes.add_of(NoteKind::Doubtful, text, name);
+    }
+    let Some(fault) = mass.fault() else { return Ok(mass) };
+    if rules.balance || model.options.repair_inertia {
+        let text = format!("has {fault}; now the inertia of a ball with the same sum of moments");
+        notes.add_of(NoteKind::Changed, text, name);
+        return Ok(mass.balanced());
+    }
+    let expected = "inertia that a body can have; or the option repair-inertia";
+    let node = inertial.map_or(parts.node, |(node, _)| node);
+    Err(xml::refuse(node, expected, format!("{fault}, with {} kg", mass.kg)))
+}
+
+fn of_inertial(
+    node: Node<'_, '_>,
+    frame: Pose,
+    name: &str,
+    model: &Model<'_, '_, '_>,
+    notes: &mut Notes,
+) -> Result<Mass, ImportError> {
+    xml::required(node, "mass")?;
+    let kg = xml::not_negative(node, "mass")?.unwrap_or(0.0);
+    let pose = frame.then(model.angles.pose(node)?);
+    let diagonal: Option<[f64; 3]> = xml::vector(node, "diaginertia")?;
+    let full: Option<[f64; 6]> = xml::vector(node, "fullinertia")?;
+    let inertia_kg_m2 = match (diagonal, full) {
+        (Some(_), Some(_)) => {
+            return Err(xml::refuse_value(node, "fullinertia", "no diaginertia beside it"));
+        }
+        (Some(diagonal), None) => DMat3::from_diagonal(diagonal.into()),
+        (None, Some([xx, yy, zz, xy, xz, yz])) => {
+            DMat3::from_cols_array_2d(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        }
+        (None, None) => DMat3::ZERO,
+    };
+    let mass = Mass { kg, center_m: DVec3::ZERO, inertia_kg_m2 };
+    if kg >= MASS_MIN_KG && mass.matrix().is_none() {
+        notes.add_of(NoteKind::Doubtful, "has mass but no inertia, as a point has", name);
+    }
+    Ok(mass.seen_from(pose.rotation, pose.position_m))
+}
+
+fn of_geoms(
+    parts: &Parts<'_, '_>,
+    name: &str,
+    model: &Model<'_, '_, '_>,
+    notes: &mut Notes,
+) -> Result<Mass, ImportError> {
+    let mut sum = Mass::point(0.0);
+    for (geom, frame) in &parts.geoms {
+        let group = geom.number("group")?.unwrap_or(0.0);
+        let [first, last] = model.masses.groups;
+        let own_kg = geom.text("mass").map(|_| geom.not_negative("mass")).transpose()?;
+        let density = geom.number("density")?.unwrap_or(DENSITY);
+        let weighs = own_kg.map_or(density > 0.0, |kg| kg > 0.0);
+        if group < first || group > last || !weighs {
+            continue;
+        }
+        let Some((solid, pose)) = solid(geom, model)? else {
+            if matches!(geom.text("type"), Some("plane" | "hfield")) {
+                continue;
+            }
+            if !model.options.repair_inertia {
+                let expected = "an `inertial` in the body, or geoms that are solids (sphere, capsule, cylinder, box, \
+                                ellipsoid), since meshes are not read; or the option repair-inertia";
+                return Err(xml::refuse(
+                    geom.node(),
+                    expected,
+                    "a mesh that makes the body's mass",
+                ));
+            }
+            let pose = frame.then(model.angles.pose_of(geom)?);
+            let text = match own_kg {
+                Some(_) => "has a mesh that makes its mass: that of a point where the mesh is",
+                None => "has a mesh that makes its mass, which is not known: left out",
+            };
+            notes.add_of(NoteKind::Filled, text, name);
+            sum = sum
+                .plus(Mass::point(own_kg.unwrap_or(0.0)).seen_from(pose.rotation, pose.position_m));
+            continue;
+        };
+        let kg = own_kg.unwrap_or(density * solid.volume_m3());
+        if geom.text("shellinertia") == Some("true") {
+            let text = "has a hollow geom (shellinertia): its inertia is that of a full one";
+            notes.add_of(NoteKind::Doubtful, text, name);
+        }
+        let pose = frame.then(pose);
+        sum = sum.plus(solid.filled(kg).seen_from(pose.rotation, pose.position_m));
+    }
+    Ok(sum)
+}
+
+/// The solid of a geom and its pose; `None` if it is none.
+fn solid(
+    geom: &Element<'_, '_>,
+    model: &Model<'_, '_, '_>,
+) -> Result<Option<(Solid, Pose)>, ImportError> {
+    let kind = geom.text("type").unwrap_or("sphere");
+    let count = match kind {
+        _ if geom.text("mesh").is_some() => return Ok(None),
+        "sphere" => 1,
+        "capsule" | "cylinder" => 2,
+        "box" | "ellipsoid" => 3,
+        _ => return Ok(None),
+    };
+    let mut size = xml::numbers(geom.at("size"), "size", 3)?.unwrap_or_default();
+    let mut pose = model.angles.pose_of(geom)?;
+    let ends: Option<[f64; 6]> = geom.vector("fromto")?;
+    if let Some([a, b, c, d, e, f]) = ends.filter(|_| count > 1) {
+        let (from, to) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+        let Some(along) = (from - to).try_normalize() else {
+            return Err(xml::refuse_value(geom.at("fromto"), "fromto", "two points that differ"));
+        };
+        pose.position_m = (from + to) / 2.0;
+        pose.rotation = DQuat::from_rotation_arc(DVec3::Z, along);
+        // As thick as the first size, in both directions.
+        let radius = size.first().copied().unwrap_or(0.0);
+        size = vec![radius; count - 1];
+        size.push(from.distance(to) / 2.0);
+    }
+    let sizes = size.get(..count).filter(|sizes| sizes.iter().all(|size| *size > 0.0));
+    let solid = match (kind, sizes) {
+        (_, None) => {
+            let expected = format!("{count} sizes above zero, of a {kind}");
+            return Err(xml::refuse_value(geom.at("size"), "size", expected));
+        }
+        ("capsule", Some(&[r, half])) => Solid::Capsule(r, 2.0 * half),
+        ("cylinder", Some(&[r, half])) => Solid::Cylinder(r, 2.0 * half),
+        ("box", Some(&[x, y, z])) => Solid::Box(2.0 * DVec3::new(x, y, z)),
+        (_, Some(&[x, y, z])) => Solid::Ellipsoid(DVec3::new(x, y, z)),
+        (_, Some(sizes)) => Solid::Ellipsoid(DVec3::splat(sizes.first().copied().unwrap_or(0.0))),
+    };
+    Ok(Some((solid, pose)))
+}
