@@ -165,8 +165,12 @@ fn tell_unread(
         }
     };
     count(robot, &OF_ROBOT, "");
-    links.iter().for_each(|link| count(*link, &OF_LINK, " of a link"));
-    joints.iter().for_each(|joint| count(joint.node, &OF_JOINT, " of a joint"));
+    for link in links {
+        count(*link, &OF_LINK, " of a link");
+    }
+    for joint in joints {
+        count(joint.node, &OF_JOINT, " of a joint");
+    }
     for (what, count) in unread {
         let text = "elements that say nothing a rig has";
         notes.add_of(NoteKind::LeftOut, text, format!("{what}: {count}"));
@@ -179,7 +183,8 @@ fn tell_unread(
     if !meshes.is_empty() {
         let shown: Vec<&str> = meshes.iter().copied().collect();
         let text = format!("shapes in {} mesh files, which are not read", shown.len());
-        let first: Vec<String> = shown.iter().take(3).map(|file| xml::shortened(file)).collect();
+        let name = |file: &str| xml::shortened(file.rsplit('/').next().unwrap_or(file));
+        let first: Vec<String> = shown.iter().take(3).map(|file| name(file)).collect();
         notes.add(NoteKind::LeftOut, format!("{text}, such as {}", list(&first)));
     }
 }

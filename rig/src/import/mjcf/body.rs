@@ -49,9 +49,11 @@ impl<'a, 'd> Parts<'a, 'd> {
             let mut frames = Vec::new();
             for node in outer.children().filter(Node::is_element) {
                 match node.tag_name().name() {
-                    "inertial" => parts.inertial = Some((node, frame)),
+                    "inertial" => {
+                        parts.inertial = Some((node, frame));
+                    }
                     "geom" => {
-                        parts.geoms.push((model.defaults.element(node, &["geom"], class)?, frame))
+                        parts.geoms.push((model.defaults.element(node, &["geom"], class)?, frame));
                     }
                     "joint" | "freejoint" => {
                         parts
@@ -108,7 +110,9 @@ pub(super) fn read<'a, 'd>(
     if !(top.len() == 1 && top.iter().all(is_base)) {
         let world = Names::fresh(&mut names.bodies, "world");
         description.bodies.push(Mass::point(0.0).body(&world));
-        top.iter_mut().for_each(|body| body.parent = Some(world.clone()));
+        for body in &mut top {
+            body.parent = Some(world.clone());
+        }
     }
     top.reverse();
     while let Some(body) = top.pop() {

@@ -47,7 +47,7 @@ pub(super) fn read<'a, 'd>(
             }
             "joint" => ties.extend(tie(root, node, model, description, notes)?),
             _ => {
-                notes.add_of(NoteKind::LeftOut, "equalities that are not of bodies or joints", tag)
+                notes.add_of(NoteKind::LeftOut, "equalities that are not of bodies or joints", tag);
             }
         }
     }

@@ -12,7 +12,7 @@ use super::body::Parts;
 use super::defaults::Element;
 use super::flag;
 use super::pose::Pose;
-use crate::description::Description;
+use crate::description::{Description, InertiaMatrix};
 use crate::description::mass::Mass;
 
 /// Of a geom that says nothing, kg/m³: water.
@@ -66,15 +66,10 @@ impl MassRules {
         for body in &mut description.bodies {
             body.mass_kg *= factor;
             if let Some(inertia) = &mut body.inertia_kg_m2 {
-                let elements = [
-                    &mut inertia.xx,
-                    &mut inertia.xy,
-                    &mut inertia.xz,
-                    &mut inertia.yy,
-                    &mut inertia.yz,
-                    &mut inertia.zz,
-                ];
-                elements.into_iter().for_each(|element| *element *= factor);
+                let InertiaMatrix { xx, xy, xz, yy, yz, zz } = inertia;
+                for element in [xx, xy, xz, yy, yz, zz] {
+                    *element *= factor;
+                }
             }
         }
         let text =
@@ -156,10 +151,7 @@ fn of_geoms(
     for (geom, frame) in &parts.geoms {
         let group = geom.number("group")?.unwrap_or(0.0);
         let [first, last] = model.masses.groups;
-        let own_kg = match geom.at("mass").has_attribute("mass") {
-            true => Some(geom.not_negative("mass")?),
-            false => None,
-        };
+        let own_kg = geom.text("mass").map(|_| geom.not_negative("mass")).transpose()?;
         let density = geom.number("density")?.unwrap_or(DENSITY);
         let weighs = own_kg.map_or(density > 0.0, |kg| kg > 0.0);
         if group < first || group > last || !weighs {

@@ -77,7 +77,6 @@ pub(super) fn tree<'a, 'd>(
 }
 
 /// Parts the joints that the user cuts from the others.
-#[expect(clippy::type_complexity, reason = "the two parts of a list")]
 fn cut<'a, 'd>(
     robot: Node<'a, 'd>,
     joints: Vec<UrdfJoint<'a, 'd>>,
