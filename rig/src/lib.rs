@@ -17,7 +17,11 @@ pub mod mechanism;
 #[cfg(feature = "std")]
 mod nearest;
 #[cfg(feature = "std")]
+pub mod new;
+#[cfg(feature = "std")]
 mod number;
+#[cfg(feature = "std")]
+pub mod toml_file;
 
 #[cfg(feature = "std")]
 pub use description::Description;

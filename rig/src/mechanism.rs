@@ -135,6 +135,10 @@ impl Mechanism {
 }
 
 impl Link {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "to f32; what does not fit is refused by the tree"
+    )]
     fn inertia(&self) -> Inertia {
         let m = self.inertia_kg_m2.as_mat3();
         Inertia {

@@ -2,13 +2,13 @@
 
 /// Digits that are kept. Rounding errors of a conversion stand in the last four of the 16 that an f64 has; f32, which
 /// takes the numbers in the end, has 7.
-const DIGITS: usize = 12;
+const DIGITS: u8 = 12;
 
 /// The number of [`DIGITS`] significant digits that is nearest.
 pub(crate) fn rounded(number: f64) -> f64 {
     if number.is_finite() {
         // What is printed from a finite number is one.
-        format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
+        format!("{number:.*e}", usize::from(DIGITS - 1)).parse().unwrap_or(number)
     } else {
         number
     }
@@ -19,7 +19,7 @@ pub(crate) fn rounded(number: f64) -> f64 {
 pub(crate) fn rounded_together(numbers: &[f64]) -> Vec<f64> {
     let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
     // Half a step of the largest number's last digit.
-    let noise = largest * 0.5 * 10.0_f64.powi(1 - DIGITS as i32);
+    let noise = largest * 0.5 * 10.0_f64.powi(1 - i32::from(DIGITS));
     numbers
         .iter()
         .map(|number| if number.abs() <= noise { 0.0 } else { rounded(*number) })

@@ -1,25 +1,20 @@
 //! Drives: how servos move joints.
 
-use serde::{Deserialize, Serialize};
-
 use super::{Joint, JointType};
 
 /// How some servos move some joints. A joint's freedoms, and a servo, belong to one drive at most.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Drive {
     /// The joints, each with all its freedoms in their order.
     pub joints: Vec<String>,
     /// The servos.
     pub servos: Vec<String>,
     /// How.
-    #[serde(flatten)]
     pub kind: DriveKind,
 }
 
 /// The kinds of drive. Servo positions `s` are those of the output shafts, after direction and offset, rad.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq)]
 pub enum DriveKind {
     /// `q = matrix · s + offset`, a row a freedom, a column a servo; of full rank. One servo on one joint is `[[1]]`,
     /// two that face each other on one joint are `[[0.5, -0.5]]`, a mimic joint is `[[1], [0.5]]`, a differential pair
@@ -30,8 +25,7 @@ pub enum DriveKind {
         /// One number a row, rad or m. Default: zeros.
         offset: Vec<f64>,
     },
-    /// A monotone curve through points `[s, q]` (in the file: both in degrees, or degrees and m): jaws, lids,
-    /// push-rods.
+    /// A monotone curve through points `[s, q]`, rad, or rad and m: jaws, lids, push-rods.
     Curve {
         /// At least two, `s` rising, `q` strictly rising or falling.
         points: Vec<[f64; 2]>,
@@ -46,18 +40,47 @@ pub enum DriveKind {
         coupler_m: f64,
         /// The lever on the joint, m.
         rocker_m: f64,
-        /// Crank angle where the servo is at zero, from the line of the ground, rad (degrees in the file).
+        /// Crank angle where the servo is at zero, from the line of the ground, rad.
         crank_zero_rad: f64,
-        /// Rocker angle where the joint is at zero, rad (degrees in the file).
+        /// Rocker angle where the joint is at zero, rad.
         rocker_zero_rad: f64,
         /// Whether crank and rocker lie on opposite sides of the ground.
         crossed: bool,
     },
 }
 
-/// The key of a matrix's offset in the file: metres if the joints slide, else degrees.
-pub(super) fn offset_key<'a>(joints: impl IntoIterator<Item = &'a Joint>) -> &'static str {
-    let mut joints = joints.into_iter().peekable();
-    let slide = joints.peek().is_some() && joints.all(|joint| joint.kind == JointType::Prismatic);
-    if slide { "offset_m" } else { "offset_deg" }
+impl DriveKind {
+    /// Each of some servos moves one degree of freedom, in their order: the default of the file.
+    pub fn one_to_one(count: usize) -> Self {
+        let row =
+            |turned: usize| (0..count).map(|servo| f64::from(u8::from(servo == turned))).collect();
+        Self::Matrix { rows: (0..count).map(row).collect(), offset: Vec::new() }
+    }
+}
+
+/// No servo, no joint.
+impl Default for DriveKind {
+    fn default() -> Self {
+        Self::one_to_one(0)
+    }
+}
+
+/// The keys of a drive whose unit is that of its joints.
+pub(crate) struct UnitKeys {
+    /// Of a matrix: degrees, or metres.
+    pub(crate) offset: &'static str,
+    /// Of a curve: degrees of servo and joint, or degrees of the servo and metres of the joint.
+    pub(crate) points: &'static str,
+}
+
+impl UnitKeys {
+    /// Metres if all joints slide.
+    pub(crate) fn of<'a>(joints: impl IntoIterator<Item = &'a Joint>) -> Self {
+        let mut joints = joints.into_iter().peekable();
+        if joints.peek().is_some() && joints.all(|joint| joint.kind == JointType::Prismatic) {
+            Self { offset: "offset_m", points: "points_deg_m" }
+        } else {
+            Self { offset: "offset_deg", points: "points_deg" }
+        }
+    }
 }

@@ -151,3 +151,134 @@ fn freedom(joint: &Joint) -> Freedom {
         JointType::Free => Freedom::Free,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+
+    use super::*;
+
+    fn body(name: &str, mass_kg: f64) -> Body {
+        Body { name: name.to_owned(), mass_kg, ..Body::default() }
+    }
+
+    fn joint(name: &str, kind: JointType, parent: &str, child: &str) -> Joint {
+        let axis = (kind == JointType::Revolute).then_some([0.0, 0.0, 1.0]);
+        let [name, parent, child] = [name, parent, child].map(str::to_owned);
+        Joint { name, kind, parent, child, axis, ..Joint::default() }
+    }
+
+    fn rig(bodies: Vec<Body>, joints: Vec<Joint>) -> Description {
+        Description { name: "rig".to_owned(), bodies, joints, ..Description::default() }
+    }
+
+    #[test]
+    fn numbers_are_depth_first_in_the_order_of_the_file() {
+        let names = ["hand", "base", "thumb", "elbow", "other"];
+        let turn = |name, parent, child| joint(name, JointType::Revolute, parent, child);
+        let rig = rig(
+            names.map(|name| body(name, 1.0)).to_vec(),
+            vec![
+                turn("j0", "elbow", "hand"),
+                turn("j1", "base", "elbow"),
+                turn("j2", "base", "other"),
+                turn("j3", "elbow", "thumb"),
+            ],
+        );
+        let mechanism = rig.mechanism().unwrap();
+        let found: Vec<_> =
+            mechanism.bodies.iter().map(|link| (link.name.as_str(), link.parent)).collect();
+        assert_eq!(
+            found,
+            [
+                ("base", None),
+                ("elbow", Some(0)),
+                ("hand", Some(1)),
+                ("thumb", Some(1)),
+                ("other", Some(0))
+            ]
+        );
+        assert_eq!(mechanism.freedom_names(), ["j1", "j0", "j3", "j2"]);
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "small whole numbers")]
+    fn a_body_on_a_fixed_joint_is_part_of_the_one_that_carries_it() {
+        // Points of 1 kg at the origin and of 3 kg at x = 2: centre at 1.5, and 1 · 1.5² + 3 · 0.5² = 3 about y and
+        // z. The second one's frame is turned a quarter about z, so its own x is the first one's y.
+        let mut weld = joint("weld", JointType::Fixed, "arm", "tool");
+        weld.position_m = [2.0, 0.0, 0.0];
+        weld.rotation_xyzw = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+        let mut finger = joint("finger", JointType::Revolute, "tool", "tip");
+        finger.position_m = [1.0, 0.0, 0.0];
+        let mut bodies =
+            vec![body("base", 5.0), body("arm", 1.0), body("tool", 3.0), body("tip", 1.0)];
+        // A rod along the tool's x: nothing about x, 0.3 about y and z. In the arm it lies along y.
+        bodies[2].inertia_kg_m2 =
+            Some(crate::description::InertiaMatrix { yy: 0.3, zz: 0.3, ..Default::default() });
+        let joints = vec![joint("hinge", JointType::Revolute, "base", "arm"), weld, finger];
+        let mechanism = rig(bodies, joints).mechanism().unwrap();
+        let [base, arm, tip] = &mechanism.bodies[..] else { panic!("{mechanism:?}") };
+        assert_eq!((base.mass_kg, base.merged.len()), (5.0, 0));
+        // Rounding of f64 in a rotation by a quarter turn.
+        let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-15;
+        assert_eq!(arm.mass_kg, 4.0);
+        assert!(near(arm.center_of_mass_m, DVec3::new(1.5, 0.0, 0.0)), "{arm:?}");
+        let expected = [DVec3::X * 0.3, DVec3::Y * 3.0, DVec3::Z * 3.3];
+        let inertia = arm.inertia_kg_m2;
+        for (column, expected) in
+            [inertia.x_axis, inertia.y_axis, inertia.z_axis].iter().zip(expected)
+        {
+            assert!((*column - expected).length() < 1e-15, "{inertia}");
+        }
+        assert_eq!(arm.merged[0].name, "tool");
+        assert_eq!(arm.merged[0].position_m, DVec3::new(2.0, 0.0, 0.0));
+        assert_eq!(tip.parent, Some(1));
+        assert!(near(tip.position_m, DVec3::new(2.0, 1.0, 0.0)), "{tip:?}");
+        let quarter = DQuat::from_rotation_z(FRAC_PI_2);
+        assert!(tip.rotation.angle_between(quarter) < 1e-7, "{tip:?}");
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "small whole numbers")]
+    fn bodies_welded_to_the_base_and_to_each_other_are_one() {
+        let joints =
+            vec![joint("a", JointType::Fixed, "x", "y"), joint("b", JointType::Fixed, "y", "z")];
+        let mechanism =
+            rig(vec![body("x", 1.0), body("y", 2.0), body("z", 4.0)], joints).mechanism().unwrap();
+        assert_eq!(mechanism.bodies.len(), 1);
+        assert_eq!(mechanism.bodies[0].mass_kg, 7.0);
+        let names: Vec<_> = mechanism.bodies[0].merged.iter().map(|body| &body.name).collect();
+        assert_eq!(names, ["y", "z"]);
+    }
+
+    #[test]
+    fn a_box_has_the_inertia_of_one() {
+        let mut link = body("link", 1.2);
+        link.box_m = Some([0.0, 1.0, 0.1]);
+        let mechanism = rig(vec![link], Vec::new()).mechanism().unwrap();
+        let inertia = mechanism.bodies[0].inertia_kg_m2;
+        // About x: m (1² + 0.1²) / 12.
+        assert!((inertia.x_axis.x - 0.101).abs() < 1e-15);
+        assert!((inertia.y_axis.y - 0.001).abs() < 1e-15);
+        assert!((inertia.z_axis.z - 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn homes_are_as_given_or_near_zero() {
+        let mut hinge = joint("hinge", JointType::Revolute, "x", "y");
+        let mut home = |range: &[[f64; 2]], given| {
+            hinge.range_rad = range.to_vec();
+            hinge.home_rad = given;
+            hinge.home()
+        };
+        assert_eq!(home(&[], None), [0.0]);
+        assert_eq!(home(&[[-1.0, 1.0]], None), [0.0]);
+        assert_eq!(home(&[[0.5, 1.0]], None), [0.5]);
+        assert_eq!(home(&[[-1.0, -0.5]], None), [-0.5]);
+        assert_eq!(home(&[[-1.0, 1.0]], Some(0.25)), [0.25]);
+        let mut cardan = joint("cardan", JointType::Universal, "x", "y");
+        cardan.range_rad = vec![[0.5, 1.0], [-1.0, 1.0]];
+        assert_eq!(cardan.home(), [0.5, 0.0]);
+    }
+}

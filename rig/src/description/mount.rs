@@ -1,13 +1,10 @@
 //! Where the base stands, and what feeds the servos.
 
-use serde::{Deserialize, Serialize};
-
 /// How the base stands in the world: y up, gravity 9.81 m/s² along -y.
 ///
 /// A file that has z up is turned here, once: `rotation_xyzw = [-0.7071.., 0, 0, 0.7071..]`. A rig that sticks out of a
 /// wall, or hangs upside down, says so here as well.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// Whether the base is bolted to the world, or moves freely and is driven there.
     pub base: Base,
@@ -18,8 +15,7 @@ pub struct Mount {
 }
 
 /// How the base is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Base {
     /// Bolted to the world, or to a stand.
     #[default]
@@ -43,8 +39,7 @@ impl Mount {
 }
 
 /// What feeds the servos.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Supply {
     /// V.
     pub voltage_v: f64,

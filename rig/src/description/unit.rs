@@ -3,7 +3,9 @@
 use super::error::Step;
 
 /// Ends of keys, the longer first, and how people write the unit.
-const UNITS: [(&str, &str); 12] = [
+const UNITS: [(&str, &str); 13] = [
+    // Pairs of both.
+    ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
     ("_deg_s2", "deg/s²"),
     ("_deg_s", "deg/s"),

@@ -2,9 +2,8 @@
 
 use super::names::Names;
 use super::part::{Part, Sign};
-use crate::description::drive::offset_key;
 use crate::description::error::{DescriptionError, Step};
-use crate::description::{Description, Drive, DriveKind, Joint, JointType};
+use crate::description::{Description, Drive, DriveKind, Joint, JointType, UnitKeys};
 
 /// Which drive has each joint and each servo.
 pub(super) struct Owners {
@@ -72,7 +71,7 @@ fn check_kind(part: Part<'_>, drive: &Drive, joints: &[&Joint]) -> Result<(), De
         DriveKind::Matrix { rows, offset } => check_matrix(part, drive, joints, rows, offset),
         DriveKind::Curve { points } => {
             one_to_one(part, drive, joints, "curve")?;
-            let at = [Step::Key("curve"), Step::Key("points")];
+            let at = [Step::Key("curve"), Step::Key(UnitKeys::of(joints.iter().copied()).points)];
             for (place, point) in points.iter().enumerate() {
                 let at = [at[0], at[1], Step::Index(place)];
                 part.numbers(&at, point, Sign::Any)?;
@@ -134,7 +133,7 @@ fn check_matrix(
         let expected = format!("a row for each of the {freedoms} degrees of freedom of its joints");
         return Err(part.refuse(&at, expected, format!("{} rows", rows.len())));
     }
-    let at = [Step::Key("matrix"), Step::Key(offset_key(joints.iter().copied()))];
+    let at = [Step::Key("matrix"), Step::Key(UnitKeys::of(joints.iter().copied()).offset)];
     part.numbers(&at, offset, Sign::Any)?;
     if offset.is_empty() {
         return Ok(());

@@ -79,12 +79,10 @@ fn refuse_superfluous(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionEr
 }
 
 fn check_axes(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionError> {
-    let axis = |key: &'static str, axis: Option<[f64; 3]>| match axis {
-        Some(axis) => part.unit_length(key, &axis).map(|()| axis),
-        None => {
-            let expected = "the axis as a vector of length 1, such as [0, 0, 1]";
-            Err(part.refuse(&[Step::Key(key)], expected, "nothing"))
-        }
+    let axis = |key: &'static str, axis: Option<[f64; 3]>| {
+        let expected = "the axis as a vector of length 1, such as [0, 0, 1]";
+        let axis = axis.ok_or_else(|| part.refuse(&[Step::Key(key)], expected, "nothing"))?;
+        part.unit_length(key, &axis).map(|()| axis)
     };
     match joint.kind {
         JointType::Revolute | JointType::Prismatic => {
@@ -106,8 +104,8 @@ fn check_axes(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionError> {
 }
 
 fn check_ranges(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionError> {
-    for pair in joint.range_m.iter() {
-        check_range(part, &[Step::Key("range_m")], *pair)?;
+    if let Some(range_m) = joint.range_m {
+        check_range(part, &[Step::Key("range_m")], range_m)?;
     }
     let at = [Step::Key("range_deg")];
     for pair in &joint.range_rad {

@@ -10,7 +10,7 @@ use crate::nearest::nearest;
 pub(super) struct Names<'a> {
     table: &'static str,
     /// In the order of the file.
-    names: Vec<&'a str>,
+    in_order: Vec<&'a str>,
     index: HashMap<&'a str, usize>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Names<'a> {
                 return refuse(format!("a name that no other {table} has"), found);
             }
         }
-        Ok(Self { table, names, index })
+        Ok(Self { table, in_order: names, index })
     }
 
     /// The index of a name that `part` uses.
@@ -46,7 +46,7 @@ impl<'a> Names<'a> {
     ) -> Result<usize, DescriptionError> {
         self.index.get(name).copied().ok_or_else(|| {
             let table = self.table;
-            let expected = match nearest(name, self.names.iter().copied()) {
+            let expected = match nearest(name, self.in_order.iter().copied()) {
                 Some(near) => format!("the name of a {table}, such as {near:?}"),
                 None => format!("the name of a {table}"),
             };

@@ -68,7 +68,7 @@ fn check_address<'a>(
 
 pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), DescriptionError> {
     let part = Part::of("servo_model", index, &model.name);
-    for (key, sourced) in model.values() {
+    for (key, sourced) in model.clone().values_mut() {
         let at = [Step::Key(key), Step::Key("value")];
         part.number(&at, sourced.value, Sign::NotNegative)?;
         if sourced.source.trim().is_empty() {

@@ -1,0 +1,94 @@
+//! An animatronic face.
+
+use super::Turn;
+use crate::description::{
+    Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
+};
+
+/// Axes of a face that looks along +z, y up, its left at +x. A positive angle looks up, to the left, or leans to the
+/// left shoulder.
+const UP: [f64; 3] = [-1.0, 0.0, 0.0];
+const LEFT: [f64; 3] = [0.0, 1.0, 0.0];
+const TILT: [f64; 3] = [0.0, 0.0, -1.0];
+
+/// Speed and acceleration, deg/s and deg/s².
+const NECK: [f64; 2] = [120.0, 500.0];
+const JAW: [f64; 2] = [300.0, 3000.0];
+const EYE: [f64; 2] = [400.0, 6000.0];
+/// A blink closes a lid of 45 degrees in a tenth of a second.
+const LID: [f64; 2] = [500.0, 12000.0];
+const BROW: [f64; 2] = [200.0, 2000.0];
+
+/// A face on hobby servos: a neck of three, jaw, two eyes of two, four lids, two brows; on one PWM driver.
+///
+/// Kinematic: its bodies have no mass, so it is limited in range, speed and acceleration, and takes no torques.
+pub fn face() -> Description {
+    let mut rig = Description {
+        name: "face".to_owned(),
+        supply: Some(Supply { voltage_v: 5.0, current_a: 10.0 }),
+        bodies: vec![Body { name: "stand".to_owned(), ..Body::default() }],
+        ..Description::default()
+    };
+    add(&mut rig, "neck_turn", "stand", [0.0, 0.2, 0.0], LEFT, [-60.0, 60.0, 0.0], NECK);
+    add(&mut rig, "neck_nod", "neck_turn", [0.0, 0.03, 0.0], UP, [-30.0, 30.0, 0.0], NECK);
+    add(&mut rig, "head", "neck_nod", [0.0, 0.03, 0.0], TILT, [-25.0, 25.0, 0.0], NECK);
+    add(&mut rig, "jaw", "head", [0.0, 0.04, 0.02], UP, [-25.0, 0.0, 0.0], JAW);
+    for (side, x) in [("left", 0.032), ("right", -0.032)] {
+        let part = |name: &str| format!("{name}_{side}");
+        let eye = [x, 0.1, 0.06];
+        let (turn, upper, lower) = (part("eye_turn"), part("lid_upper"), part("lid_lower"));
+        add(&mut rig, &turn, "head", eye, LEFT, [-35.0, 35.0, 0.0], EYE);
+        add(&mut rig, &part("eye_nod"), &turn, [0.0; 3], UP, [-25.0, 25.0, 0.0], EYE);
+        // Angles of the lids' edges above the middle of the eye.
+        add(&mut rig, &upper, "head", eye, UP, [-10.0, 40.0, 30.0], LID);
+        add(&mut rig, &lower, "head", eye, UP, [-35.0, 10.0, -25.0], LID);
+        add(&mut rig, &part("brow"), "head", [x, 0.13, 0.07], TILT, [-20.0, 20.0, 0.0], BROW);
+        // The upper edge stays above the lower one.
+        rig.limits.push(LinkedLimit {
+            joint: upper,
+            other: lower,
+            least_rad: Some(0.0),
+            ..LinkedLimit::default()
+        });
+    }
+    rig
+}
+
+/// Adds a body on a joint of its name, and the servo on the next channel that moves it.
+fn add(
+    rig: &mut Description,
+    name: &str,
+    parent: &str,
+    position_m: [f64; 3],
+    axis: [f64; 3],
+    [least_deg, most_deg, home_deg]: [f64; 3],
+    [speed_deg_s, acceleration_deg_s2]: [f64; 2],
+) {
+    let range_deg = [least_deg, most_deg];
+    let joint = Turn {
+        name,
+        parent,
+        position_m,
+        axis,
+        range_deg,
+        home_deg,
+        speed_deg_s,
+        acceleration_deg_s2,
+    };
+    rig.bodies.push(Body { name: name.to_owned(), ..Body::default() });
+    rig.joints.push(joint.joint());
+    rig.drives.push(Drive {
+        joints: vec![name.to_owned()],
+        servos: vec![name.to_owned()],
+        kind: DriveKind::one_to_one(1),
+    });
+    rig.servos.push(Servo {
+        name: name.to_owned(),
+        model: "hobby".to_owned(),
+        bus: "pwm".to_owned(),
+        // There are 14 channels.
+        address: Address::Channel(u8::try_from(rig.servos.len()).unwrap_or(u8::MAX)),
+        on_signal_loss: SignalLoss::Hold,
+        ..Servo::default()
+    });
+}

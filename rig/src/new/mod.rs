@@ -1,0 +1,76 @@
+//! Rigs to start from.
+
+mod arm;
+mod face;
+
+pub use arm::{ArmError, arm};
+pub use face::face;
+
+use crate::description::Joint;
+
+/// A revolute joint that moves a body of its own name.
+struct Turn<'a> {
+    name: &'a str,
+    parent: &'a str,
+    position_m: [f64; 3],
+    axis: [f64; 3],
+    range_deg: [f64; 2],
+    home_deg: f64,
+    speed_deg_s: f64,
+    acceleration_deg_s2: f64,
+}
+
+impl Turn<'_> {
+    fn joint(&self) -> Joint {
+        Joint {
+            name: self.name.to_owned(),
+            parent: self.parent.to_owned(),
+            child: self.name.to_owned(),
+            position_m: self.position_m,
+            axis: Some(self.axis),
+            range_rad: vec![self.range_deg.map(f64::to_radians)],
+            // Zero is the default.
+            home_rad: (self.home_deg.abs() > 0.0).then_some(self.home_deg.to_radians()),
+            speed_rad_s: Some(self.speed_deg_s.to_radians()),
+            acceleration_rad_s2: Some(self.acceleration_deg_s2.to_radians()),
+            ..Joint::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sinew_core::Tree;
+
+    use super::*;
+    use crate::toml_file::{read, write};
+
+    #[test]
+    fn every_arm_is_a_rig() {
+        for joints in 1..=40 {
+            let rig = arm(joints).unwrap();
+            let mechanism = rig.mechanism().unwrap();
+            assert_eq!(mechanism.bodies.len(), joints + 1);
+            let tree: Tree<64> = mechanism.tree().unwrap();
+            assert_eq!(tree.coordinate_count(), joints);
+            assert_eq!(rig.servos.len(), joints);
+            assert_eq!(read(&write(&rig)).unwrap(), rig);
+        }
+        assert_eq!(arm(0), Err(ArmError { joints: 0 }));
+        assert_eq!(arm(41), Err(ArmError { joints: 41 }));
+    }
+
+    #[test]
+    fn a_face_is_a_rig_without_masses_whose_channels_fit_one_driver() {
+        let rig = face();
+        let mechanism = rig.mechanism().unwrap();
+        assert!(mechanism.bodies.iter().all(|link| link.mass_kg <= 0.0));
+        assert!(mechanism.bodies.iter().skip(1).all(|link| link.speed.is_finite()
+            && link.acceleration.is_finite()
+            && link.ranges.len() == 1));
+        // Jaw, two eyes of two, four lids, two brows, a neck of three.
+        assert_eq!(rig.servos.len(), 14);
+        assert_eq!(rig.limits.len(), 2);
+        assert_eq!(read(&write(&rig)).unwrap(), rig);
+    }
+}

@@ -1,0 +1,84 @@
+//! A value in a text, with its place.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::error::Wrong;
+use crate::number;
+
+/// A value, its path, and whether its numbers are degrees.
+pub(super) struct Item<'t> {
+    value: &'t Spanned<DeValue<'t>>,
+    path: String,
+    is_angle: bool,
+}
+
+impl<'t> Item<'t> {
+    pub(super) fn new(value: &'t Spanned<DeValue<'t>>, path: String, is_angle: bool) -> Self {
+        Self { value, path, is_angle }
+    }
+
+    pub(super) fn value(&self) -> &'t DeValue<'t> {
+        self.value.get_ref()
+    }
+
+    pub(super) fn span(&self) -> Range<usize> {
+        self.value.span()
+    }
+
+    pub(super) fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Refuses the value.
+    pub(super) fn wrong(&self, expected: &str) -> Wrong {
+        let found = match self.value() {
+            DeValue::String(text) => format!("the text {text:?}"),
+            DeValue::Integer(integer) => format!("the number {integer}"),
+            DeValue::Float(float) => format!("the number {float}"),
+            DeValue::Boolean(boolean) => boolean.to_string(),
+            DeValue::Datetime(_) => "a date".to_owned(),
+            DeValue::Array(array) => format!("a list of {}", array.len()),
+            DeValue::Table(_) => "a table".to_owned(),
+        };
+        Wrong::new(&self.span(), &self.path, expected, &found)
+    }
+
+    /// The elements of a list.
+    pub(super) fn elements(&self, expected: &str) -> Result<Vec<Self>, Wrong> {
+        let array = self.value().as_array().ok_or_else(|| self.wrong(expected))?;
+        let of_element = |(index, value): (usize, &'t Spanned<DeValue<'t>>)| {
+            Self::new(value, format!("{}[{index}]", self.path), self.is_angle)
+        };
+        Ok(array.iter().enumerate().map(of_element).collect())
+    }
+
+    /// A number; degrees become radians.
+    pub(super) fn number(&self) -> Result<f64, Wrong> {
+        let number: Option<f64> = match self.value() {
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|integer| integer as f64),
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            _ => None,
+        };
+        let number = number.ok_or_else(|| self.wrong("a number"))?;
+        Ok(if self.is_angle { number.to_radians() } else { number })
+    }
+
+    /// A whole number within limits.
+    pub(super) fn integer(&self, expected: &str) -> Result<i64, Wrong> {
+        self.value()
+            .as_integer()
+            .and_then(|integer| i64::from_str_radix(integer.as_str(), integer.radix()).ok())
+            .ok_or_else(|| self.wrong(expected))
+    }
+}
+
+/// Numbers of memory as a file has them.
+pub(super) fn in_file(numbers: &[f64], is_angle: bool) -> Vec<f64> {
+    let convert = |number: &f64| if is_angle { number.to_degrees() } else { *number };
+    number::rounded_together(&numbers.iter().map(convert).collect::<Vec<_>>())
+}

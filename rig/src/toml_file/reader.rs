@@ -1,0 +1,185 @@
+//! The visitor that sets fields from a text.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::Wrong;
+use super::item::Item;
+use super::value::Value;
+use super::visitor::Visitor;
+use crate::description::is_angle;
+use crate::nearest::nearest;
+
+/// Reads one table.
+pub(super) struct Reader<'t> {
+    table: &'t DeTable<'t>,
+    span: Range<usize>,
+    path: String,
+    /// Every key that the schema has asked for.
+    known: Vec<&'static str>,
+    /// The first key that must be there and is not. Told only if every key is known: else one of those was meant.
+    missing: Option<Wrong>,
+}
+
+/// Reads a whole text by a schema.
+pub(super) fn read<'t>(
+    table: &'t Spanned<DeTable<'t>>,
+    keys: impl FnOnce(&mut Reader<'t>) -> Result<(), Wrong>,
+) -> Result<(), Wrong> {
+    Reader::read(table.get_ref(), table.span(), String::new(), keys)
+}
+
+impl<'t> Reader<'t> {
+    fn read(
+        table: &'t DeTable<'t>,
+        span: Range<usize>,
+        path: String,
+        keys: impl FnOnce(&mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        let mut reader = Self { table, span, path, known: Vec::new(), missing: None };
+        keys(&mut reader)?;
+        reader.refuse_unknown()?;
+        reader.missing.map_or(Ok(()), Err)
+    }
+
+    fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    fn find(&mut self, key: &'static str) -> Option<Item<'t>> {
+        self.known.push(key);
+        let value = self.table.get(key)?;
+        Some(Item::new(value, self.path_of(key), is_angle(key)))
+    }
+
+    fn is_missing(&mut self, key: &'static str, expected: &str) {
+        let wrong = Wrong::new(&self.span, &self.path_of(key), expected, "nothing");
+        self.missing.get_or_insert(wrong);
+    }
+
+    fn refuse_unknown(&self) -> Result<(), Wrong> {
+        let is_unknown =
+            |key: &&Spanned<_>| !self.known.contains(&AsRef::<str>::as_ref(key.get_ref()));
+        let Some(key) = self.table.keys().filter(is_unknown).min_by_key(|key| key.span().start)
+        else {
+            return Ok(());
+        };
+        let name: &str = key.get_ref();
+        let expected = match nearest(name, self.known.iter().copied()) {
+            Some(near) => format!("the key {near}"),
+            None => format!("one of the keys {}", self.known.join(", ")),
+        };
+        Err(Wrong::new(&key.span(), &self.path_of(name), &expected, "an unknown one"))
+    }
+
+    /// Reads a table below this one.
+    fn descend<T>(
+        item: &Item<'t>,
+        field: &mut T,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        let DeValue::Table(table) = item.value() else {
+            return Err(item.wrong("a table of keys"));
+        };
+        Self::read(table, item.span(), item.path().to_owned(), |reader| keys(field, reader))
+    }
+}
+
+impl Visitor for Reader<'_> {
+    type Error = Wrong;
+
+    fn required<T: Value>(&mut self, key: &'static str, field: &mut T) -> Result<(), Wrong> {
+        match self.find(key) {
+            Some(item) => *field = T::read(&item)?,
+            None => self.is_missing(key, T::EXPECTED),
+        }
+        Ok(())
+    }
+
+    fn optional<T: Value>(
+        &mut self,
+        key: &'static str,
+        field: &mut T,
+        default: T,
+    ) -> Result<(), Wrong> {
+        *field = match self.find(key) {
+            Some(item) => T::read(&item)?,
+            None => default,
+        };
+        Ok(())
+    }
+
+    fn inline<T>(
+        &mut self,
+        key: &'static str,
+        field: &mut T,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        match self.find(key) {
+            Some(item) => Self::descend(&item, field, keys)?,
+            None => self.is_missing(key, "a table of keys"),
+        }
+        Ok(())
+    }
+
+    fn optional_inline<T: Default>(
+        &mut self,
+        key: &'static str,
+        field: &mut Option<T>,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        *field = match self.find(key) {
+            Some(item) => {
+                let mut value = T::default();
+                Self::descend(&item, &mut value, keys)?;
+                Some(value)
+            }
+            None => None,
+        };
+        Ok(())
+    }
+
+    fn section<T: Default>(
+        &mut self,
+        key: &'static str,
+        field: &mut Option<T>,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        self.optional_inline(key, field, keys)
+    }
+
+    fn sections<T: Default>(
+        &mut self,
+        key: &'static str,
+        fields: &mut Vec<T>,
+        mut keys: impl FnMut(&mut T, &mut Self) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
+        fields.clear();
+        let Some(item) = self.find(key) else { return Ok(()) };
+        for element in item.elements(&format!("tables that begin with [[{key}]]"))? {
+            let mut field = T::default();
+            Self::descend(&element, &mut field, &mut keys)?;
+            fields.push(field);
+        }
+        Ok(())
+    }
+
+    fn which(
+        &mut self,
+        keys: &[&'static str],
+        _: Option<&'static str>,
+    ) -> Result<Option<&'static str>, Wrong> {
+        self.known.extend(keys);
+        let mut there = keys.iter().filter(|key| self.table.contains_key(**key));
+        let first = there.next().copied();
+        if let (Some(first), Some(second)) = (first, there.next()) {
+            let expected = format!("one of the keys {}", keys.join(", "));
+            let found = format!("{first} as well");
+            let span = self.table.get(*second).map_or(self.span.clone(), Spanned::span);
+            return Err(Wrong::new(&span, &self.path_of(second), &expected, &found));
+        }
+        Ok(first)
+    }
+}

@@ -1,0 +1,115 @@
+//! The visitor that prints fields.
+
+use std::convert::Infallible;
+
+use super::value::Value;
+use super::visitor::Visitor;
+use crate::description::is_angle;
+
+/// Writes one table.
+#[derive(Default)]
+pub(super) struct Writer {
+    /// `key = value` of each key.
+    lines: Vec<String>,
+    /// The tables below it that have headers.
+    sections: String,
+}
+
+/// Writes a whole text by a schema.
+pub(super) fn write(keys: impl FnOnce(&mut Writer) -> Result<(), Infallible>) -> String {
+    let mut writer = Writer::default();
+    let Ok(()) = keys(&mut writer);
+    format!("{}\n{}", writer.lines.join("\n"), writer.sections)
+}
+
+impl Writer {
+    fn below<T>(
+        field: &mut T,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
+    ) -> Self {
+        let mut writer = Self::default();
+        let Ok(()) = keys(field, &mut writer);
+        writer
+    }
+
+    fn line(&mut self, key: &str, value: &str) {
+        self.lines.push(format!("{key} = {value}"));
+    }
+
+    fn add_section(&mut self, header: &str, table: &Self) {
+        for line in ["", header].into_iter().chain(table.lines.iter().map(String::as_str)) {
+            self.sections.push_str(line);
+            self.sections.push('\n');
+        }
+    }
+}
+
+impl Visitor for Writer {
+    type Error = Infallible;
+
+    fn required<T: Value>(&mut self, key: &'static str, field: &mut T) -> Result<(), Infallible> {
+        self.line(key, &field.text(is_angle(key)));
+        Ok(())
+    }
+
+    fn optional<T: Value>(
+        &mut self,
+        key: &'static str,
+        field: &mut T,
+        default: T,
+    ) -> Result<(), Infallible> {
+        if *field == default { Ok(()) } else { self.required(key, field) }
+    }
+
+    fn inline<T>(
+        &mut self,
+        key: &'static str,
+        field: &mut T,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
+    ) -> Result<(), Infallible> {
+        let table = Self::below(field, keys).lines.join(", ");
+        self.line(key, &format!("{{ {table} }}"));
+        Ok(())
+    }
+
+    fn optional_inline<T: Default>(
+        &mut self,
+        key: &'static str,
+        field: &mut Option<T>,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
+    ) -> Result<(), Infallible> {
+        field.as_mut().map_or(Ok(()), |field| self.inline(key, field, keys))
+    }
+
+    fn section<T: Default>(
+        &mut self,
+        key: &'static str,
+        field: &mut Option<T>,
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
+    ) -> Result<(), Infallible> {
+        if let Some(field) = field {
+            self.add_section(&format!("[{key}]"), &Self::below(field, keys));
+        }
+        Ok(())
+    }
+
+    fn sections<T: Default>(
+        &mut self,
+        key: &'static str,
+        fields: &mut Vec<T>,
+        mut keys: impl FnMut(&mut T, &mut Self) -> Result<(), Infallible>,
+    ) -> Result<(), Infallible> {
+        for field in fields {
+            self.add_section(&format!("[[{key}]]"), &Self::below(field, &mut keys));
+        }
+        Ok(())
+    }
+
+    fn which(
+        &mut self,
+        _: &[&'static str],
+        of_field: Option<&'static str>,
+    ) -> Result<Option<&'static str>, Infallible> {
+        Ok(of_field)
+    }
+}
