@@ -1,6 +1,8 @@
 //! Torques of imported robots against those of Pinocchio and MuJoCo (`tests/golden/rigs/make.py`).
 
-use std::path::PathBuf;
+#![expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
@@ -23,6 +25,10 @@ fn numbers(value: &Value) -> Vec<f64> {
 /// Where the golden files are.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/rigs");
 
+fn is_mjcf(file: &str) -> bool {
+    Path::new(file).extension().is_some_and(|extension| extension == "xml")
+}
+
 /// The rig of a file: of `SINEW_DATA`, or beside the golden files.
 fn imported(file: &str, repair_inertia: bool) -> import::Imported {
     let folder = if file.contains('/') {
@@ -32,7 +38,7 @@ fn imported(file: &str, repair_inertia: bool) -> import::Imported {
     };
     let text = std::fs::read_to_string(folder.join(file)).expect("the file");
     let options = Options { repair_inertia, ..Options::default() };
-    let read = if file.ends_with(".xml") { import::mjcf } else { import::urdf };
+    let read = if is_mjcf(file) { import::mjcf } else { import::urdf };
     read(&text, &options).unwrap_or_else(|error| panic!("{file}:{error}"))
 }
 
@@ -83,7 +89,7 @@ fn largest_error(golden: &Value) -> f64 {
         .collect();
     assert_eq!(names.len(), joints.len(), "{file}: as many degrees of freedom");
     let rotors = in_order(&names, &joints, &numbers(&golden["rotor_inertia"]));
-    if file.ends_with(".xml") {
+    if is_mjcf(file) {
         let links = mechanism.bodies.iter().filter(|link| link.parent.is_some());
         let ours: Vec<f32> = links.map(|link| link.rotor_inertia as f32).collect();
         assert_eq!(ours, rotors, "{file}: armature");

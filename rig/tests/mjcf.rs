@@ -1,6 +1,8 @@
 //! MJCFs with one quirk each. That all ways to say where things are and what they weigh give MuJoCo's torques is the
 //! golden file `quirks`.
 
+#![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
+
 use sinew_rig::description::JointType;
 use sinew_rig::import::{ImportError, Imported, NoteKind, Options, mjcf, urdf};
 

@@ -1,6 +1,7 @@
 //! Damaged files are refused or read; nothing panics.
 
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
 use sinew_rig::import::{Options, mjcf, urdf};
 
 const URDF: &str = r#"<robot name="r" xmlns:x="urn:x"><link name="a"><inertial><origin xyz="0 0 1" rpy="0 1 0"/>
@@ -49,11 +50,9 @@ fn with_values(text: &str, values: &[(usize, usize)]) -> String {
 fn read(text: &str) {
     let bold = Options { repair_inertia: true, open_loops: true, cut: Vec::new() };
     for options in [&Options::default(), &bold] {
-        for imported in [urdf(text, options), mjcf(text, options)] {
-            if let Ok(imported) = imported {
-                // What is taken is a rig.
-                imported.description.mechanism().expect("a mechanism");
-            }
+        for imported in [urdf(text, options), mjcf(text, options)].into_iter().flatten() {
+            // What is taken is a rig.
+            imported.description.mechanism().expect("a mechanism");
         }
     }
 }
@@ -64,7 +63,18 @@ fn the_files_are_right_before_they_are_damaged() {
     mjcf(MJCF, &Options::default()).expect("a rig");
 }
 
+/// Each file is read four times a case; a failure is kept beside this file.
+fn property() -> ProptestConfig {
+    ProptestConfig {
+        cases: 500,
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
+    #![proptest_config(property())]
+
     #[test]
     fn bytes(places in prop::collection::vec((any::<usize>(), 0..40_usize, any::<usize>()), 1..4)) {
         read(&damaged(URDF, &places));

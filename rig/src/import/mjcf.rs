@@ -6,6 +6,7 @@ mod defaults;
 mod equality;
 mod joint;
 mod mass;
+mod names;
 mod pose;
 
 use std::collections::BTreeMap;

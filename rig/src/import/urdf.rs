@@ -182,7 +182,7 @@ fn tell_unread(
         .collect();
     if !meshes.is_empty() {
         let shown: Vec<&str> = meshes.iter().copied().collect();
-        let text = format!("shapes in {} mesh files, which are not read", shown.len());
+        let text = format!("meshes, which are not read: {} files", shown.len());
         let name = |file: &str| xml::shortened(file.rsplit('/').next().unwrap_or(file));
         let first: Vec<String> = shown.iter().take(3).map(|file| name(file)).collect();
         notes.add(NoteKind::LeftOut, format!("{text}, such as {}", list(&first)));

@@ -1,16 +1,15 @@
 //! Bodies of an MJCF, from the world inwards.
 
-use std::collections::BTreeSet;
-
 use glam::{DQuat, DVec3};
 use roxmltree::Node;
 
 use super::super::note::{Notes, list};
-use super::super::{ImportError, NoteKind, Options, xml};
+use super::super::{ImportError, NoteKind, xml};
 use super::Model;
 use super::defaults::{Element, MAIN};
 use super::joint::{self, MjcfJoint};
 use super::mass;
+use super::names::Names;
 use super::pose::Pose;
 use crate::description::mass::Mass;
 use crate::description::{Description, Joint, JointType};
@@ -263,58 +262,5 @@ fn tell_quirks(body: Node<'_, '_>, name: &str, notes: &mut Notes) {
     }
     if body.attribute("gravcomp").is_some_and(|share| share.trim() != "0") {
         notes.add_of(NoteKind::LeftOut, "gravity that is compensated by itself (gravcomp)", name);
-    }
-}
-
-/// Names that are taken.
-struct Names {
-    bodies: BTreeSet<String>,
-    joints: BTreeSet<String>,
-}
-
-impl Names {
-    fn read(root: Node<'_, '_>) -> Result<Self, ImportError> {
-        let mut names = Self { bodies: BTreeSet::new(), joints: BTreeSet::new() };
-        let in_world = xml::children(root, "worldbody").flat_map(|world| world.descendants());
-        for node in in_world.filter(Node::is_element) {
-            let taken = match node.tag_name().name() {
-                "body" => &mut names.bodies,
-                "joint" | "freejoint" => &mut names.joints,
-                _ => continue,
-            };
-            let Some(name) = node.attribute("name").filter(|name| !name.is_empty()) else {
-                continue;
-            };
-            if !taken.insert(name.to_owned()) {
-                return Err(xml::refuse_value(node, "name", "a name that no other one has"));
-            }
-        }
-        Ok(names)
-    }
-
-    fn refuse_unknown_cuts(
-        &self,
-        root: Node<'_, '_>,
-        options: &Options,
-    ) -> Result<(), ImportError> {
-        let is_there = |cut: &String| self.bodies.contains(cut) || self.joints.contains(cut);
-        match options.cut.iter().find(|cut| !is_there(cut)) {
-            None => Ok(()),
-            Some(unknown) => {
-                let expected = "joints or bodies of the file as those to cut";
-                Err(xml::refuse(root, expected, format!("`{unknown}`")))
-            }
-        }
-    }
-
-    /// A name like this one that is not taken, and is now.
-    fn fresh(taken: &mut BTreeSet<String>, like: &str) -> String {
-        let mut name = like.to_owned();
-        let mut count = taken.len();
-        while !taken.insert(name.clone()) {
-            count += 1;
-            name = format!("{like}_{count}");
-        }
-        name
     }
 }

@@ -12,8 +12,8 @@ use super::body::Parts;
 use super::defaults::Element;
 use super::flag;
 use super::pose::Pose;
-use crate::description::{Description, InertiaMatrix};
 use crate::description::mass::Mass;
+use crate::description::{Description, InertiaMatrix};
 
 /// Of a geom that says nothing, kg/m³: water.
 const DENSITY: f64 = 1000.0;
