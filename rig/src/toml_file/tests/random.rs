@@ -241,7 +241,7 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
         if matches!(kind, DriveKind::FourBar { .. }) {
             // Within the linkage's good range.
             let shaft = &mut servos[first];
-            (shaft.gear, shaft.offset_rad, shaft.range_rad) = (1.0, None, vec![[-1.0, 1.0]]);
+            (shaft.gear, shaft.offset_rad, shaft.range_rad) = (1.0, None, vec![[-57_f64, 57.0].map(f64::to_radians)]);
         }
         let names = servos[first..].iter().map(|servo: &Servo| servo.name.clone()).collect();
         drives.push(Drive { joints: vec![joint.name.clone()], servos: names, kind });
