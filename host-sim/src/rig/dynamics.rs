@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics as rnea};
 use sinew_core::glam::Vec3;
-use sinew_core::{JointStates, Tree, TreeError, Twist, Wrench};
+use sinew_core::coordinates::CoordinatesError;
+use sinew_core::{JointTargets, Tree, TreeError, Wrench};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{Freedom, Link};
 use thiserror::Error;
@@ -54,7 +55,7 @@ pub enum DynamicsError {
         /// Line of the table.
         line: u64,
         /// Why.
-        source: sinew_core::coordinates::CoordinatesError,
+        source: CoordinatesError,
     },
 }
 
@@ -198,8 +199,7 @@ impl Columns {
 
 /// Room for one row.
 struct Work {
-    states: JointStates<CAPACITY>,
-    accelerations: Vec<Twist>,
+    motion: JointTargets<CAPACITY>,
     scratch: Vec<BodyMotion>,
     wrenches: Vec<Wrench>,
     efforts: Vec<f32>,
@@ -208,8 +208,7 @@ struct Work {
 impl Work {
     fn of(tree: &Tree<CAPACITY>) -> Self {
         Self {
-            states: JointStates::rest(tree),
-            accelerations: vec![Twist::ZERO; tree.len()],
+            motion: JointTargets::rest(tree),
             scratch: vec![BodyMotion::default(); tree.len()],
             wrenches: vec![Wrench::ZERO; tree.len()],
             efforts: vec![0.0; tree.degrees_of_freedom()],
@@ -222,12 +221,11 @@ impl Work {
         q: &[f32],
         qd: &[f32],
         qdd: &[f32],
-    ) -> Result<&[f32], sinew_core::coordinates::CoordinatesError> {
-        self.states.set_coordinates(tree, q, qd)?;
-        let states = self.states.as_slice();
-        tree.accelerations(states, qdd, &mut self.accelerations)?;
+    ) -> Result<&[f32], CoordinatesError> {
+        self.motion.set_coordinates(tree, q, qd, qdd)?;
+        let (states, accelerations) = (self.motion.states(), self.motion.accelerations());
         let (scratch, wrenches) = (&mut self.scratch, &mut self.wrenches);
-        rnea(tree.bodies(), states, &self.accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
+        rnea(tree.bodies(), states, accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
         tree.efforts(states, wrenches, &mut self.efforts)?;
         Ok(&self.efforts)
     }
