@@ -53,7 +53,7 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
             },
         };
         let placement = Transform::from_translation(numbers.vector() * 0.3);
-        tree.push(Body { parent, joint, placement, inertia })?;
+        tree.push(Body { parent, joint, placement, inertia, rotor_inertia: 0.0 })?;
     }
     Ok(tree)
 }

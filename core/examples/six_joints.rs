@@ -8,6 +8,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         joint: JointKind::Revolute { axis: [Vec3::Y, Vec3::X][i % 2] },
         placement: Transform::from_translation(Vec3::Y * 0.1),
         inertia: Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04)),
+        rotor_inertia: 0.0,
     };
     let arm = Tree::<6>::from_bodies(&[0, 1, 2, 3, 4, 5].map(link))?;
     let (mut target, mut measured) = (JointTargets::rest(&arm), JointStates::rest(&arm));

@@ -57,6 +57,7 @@ const LIGHTEST: f32 = 1e-6;
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::IDENTITY,
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let tree = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
 /// // Where the hand is counts more than how it is turned: 1 rad like 5 cm.
@@ -114,6 +115,7 @@ impl<const N: usize> BodyWeights<N> {
     /// #     joint: JointKind::Spherical,
     /// #     placement: Transform::from_translation(Vec3::X),
     /// #     inertia: Inertia::default(),
+    /// #     rotor_inertia: 0.0,
     /// # };
     /// let arm = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))])?;
     /// let importance = descendants_length(&RestPose::of_tree(&arm)?, 0.1, 0.9)?;
@@ -218,6 +220,7 @@ mod tests {
             joint: JointKind::Spherical,
             placement: Transform::IDENTITY,
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         };
         Tree::from_bodies(&[body(None), body(Some(0)), body(Some(0))]).unwrap()
     }

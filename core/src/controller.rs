@@ -41,6 +41,7 @@ use crate::tree::{Body, Tree};
 ///         center_of_mass_m: Vec3::new(0.0, -0.4, 0.0),
 ///         rotational_kg_m2: RotationalInertia::default(),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[pendulum])?;
 /// let mut target = JointTargets::rest(&tree);
@@ -151,7 +152,7 @@ impl<const N: usize> Controller<N> {
     /// #     rotational_kg_m2: RotationalInertia::default(),
     /// # };
     /// # let joint = JointKind::Revolute { axis: Vec3::Z };
-    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
     /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     /// // 2 kg on a level arm of 0.5 m need 9.81 N m; the drive has 6.
@@ -199,7 +200,7 @@ impl<const N: usize> Controller<N> {
     /// #     rotational_kg_m2: RotationalInertia::default(),
     /// # };
     /// # let joint = JointKind::Revolute { axis: Vec3::Z };
-    /// # let arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// # let arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[arm])?;
     /// let inertias = reflected_inertia(&tree, &JointStates::rest(&tree), OuterJoints::Locked);
     /// // What a servo does by itself: no model in the loop, but gains that fit what each joint moves.

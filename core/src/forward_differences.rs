@@ -28,6 +28,7 @@ use crate::tree::Tree;
 ///     joint: JointKind::Prismatic { axis: Vec3::X },
 ///     placement: Transform::IDENTITY,
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
 /// let frames = [0.0, 1.0, 3.0, 6.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
@@ -184,6 +185,7 @@ mod tests {
             joint: if parent.is_none() { JointKind::Free } else { JointKind::Spherical },
             placement: Transform::IDENTITY,
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         };
         let tree = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).unwrap();
         let joint = |turn: Vec3| Transform::new(math::exp(turn), Vec3::new(0.3, -0.1, 0.0));

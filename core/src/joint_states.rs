@@ -22,6 +22,7 @@ use crate::tree::{Body, Tree};
 ///     joint: JointKind::Spherical,
 ///     placement: Transform::IDENTITY,
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[root])?;
 /// let mut measured = JointStates::rest(&tree);
@@ -87,6 +88,7 @@ impl<const N: usize> JointStates<N> {
     ///     joint: JointKind::Prismatic { axis: Vec3::X },
     ///     placement: Transform::IDENTITY,
     ///     inertia: Inertia::default(),
+    ///     rotor_inertia: 0.0,
     /// };
     /// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
     /// let mut measured = JointStates::rest(&tree);

@@ -17,7 +17,7 @@ use crate::tree::Tree;
 /// use sinew_core::{JointState, JointTargets, Twist, StateInputError, glam::Vec3};
 /// # use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
 /// # let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
-/// # let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// # let head = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
 /// let tree = Tree::<1>::from_bodies(&[head])?;
 /// let mut targets = JointTargets::rest(&tree);
 /// let turning = JointState { velocity: Twist::new(Vec3::Y, Vec3::ZERO), ..JointState::default() };

@@ -15,6 +15,7 @@ use crate::tree::Body;
 ///     joint: JointKind::Spherical,
 ///     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let arm = Tree::<2>::from_bodies(&[link(None, 1.0), link(Some(0), 0.5)])?;
 /// let mut world = [BodyState::WORLD; 2];
@@ -41,6 +42,7 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let arm = Tree::<2>::from_bodies(&[link(None, 1.0), link(Some(0), 0.5)])?;
 /// let joints = JointStates::rest(&arm);
@@ -69,6 +71,7 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.5)])?;
 /// let mut joints = JointStates::rest(&arm);

@@ -37,6 +37,7 @@
 //!     joint: JointKind::Spherical,
 //!     placement: Transform::from_translation(Vec3::X * x),
 //!     inertia: Inertia::of_box(0.5, Vec3::X * 0.15, Vec3::new(0.3, 0.05, 0.05)),
+//!     rotor_inertia: 0.0,
 //! };
 //! let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.3)])?;
 //!

@@ -124,6 +124,7 @@ impl ObserverSettings {
 ///     joint: JointKind::Prismatic { axis: Vec3::X },
 ///     placement: Transform::IDENTITY,
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[slide])?;
 /// let settings = ObserverSettings::extended_state(40.0, 0.01)?;

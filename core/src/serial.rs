@@ -58,7 +58,7 @@ fn skeleton<const N: usize>(
     let mut tree = Tree::new();
     for parent in parents {
         let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
-        tree.push(Body { parent, joint: JointKind::Free, placement, inertia })?;
+        tree.push(Body { parent, joint: JointKind::Free, placement, inertia, rotor_inertia: 0.0 })?;
     }
     Ok(tree)
 }

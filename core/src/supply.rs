@@ -26,6 +26,7 @@ use crate::tree::Tree;
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::IDENTITY,
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let arm = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
 /// let wanted = [6.0, 2.0].map(|nm| Wrench::new(Vec3::Z * nm, Vec3::ZERO));

@@ -84,6 +84,10 @@ impl Symmetric {
         Vec3::new(self.xz, self.yz, self.zz)
     }
 
+    pub(crate) fn to_mat3(self) -> Mat3 {
+        Mat3::from_cols(self.x_axis(), self.y_axis(), self.z_axis())
+    }
+
     pub(crate) fn trace(&self) -> f32 {
         self.xx + self.yy + self.zz
     }
@@ -179,6 +183,17 @@ impl Inverse {
     #[inline]
     pub(crate) fn mul_mat3(&self, m: &Mat3) -> Mat3 {
         Mat3::from_cols(self.mul_vec3(m.x_axis), self.mul_vec3(m.y_axis), self.mul_vec3(m.z_axis))
+    }
+
+    /// The inverse as a matrix.
+    pub(crate) fn matrix(&self) -> Symmetric {
+        match self {
+            Self::Factored { .. } => {
+                let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.mul_vec3(axis));
+                Symmetric { xx: x.x, xy: y.x, xz: z.x, yy: y.y, yz: z.y, zz: z.z }
+            }
+            Self::Pseudo { inverse, .. } => *inverse,
+        }
     }
 
     /// Projector on the directions that the matrix does not reach, if there are any.

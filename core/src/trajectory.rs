@@ -121,7 +121,7 @@ impl<'a> Trajectory<'a> {
     /// # use sinew_core::{Body, Inertia, JointKind, Tree};
     /// # let joint = JointKind::Prismatic { axis: Vec3::X };
     /// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
-    /// # let slide = Body { parent: None, joint, placement, inertia };
+    /// # let slide = Body { parent: None, joint, placement, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[slide])?;
     /// let frames = [0.0, 1.0, 3.0].map(|x| Transform::from_translation(Vec3::X * x));
     /// let performance = Trajectory::new(&frames, 1, 1.0)?;
@@ -252,6 +252,7 @@ pub fn forward_targets<const N: usize>(
 ///     joint: JointKind::Prismatic { axis: Vec3::X },
 ///     placement: Transform::IDENTITY,
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[slide]).map_err(|_| StateInputError::NoSuchJoint)?;
 /// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
@@ -289,7 +290,7 @@ pub fn aligned_targets<const N: usize>(
 /// # use sinew_core::{Body, Inertia, JointKind, Tree};
 /// # let joint = JointKind::Prismatic { axis: Vec3::X };
 /// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
-/// # let slide = Body { parent: None, joint, placement, inertia };
+/// # let slide = Body { parent: None, joint, placement, inertia, rotor_inertia: 0.0 };
 /// let tree = Tree::<1>::from_bodies(&[slide])?;
 /// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
 /// let mut targets = JointTargets::rest(&tree);
@@ -325,7 +326,7 @@ pub fn live_targets<const N: usize>(
 /// # use sinew_core::{Body, Inertia, JointKind, Tree};
 /// # let joint = JointKind::Prismatic { axis: Vec3::X };
 /// # let (placement, inertia) = (Transform::IDENTITY, Inertia::default());
-/// # let slide = Body { parent: None, joint, placement, inertia };
+/// # let slide = Body { parent: None, joint, placement, inertia, rotor_inertia: 0.0 };
 /// let tree = Tree::<1>::from_bodies(&[slide])?;
 /// let frames = [0.0, 0.5].map(|x| [Transform::from_translation(Vec3::X * x)]);
 /// let mut measured = JointStates::rest(&tree);
@@ -438,6 +439,7 @@ mod tests {
             joint: JointKind::Free,
             placement: Transform::IDENTITY,
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         };
         let tree = Tree::<1>::from_bodies(&[root]).unwrap();
         let mut targets = JointTargets::rest(&tree);

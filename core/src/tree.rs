@@ -29,6 +29,14 @@ pub struct Body {
     pub placement: Transform,
     /// Mass properties in the body frame.
     pub inertia: Inertia,
+    /// What the rotor of the joint's drive adds to the inertia of each of its freedoms, as the gear shows it: `J n²`
+    /// of a rotor with inertia J behind a ratio of n. In kg m², or in kg of a joint that slides; zero for none.
+    /// Simulators call it armature.
+    ///
+    /// It resists acceleration along the joint only; the parent does not feel it. A fixed or a free joint has no
+    /// drive, so theirs is zero.
+    #[cfg_attr(feature = "serde", serde(default, deserialize_with = "crate::read::finite"))]
+    pub rotor_inertia: f32,
 }
 
 impl Body {
@@ -55,6 +63,7 @@ impl Body {
 ///     joint: JointKind::Spherical,
 ///     placement: Transform::from_translation(Vec3::new(x, 0.0, 0.0)),
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let mut rig = Tree::<3>::new();
 /// rig.push(body(None, 0.0))?;
@@ -125,6 +134,13 @@ impl<const N: usize> Tree<N> {
             return Err(TreeError::RotationNotUnit { body: index });
         }
         body.inertia.validate().map_err(|error| TreeError::Inertia { body: index, error })?;
+        let value = body.rotor_inertia;
+        if !(0.0..=f32::MAX).contains(&value) {
+            return Err(TreeError::RotorInertia { body: index, value });
+        }
+        if value > 0.0 && matches!(body.joint, JointKind::Fixed | JointKind::Free) {
+            return Err(TreeError::RotorWithoutDrive { body: index, value });
+        }
 
         let full = |_| TreeError::Full { capacity: N };
         let mut supporters =
@@ -260,6 +276,20 @@ pub enum TreeError {
         /// Why.
         error: InertiaError,
     },
+    /// The rotor inertia is NaN, infinite or negative.
+    RotorInertia {
+        /// The body.
+        body: usize,
+        /// The rotor inertia.
+        value: f32,
+    },
+    /// A joint that no drive can move, fixed or free, has a rotor inertia.
+    RotorWithoutDrive {
+        /// The body.
+        body: usize,
+        /// The rotor inertia.
+        value: f32,
+    },
 }
 
 impl fmt::Display for TreeError {
@@ -281,6 +311,16 @@ impl fmt::Display for TreeError {
             }
             Self::Joint { body, error } => write!(f, "joint {body}: {error}"),
             Self::Inertia { body, error } => write!(f, "body {body}: {error}"),
+            Self::RotorInertia { body, value } => {
+                write!(
+                    f,
+                    "body {body}: the rotor inertia is {value}; it must be a finite number, zero or more"
+                )
+            }
+            Self::RotorWithoutDrive { body, value } => write!(
+                f,
+                "body {body}: the rotor inertia is {value}; it must be 0, since a fixed or free joint has no drive"
+            ),
         }
     }
 }
@@ -298,6 +338,7 @@ mod tests {
             joint: JointKind::Spherical,
             placement: Transform::IDENTITY,
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         }
     }
 
@@ -328,6 +369,20 @@ mod tests {
             tree.push(Body { inertia, ..body(Some(0)) }),
             Err(TreeError::Inertia { body: 1, error: InertiaError::NonFinite("mass") })
         );
+        for value in [-0.1, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(
+                tree.push(Body { rotor_inertia: value, ..body(Some(0)) }),
+                Err(TreeError::RotorInertia { body: 1, value })
+            );
+        }
+        let nan = tree.push(Body { rotor_inertia: f32::NAN, ..body(Some(0)) });
+        assert!(matches!(nan, Err(TreeError::RotorInertia { body: 1, value }) if value.is_nan()));
+        for joint in [JointKind::Fixed, JointKind::Free] {
+            assert_eq!(
+                tree.push(Body { joint, rotor_inertia: 0.1, ..body(Some(0)) }),
+                Err(TreeError::RotorWithoutDrive { body: 1, value: 0.1 })
+            );
+        }
         assert_eq!(tree.len(), 1);
     }
 

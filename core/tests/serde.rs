@@ -73,7 +73,9 @@ fn tree() -> Tree<8> {
     for (index, joint) in joint_kinds().into_iter().enumerate() {
         let parent = [None, Some(0), Some(0), Some(2), Some(3), Some(4)][index];
         let placement = Transform::from_translation(vector(0.5));
-        tree.push(Body { parent, joint, placement, inertia: inertia() }).unwrap();
+        let has_drive = !matches!(joint, JointKind::Fixed | JointKind::Free);
+        let rotor_inertia = if has_drive { 1.3e-3 } else { 0.0 };
+        tree.push(Body { parent, joint, placement, inertia: inertia(), rotor_inertia }).unwrap();
     }
     tree
 }
@@ -186,6 +188,7 @@ fn rotations_change_by_rounding_only() {
         joint: JointKind::Free,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let tree = Tree::<1>::from_bodies(&[body]).unwrap();
     let mut states = JointStates::rest(&tree);
@@ -199,6 +202,16 @@ fn rotations_change_by_rounding_only() {
         // component, which is rounded once itself.
         assert!((before - after).to_array().iter().all(|off| off.abs() <= 1.5 * f32::EPSILON));
     }
+}
+
+#[test]
+fn a_body_that_names_no_rotor_has_none() {
+    let body = tree().bodies()[4];
+    let text = serde_json::to_string(&body).unwrap();
+    let before = text.replace(r#","rotor_inertia":0.0013"#, "");
+    assert_ne!(before, text);
+    let read: Body = serde_json::from_str(&before).unwrap();
+    assert_eq!(read, Body { rotor_inertia: 0.0, ..body });
 }
 
 #[test]
@@ -272,7 +285,9 @@ fn what_is_not_finite_is_refused() {
         bad(&JointRange::Axes([[0.0, 1.0], [x, 1.0]]));
         bad(&JointRange::Turn(x));
         bad(&Aim::Point(v));
-        bad(&Body { parent: None, joint: JointKind::Free, placement: pose, inertia: inertia() });
+        let body = Body { placement: pose, ..tree().bodies()[0] };
+        bad(&body);
+        bad(&Body { rotor_inertia: x, placement: Transform::IDENTITY, ..body });
     }
 }
 

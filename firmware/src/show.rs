@@ -43,6 +43,7 @@ const UNIT_TOLERANCE: f32 = 1e-3;
 ///     joint: JointKind::Spherical,
 ///     placement: Transform::IDENTITY,
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let frames = [[Transform::IDENTITY]; 3];
 /// let mut flash = Vec::new();
@@ -212,7 +213,7 @@ impl<'a> Show<'a> {
             zz: at.f32()?,
         };
         let inertia = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
-        Ok(Body { parent, joint, placement, inertia })
+        Ok(Body { parent, joint, placement, inertia, rotor_inertia: 0.0 })
     }
 }
 

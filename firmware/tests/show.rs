@@ -21,6 +21,7 @@ fn rig() -> [Body; BODIES] {
         joint,
         placement: Transform::from_translation(Vec3::new(0.0, y, 0.0)),
         inertia,
+        rotor_inertia: 0.0,
     };
     [
         body(None, JointKind::Free, 0.0),

@@ -30,7 +30,7 @@ pub fn settings(method: MethodName) -> Settings {
 /// # let flash = {
 /// #     use sinew_core::{Body, Inertia, JointKind, Transform};
 /// #     let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
-/// #     let head = Body { parent, joint, placement, inertia: Inertia::default() };
+/// #     let head = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
 /// #     let (mut flash, frames) = (Vec::new(), [[Transform::IDENTITY]; 3]);
 /// #     let sink = |piece: &[u8]| Ok::<(), std::fmt::Error>(flash.extend_from_slice(piece));
 /// #     sinew_firmware::show::write(&[head], 0.01, frames.iter().map(|f| &f[..]), sink)?;

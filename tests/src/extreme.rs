@@ -187,17 +187,21 @@ pub struct Scene<const N: usize> {
 /// Scenes of 1 to `N` bodies.
 pub fn scenes<const N: usize>() -> impl Strategy<Value = Scene<N>> {
     select(vec![1u32, 5, 30]).prop_flat_map(|dose| {
-        let body = (any::<u16>(), joint(), pose(dose), inertia(dose));
+        let body = (any::<u16>(), joint(), pose(dose), inertia(dose), number(dose));
         let state = (pose(dose), motion(dose));
         let wrench = prop_oneof![9 => motion(dose), 1 => any_motion()]
             .prop_map(|motion| Wrench::new(motion.angular, motion.linear));
         let joint = (body, state.clone(), state, motion(dose));
         (vec(joint, 1..=N), vec(wrench, 0..=N)).prop_map(move |(joints, external)| {
             let mut tree = Tree::new();
-            for (index, ((pick, joint, placement, inertia), ..)) in joints.iter().enumerate() {
+            for (index, ((pick, joint, placement, inertia, rotor), ..)) in joints.iter().enumerate()
+            {
                 let parent = (index > 0).then(|| usize::from(*pick) % index.max(1));
                 let (placement, joint, inertia) = (*placement, *joint, *inertia);
-                tree.push(Body { parent, joint, placement, inertia }).expect("a possible body");
+                let has_drive = !matches!(joint, JointKind::Fixed | JointKind::Free);
+                let rotor_inertia = if has_drive { rotor.abs() } else { 0.0 };
+                tree.push(Body { parent, joint, placement, inertia, rotor_inertia })
+                    .expect("a possible body");
             }
             let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
             for (joint, (_, desired, is, acceleration)) in joints.iter().enumerate() {

@@ -161,14 +161,27 @@ pub fn joint_wrenches(rig: &Rig, gravity_m_s2: DVec3) -> Vec<WorldWrench> {
     (0..rig.tree.len()).map(of_joint).collect()
 }
 
-/// Kinetic and potential energy, J.
+/// Kinetic and potential energy, J, with that of the drives' rotors.
 pub fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
     let of_body = |m: &CenterMotion| {
         let turning = m.omega_rad_s.dot(m.inertia_kg_m2 * m.omega_rad_s);
         0.5 * (m.mass_kg * m.velocity_m_s.length_squared() + turning)
             - m.mass_kg * gravity_m_s2.dot(m.position_m)
     };
-    motions(rig, time_s).iter().map(of_body).sum()
+    let of_bodies: f64 = motions(rig, time_s).iter().map(of_body).sum();
+    of_bodies + rotor_energy_j(rig, time_s)
+}
+
+/// A rotor turns as fast as its joint's coordinate changes, and knows nothing of the bodies' motion. (Those of a ball
+/// joint's rotation vector are its angular velocity to first order of the time, which is all that a rate needs.)
+fn rotor_energy_j(rig: &Rig, time_s: f64) -> f64 {
+    let of_joint = |(body, motion): (&Body, &Coordinates)| {
+        let speeds = motion.speed.iter().zip(&motion.acceleration);
+        let speeds = speeds.take(body.joint.degrees_of_freedom());
+        let squared = speeds.map(|(v, a)| (f64::from(*v) + f64::from(*a) * time_s).powi(2));
+        0.5 * f64::from(body.rotor_inertia) * squared.sum::<f64>()
+    };
+    rig.tree.bodies().iter().zip(&rig.motions).map(of_joint).sum()
 }
 
 /// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.

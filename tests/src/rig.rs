@@ -77,7 +77,15 @@ fn unit() -> impl Strategy<Value = f32> {
     -1.0f32..1.0
 }
 
-/// Rigs of 1 to `most` bodies.
+/// Rigs of 1 to `most` bodies with rotors in three of four drives, of much less inertia than a link has or of much
+/// more.
+pub fn rigs_with_rotors(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
+    let rotor =
+        prop_oneof![1 => Just(0.0), 3 => (-4.0f32..0.5).prop_map(|power| 10f32.powf(power))];
+    (rigs(most, joints), vec(rotor, most)).prop_map(|(rig, rotors)| rig.with_rotors(&rotors))
+}
+
+/// Rigs of 1 to `most` bodies, without rotors.
 pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     let shape = prop_oneof![Just(Shape::Chain), Just(Shape::Star), Just(Shape::Random)];
     // A body and its motion are made from this many numbers.
@@ -106,6 +114,7 @@ pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) ->
             joint,
             placement: Transform::new(numbers.rotation(), numbers.vector() * 0.3),
             inertia: numbers.inertia(),
+            rotor_inertia: 0.0,
         };
         tree.push(body).expect("the numbers are chosen so that every body is possible");
         motions.push(numbers.coordinates());
@@ -214,6 +223,18 @@ impl Coordinates {
 }
 
 impl Rig {
+    /// The same rig with these rotors in the drives of its joints, those that have one.
+    #[must_use]
+    fn with_rotors(self, rotors: &[f32]) -> Self {
+        let mut tree = Tree::new();
+        for (body, rotor) in self.tree.bodies().iter().zip(rotors) {
+            let has_drive = !matches!(body.joint, JointKind::Fixed | JointKind::Free);
+            let rotor_inertia = if has_drive { *rotor } else { 0.0 };
+            tree.push(Body { rotor_inertia, ..*body }).expect("a rotor on a drive");
+        }
+        Self { tree, ..self }
+    }
+
     /// Positions, speeds and accelerations of all joints, one after the other: `q`, `qd` and `qdd`.
     pub fn coordinates(&self) -> [Vec<f32>; 3] {
         let mut all = [vec![], vec![], vec![]];

@@ -409,6 +409,7 @@ fn rotations_that_are_unit_to_rounding_are_taken_and_others_not() {
         joint: sinew_core::JointKind::Spherical,
         placement: Transform::IDENTITY,
         inertia: sinew_core::Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let tree = Tree::<1>::from_bodies(&[body]).expect("a good body");
     let mut states = JointStates::rest(&tree);

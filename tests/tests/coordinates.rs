@@ -251,7 +251,13 @@ proptest! {
 }
 
 fn body(parent: Option<usize>, joint: JointKind) -> Body {
-    Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default() }
+    Body {
+        parent,
+        joint,
+        placement: Transform::IDENTITY,
+        inertia: Inertia::default(),
+        rotor_inertia: 0.0,
+    }
 }
 
 /// A ball, and a hinge on it: five coordinates, four degrees of freedom.

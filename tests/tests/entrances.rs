@@ -34,6 +34,7 @@ fn body(parent: Option<usize>) -> Body {
             center_of_mass_m: Vec3::ZERO,
             rotational_kg_m2: RotationalInertia::diagonal(0.1, 0.1, 0.1),
         },
+        rotor_inertia: 0.0,
     }
 }
 
@@ -90,6 +91,18 @@ fn trees() {
     let inertia = with(|b| b.inertia.mass_kg = -2.0);
     let error = InertiaError::NegativeMass;
     refused(inertia, &E::Inertia { body: 1, error }, &["body 1", "mass", "zero or more"]);
+    for value in [-0.5, f32::INFINITY, f32::NEG_INFINITY] {
+        let rotor = Tree::<2>::from_bodies(&[Body { rotor_inertia: value, ..body(None) }]);
+        let words = ["body 0", "rotor inertia", &value.to_string(), "zero or more"];
+        refused(rotor, &E::RotorInertia { body: 0, value }, &words);
+    }
+    let nan = with(|b| b.rotor_inertia = f32::NAN).expect_err("it is not a number").to_string();
+    assert!(nan.contains("body 1: the rotor inertia is NaN"), "{nan}");
+    for joint in [JointKind::Fixed, JointKind::Free] {
+        let rotor = Body { joint, rotor_inertia: 0.5, ..body(None) };
+        let error = E::RotorWithoutDrive { body: 0, value: 0.5 };
+        refused(Tree::<2>::from_bodies(&[rotor]), &error, &["body 0", "0.5", "must be 0", "drive"]);
+    }
 }
 
 #[test]

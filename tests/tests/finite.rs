@@ -203,12 +203,13 @@ proptest! {
         center_of_mass_m in any_vector(),
         moments in any_vector(),
         products in prop_oneof![Just(Vec3::ZERO), any_vector()],
+        rotor_inertia in prop_oneof![Just(0.0), any_number()],
     ) {
         let rotational_kg_m2 = RotationalInertia {
             xx: moments.x, yy: moments.y, zz: moments.z, xy: products.x, xz: products.y, yz: products.z,
         };
         let inertia = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
-        let body = Body { parent: None, joint: kind, placement, inertia };
+        let body = Body { parent: None, joint: kind, placement, inertia, rotor_inertia };
         let mut tree = Tree::<N>::new();
         if tree.push(body).is_err() {
             prop_assert!(tree.is_empty(), "what is refused changes nothing");
@@ -217,6 +218,9 @@ proptest! {
         let body = tree.bodies()[0];
         prop_assert!(body.placement.is_finite() && unit(body.placement.rotation));
         prop_assert!(mass_kg.is_finite() && mass_kg >= 0.0 && center_of_mass_m.is_finite());
+        let has_drive = !matches!(kind, JointKind::Fixed | JointKind::Free);
+        let most = if has_drive { f32::MAX } else { 0.0 };
+        prop_assert!((0.0..=most).contains(&rotor_inertia), "{rotor_inertia}");
         prop_assert!(moments.is_finite() && products.is_finite());
         for column in body.joint.motion_subspace(Quat::IDENTITY) {
             let squared = column.angular.length_squared() + column.linear.length_squared();
@@ -555,6 +559,7 @@ fn chain(joint: JointKind, height_m: f32) -> Tree<N> {
             center_of_mass_m: Vec3::ZERO,
             rotational_kg_m2: RotationalInertia::diagonal(0.1, 0.1, 0.1),
         },
+        rotor_inertia: 0.0,
     };
     Tree::from_bodies(&[body(None, 0.0), body(Some(0), height_m)]).expect("a good tree")
 }
@@ -655,6 +660,7 @@ fn a_slide_to_beyond_the_end_of_f32_stays_where_it_is() {
         joint: JointKind::Prismatic { axis: Vec3::X },
         placement: Transform::from_translation(Vec3::X * 3e38),
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let tree = Tree::<N>::from_bodies(&[slide]).expect("a body far away");
     let projection = ManifoldProjection::new(&tree, &[BodyWeight::new(1.0, 0.5)])
@@ -774,6 +780,7 @@ fn a_rig_of_nothing_asks_for_nothing() {
         joint: JointKind::Spherical,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let tree = Tree::<N>::from_bodies(&[frame(None), frame(Some(0)), frame(Some(1))]);
     let tree = tree.expect("massless bodies are bodies");

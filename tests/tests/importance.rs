@@ -369,6 +369,7 @@ fn a_tree_at_rest_is_a_skeleton() {
         joint: JointKind::Spherical,
         placement,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let quarter = math::exp(Vec3::Z * (0.5 * math::PI));
     let turned = Transform::new(quarter, Vec3::X);

@@ -25,6 +25,7 @@ fn rig(joints: &[JointKind]) -> Tree<3> {
                 Vec3::new(0.1, 0.2, 0.0),
             ),
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         };
         tree.push(body).expect("a good body");
     }

@@ -227,7 +227,7 @@ proptest! {
 
 fn link(parent: Option<usize>, joint: JointKind) -> Body {
     let placement = Transform::from_translation(Vec3::X * 0.3);
-    Body { parent, joint, placement, inertia: Inertia::default() }
+    Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 }
 }
 
 #[test]

@@ -305,7 +305,7 @@ proptest! {
 
 fn body(parent: Option<usize>, joint: JointKind, offset_m: Vec3) -> Body {
     let placement = Transform::from_translation(offset_m);
-    Body { parent, joint, placement, inertia: Inertia::default() }
+    Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 }
 }
 
 /// As many bodies as fit, each on the one before, and where a tenth longer ones are that wind along.

@@ -314,6 +314,7 @@ fn it_needs_inverse_dynamics_and_weights_of_its_tree() {
         joint: JointKind::Spherical,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let one = Tree::<2>::from_bodies(&[body(None)]).expect("a good tree");
     let two = Tree::<2>::from_bodies(&[body(None), body(Some(0))]).expect("a good tree");

@@ -28,6 +28,7 @@ fn star(joints: usize, root: JointKind) -> Tree<CAPACITY> {
         joint: if index == 0 { root } else { JointKind::Spherical },
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     Tree::from_bodies(&(0..joints).map(body).collect::<Vec<_>>()).expect("a good tree")
 }

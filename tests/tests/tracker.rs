@@ -18,6 +18,7 @@ fn arm() -> Tree<JOINTS> {
         joint: JointKind::Revolute { axis: [Vec3::Y, Vec3::X, Vec3::Z][index] },
         placement: Transform::from_translation(Vec3::Y * 0.1),
         inertia: Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04)),
+        rotor_inertia: 0.0,
     };
     Tree::from_bodies(&[0, 1, 2].map(link)).unwrap()
 }

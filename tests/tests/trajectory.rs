@@ -57,6 +57,7 @@ fn one_joint() -> Tree<1> {
         joint: JointKind::Free,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     Tree::from_bodies(&[root]).expect("a good body")
 }

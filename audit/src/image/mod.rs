@@ -72,6 +72,7 @@ fn body() -> Body {
         joint: JointKind::Spherical,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     })
 }
 

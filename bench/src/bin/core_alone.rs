@@ -33,6 +33,7 @@ const LINK: Body = Body {
             yz: 0.0,
         },
     },
+    rotor_inertia: 0.0,
 };
 
 #[entry]

@@ -94,7 +94,7 @@ impl<const N: usize> Controller<N> {
     /// #     rotational_kg_m2: RotationalInertia::default(),
     /// # };
     /// # let joint = JointKind::Revolute { axis: Vec3::Z };
-    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia };
+    /// # let level_arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
     /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     /// targets.set_coordinates(&tree, &[0.25], &[0.0], &[0.0])?;

@@ -33,7 +33,7 @@
 //! ```
 //! use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
 //! let body = |parent, joint| {
-//!     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default() }
+//!     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default(), rotor_inertia: 0.0 }
 //! };
 //! let knee = JointKind::Revolute { axis: Vec3::X };
 //! let leg = Tree::<2>::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), knee)])?;

@@ -66,7 +66,7 @@ impl<const N: usize> Tree<N> {
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, Wrench, glam::Vec3};
     /// # let (parent, placement) = (None, Transform::IDENTITY);
     /// # let joint = JointKind::Revolute { axis: Vec3::X };
-    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[knee])?;
     /// let measured = JointStates::rest(&tree);
     /// let wrench = Wrench::new(Vec3::new(3.0, 1.0, 0.0), Vec3::ZERO);
@@ -132,7 +132,7 @@ impl<const N: usize> JointStates<N> {
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
     /// # let (parent, placement) = (None, Transform::IDENTITY);
     /// # let joint = JointKind::Prismatic { axis: Vec3::X };
-    /// # let slide = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// # let slide = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[slide])?;
     /// let mut measured = JointStates::rest(&tree);
     /// measured.set_coordinates(&tree, &[0.25], &[2.0])?;
@@ -187,7 +187,7 @@ impl<const N: usize> JointTargets<N> {
     /// use sinew_core::{Body, Inertia, JointKind, JointTargets, Transform, Tree, glam::Vec3};
     /// # let (parent, placement) = (None, Transform::IDENTITY);
     /// # let joint = JointKind::Revolute { axis: Vec3::Z };
-    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[knee])?;
     /// let mut targets = JointTargets::rest(&tree);
     /// targets.set_coordinates(&tree, &[0.5], &[1.0], &[-4.0])?;

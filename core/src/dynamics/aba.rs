@@ -53,7 +53,7 @@ struct Along {
 }
 
 /// Absolute angular acceleration: `turn - per_way · (acceleration of the origin)`, and what is `held` of the
-/// carried one.
+/// carried one: by freedoms without inertia, and by a rotor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Ball {
     turn: Vec3,
@@ -93,8 +93,8 @@ impl Default for ArticulatedBody {
 /// If a slice is shorter than the tree, the bodies beyond it are left out, as if they were not there.
 ///
 /// # Freedoms without inertia
-/// Where a joint's drive meets no resistance (massless bodies, a point mass on a ball joint turning about its
-/// arm), or less than a millionth of what it meets in other directions, so that it cannot be told from
+/// Where a joint's drive meets no resistance (massless bodies without a rotor, a point mass on a ball joint turning
+/// about its arm), or less than a millionth of what it meets in other directions, so that it cannot be told from
 /// rounding, no acceleration follows from the forces. That freedom is then held for the instant, as if it were
 /// welded: the body keeps its speed along it, and the drive's force there goes nowhere. In turns of a ball
 /// joint and motions of a free one the direction is found whichever way it points.
@@ -115,6 +115,7 @@ impl Default for ArticulatedBody {
 ///         center_of_mass_m: Vec3::new(0.5, 0.0, 0.0),
 ///         rotational_kg_m2: RotationalInertia::default(),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[arm])?;
 /// let joints = JointStates::rest(&tree);
@@ -161,9 +162,9 @@ pub fn forward_dynamics(
         ) else {
             return;
         };
-        this.give_way(drive);
+        this.give_way(drive, body.rotor_inertia);
         if let Some(parent) = body.parent.and_then(|parent| inner.get_mut(parent)) {
-            parent.carry(this, joint.pose.translation_m);
+            parent.carry(this, body.rotor_inertia, joint.pose.translation_m);
         }
     }
 
@@ -204,32 +205,35 @@ impl ArticulatedBody {
         };
     }
 
-    /// Lets the joint give way to the forces.
+    /// Lets the joint give way to the forces, its drive's rotor with it.
     #[inline]
-    fn give_way(&mut self, drive: &Wrench) {
+    fn give_way(&mut self, drive: &Wrench, rotor: f32) {
         self.response = match self.joint {
             JointKind::Fixed => Response::Rigid,
-            JointKind::Revolute { axis } => Response::Axis(self.turn(axis, drive)),
-            JointKind::Prismatic { axis } => Response::Axis(self.slide(axis, drive)),
+            JointKind::Revolute { axis } => Response::Axis(self.turn(axis, drive, rotor)),
+            JointKind::Prismatic { axis } => Response::Axis(self.slide(axis, drive, rotor)),
             JointKind::Universal { first, second } => {
-                let first = self.turn(first, drive);
-                Response::Axes([first, self.turn(second, drive)])
+                let first = self.turn(first, drive, rotor);
+                Response::Axes([first, self.turn(second, drive, rotor)])
+            }
+            JointKind::Spherical if rotor > 0.0 => {
+                Response::Ball(self.turn_any_way_with_rotor(drive, rotor))
             }
             JointKind::Spherical => Response::Ball(self.turn_any_way(drive)),
             JointKind::Free => self.move_any_way(drive),
         };
     }
 
-    fn turn(&mut self, axis: Vec3, drive: &Wrench) -> Along {
+    fn turn(&mut self, axis: Vec3, drive: &Wrench, rotor: f32) -> Along {
         let wrench = self.inertia.of_turn(axis);
-        let resistance = axis.dot(wrench.moment_nm);
+        let resistance = axis.dot(wrench.moment_nm) + rotor;
         let force = axis.dot(drive.moment_nm - self.wrench.moment_nm);
         self.move_along(&wrench, resistance, self.inertia.angular.trace(), force)
     }
 
-    fn slide(&mut self, axis: Vec3, drive: &Wrench) -> Along {
+    fn slide(&mut self, axis: Vec3, drive: &Wrench, rotor: f32) -> Along {
         let wrench = self.inertia.of_slide(axis);
-        let resistance = axis.dot(wrench.force_n);
+        let resistance = axis.dot(wrench.force_n) + rotor;
         let force = axis.dot(drive.force_n - self.wrench.force_n);
         self.move_along(&wrench, resistance, self.inertia.linear.trace(), force)
     }
@@ -263,6 +267,26 @@ impl ArticulatedBody {
         Ball { turn, per_way, held }
     }
 
+    /// As [`Self::turn_any_way`], against a rotor r as well.
+    ///
+    /// To a carried angular acceleration α the joint gives way by `(I + r)⁻¹ I α`. Held is the rest,
+    /// `r (I + r)⁻¹ α`, and the body resists with as much of its inertia. Apart, since most joints have no rotor and
+    /// would pay for the registers.
+    #[inline(never)]
+    fn turn_any_way_with_rotor(&mut self, drive: &Wrench, rotor: f32) -> Ball {
+        let ArticulatedInertia { angular, coupling, .. } = self.inertia;
+        let free = drive.moment_nm - self.wrench.moment_nm;
+        self.inertia.angular = angular + Symmetric::diagonal(rotor);
+        let inverse = self.inertia.angular.inverse();
+        let held = inverse.matrix() * rotor + inverse.null().unwrap_or(Symmetric::ZERO);
+        let ball = self.turn_any_way(drive);
+        let share = held.to_mat3();
+        self.inertia.angular = Symmetric::from_product(&share, &angular.to_mat3());
+        self.inertia.coupling = share * coupling;
+        self.wrench.moment_nm = drive.moment_nm - held * free;
+        Ball { held: Some(held), ..ball }
+    }
+
     fn move_any_way(&mut self, drive: &Wrench) -> Response {
         let ball = self.turn_any_way(drive);
         let inverse = self.inertia.linear.inverse();
@@ -272,13 +296,14 @@ impl ArticulatedBody {
         Response::Free { ball, linear: inverse.mul_vec3(free), held }
     }
 
-    /// Adds what a child's joint passes on, `arm_m` away from this body's origin.
+    /// Adds what a child's joint with such a rotor passes on, `arm_m` away from this body's origin.
     #[inline]
-    fn carry(&mut self, child: &Self, arm_m: Vec3) {
+    fn carry(&mut self, child: &Self, rotor: f32, arm_m: Vec3) {
         let mut wrench = child.wrench;
+        let has_rotor = rotor > 0.0;
         match child.joint {
             JointKind::Free => {}
-            JointKind::Spherical => {
+            JointKind::Spherical if !has_rotor => {
                 wrench.force_n += child.inertia.linear * child.acceleration.linear;
                 self.inertia.add_linear(&child.inertia.linear, &child.to_parent, arm_m);
             }

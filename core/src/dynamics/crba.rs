@@ -38,7 +38,7 @@ impl Default for CompositeBody {
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, dynamics::degrees_of_freedom};
 /// let body = |parent, joint| {
-///     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default() }
+///     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default(), rotor_inertia: 0.0 }
 /// };
 /// let figure = [body(None, JointKind::Free), body(Some(0), JointKind::Spherical)];
 /// assert_eq!(degrees_of_freedom(&figure), 9);
@@ -62,7 +62,9 @@ pub fn degrees_of_freedom(bodies: &[Body]) -> usize {
 /// Returns D, the [`degrees_of_freedom`] of the bodies that it holds: if a slice is shorter than the tree, or
 /// `out` has no room for the square, the bodies beyond are left out, as if they were not there.
 ///
-/// H is positive definite unless some motion of the joints moves no mass; then it is singular.
+/// Rotors of the drives add to the diagonal ([`Body::rotor_inertia`]).
+///
+/// H is positive definite unless some motion of the joints moves no mass and no rotor; then it is singular.
 ///
 /// ```
 /// use sinew_core::dynamics::{CompositeBody, mass_matrix};
@@ -77,6 +79,7 @@ pub fn degrees_of_freedom(bodies: &[Body]) -> usize {
 ///         center_of_mass_m: Vec3::X * 0.5,
 ///         rotational_kg_m2: RotationalInertia::default(),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.5)])?;
 /// let rest = JointStates::rest(&tree);
@@ -127,6 +130,7 @@ pub fn mass_matrix(
         let (first, inertia) = (this.first, this.inertia);
         for (row, column) in (first..size).zip(&columns) {
             matrix.set_row(row, inertia.wrench(*column), index, bodies, joints, scratch);
+            matrix.add_on_diagonal(row, body.rotor_inertia);
         }
     }
     size
@@ -176,6 +180,13 @@ impl Square<'_> {
             force_n = this.to_parent * force_n;
             moment_nm = this.to_parent * moment_nm + joint.pose.translation_m.cross(force_n);
             index = parent;
+        }
+    }
+
+    fn add_on_diagonal(&mut self, row: usize, value: f32) {
+        let index = row.saturating_mul(self.size).saturating_add(row);
+        if let Some(slot) = self.elements.get_mut(index) {
+            *slot += value;
         }
     }
 

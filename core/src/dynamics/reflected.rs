@@ -30,7 +30,7 @@ pub enum OuterJoints {
 }
 
 /// Inertia against which a joint's drive works while the parent is held, along the joint's freedoms; zero
-/// across them.
+/// across them. That of its own rotor is included.
 ///
 /// ```
 /// use sinew_core::{Twist, RotationalInertia, dynamics::ReflectedInertia, glam::Vec3};
@@ -88,6 +88,7 @@ impl ReflectedInertia {
 ///         center_of_mass_m: Vec3::X * 0.5,
 ///         rotational_kg_m2: RotationalInertia::default(),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.5)])?;
 /// let rest = JointStates::rest(&tree);
@@ -113,10 +114,10 @@ pub fn reflected_inertia<const N: usize>(
         let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
         let freedoms = body.joint.motion_subspace(in_joint);
         if let Some(slot) = reflected.get_mut(index) {
-            *slot = along(&inertia, &freedoms);
+            *slot = along(&inertia, &freedoms, body.rotor_inertia);
         }
         if outer == OuterJoints::Free {
-            inertia = inertia.without(&freedoms);
+            inertia = inertia.without(&freedoms, body.rotor_inertia);
         }
         if let Some(parent) = body.parent.and_then(|parent| inertias.get_mut(parent)) {
             *parent = parent.plus(&seen_from_parent(&inertia, joint));
@@ -125,16 +126,17 @@ pub fn reflected_inertia<const N: usize>(
     reflected
 }
 
-/// What an inertia is along a joint's freedoms.
-fn along(inertia: &SpatialInertia, freedoms: &[Twist]) -> ReflectedInertia {
+/// What an inertia is along a joint's freedoms, each with a rotor.
+fn along(inertia: &SpatialInertia, freedoms: &[Twist], rotor: f32) -> ReflectedInertia {
     let mut onto = Mat3::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
     for freedom in freedoms {
         onto += outer(freedom.angular, freedom.angular);
-        mass += freedom.linear.dot(inertia.linear * freedom.linear);
-        ways += freedom.linear.dot(freedom.linear);
+        let way = freedom.linear.dot(freedom.linear);
+        mass += freedom.linear.dot(inertia.linear * freedom.linear) + rotor * way;
+        ways += way;
     }
-    let m = onto * inertia.angular * onto;
+    let m = onto * inertia.angular * onto + onto * rotor;
     ReflectedInertia {
         angular_kg_m2: RotationalInertia {
             xx: m.x_axis.x,

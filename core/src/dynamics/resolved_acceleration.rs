@@ -39,6 +39,7 @@ impl Resolved {
 ///     joint,
 ///     placement: Transform::from_translation(Vec3::X * x),
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// // The hinge can answer for one of two axes only; the ball beyond it makes up for the other.
 /// let hinge = JointKind::Revolute { axis: Vec3::Z };

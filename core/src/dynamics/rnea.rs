@@ -30,8 +30,8 @@ pub struct BodyMotion {
 ///   tree, or empty.
 /// - `scratch`: contents do not matter.
 /// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to deliver its
-///   part along the motion subspace; the power of joint i is `out[i] · velocity[i]`. Wrenches, or what holds one,
-///   such as [`Limited`](crate::control::Limited).
+///   part along the motion subspace, what its rotor takes included ([`Body::rotor_inertia`]); the power of joint i is
+///   `out[i] · velocity[i]`. Wrenches, or what holds one, such as [`Limited`](crate::control::Limited).
 ///
 /// If a slice is shorter than the tree, the bodies beyond it are left out.
 ///
@@ -51,6 +51,7 @@ pub struct BodyMotion {
 ///         center_of_mass_m: Vec3::new(0.5, 0.0, 0.0),
 ///         rotational_kg_m2: RotationalInertia::default(),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// let tree = Tree::<1>::from_bodies(&[arm])?;
 /// let joints = JointStates::rest(&tree);
@@ -101,15 +102,32 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
 
     // Inward: each joint carries what its body needs and what the joints beyond it ask for.
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
+        let Some(of_joint) = out.get_mut(index).map(W::as_mut) else { continue };
+        let wrench = *of_joint;
+        // Not of what is passed on: the parent does not feel the rotor.
+        if body.rotor_inertia > 0.0 {
+            add_rotor(of_joint, body, accelerations.get(index));
+        }
         let Some(parent) = body.parent else { continue };
-        let Some(out_i) = out.get(index) else { continue };
-        let wrench = *out_i.as_ref();
         let to_parent = Mat3::from_quat(joint.pose.rotation);
         let force_n = to_parent * wrench.force_n;
         let moment_nm = plus_cross(to_parent * wrench.moment_nm, joint.pose.translation_m, force_n);
         if let Some(of_parent) = out.get_mut(parent).map(W::as_mut) {
             *of_parent = *of_parent + Wrench { moment_nm, force_n };
         }
+    }
+}
+
+/// Adds what the rotor of a joint's drive takes. Along each axis that is its inertia times the acceleration of that
+/// axis, also of a universal joint: what its axes add to the joint's acceleration by moving is across both of them.
+///
+/// Apart, since most joints have no rotor and would pay for the registers.
+#[inline(never)]
+fn add_rotor(wrench: &mut Wrench, body: &Body, acceleration: Option<&Twist>) {
+    let Some(Twist { angular, linear }) = acceleration else { return };
+    wrench.moment_nm += *angular * body.rotor_inertia;
+    if body.joint.slides() {
+        wrench.force_n += *linear * body.rotor_inertia;
     }
 }
 

@@ -66,12 +66,13 @@ impl SpatialInertia {
         }
     }
 
-    /// What is left of it if a joint gives way along its freedoms: one after the other is eliminated.
-    pub(crate) fn without(mut self, freedoms: &[Twist]) -> Self {
+    /// What is left of it if a joint gives way along its freedoms, each against a rotor: one after the other is
+    /// eliminated.
+    pub(crate) fn without(mut self, freedoms: &[Twist], rotor: f32) -> Self {
         let whole = self;
         for freedom in freedoms {
             let wrench = self.wrench(*freedom);
-            let resistance = wrench.power_w(*freedom);
+            let resistance = wrench.power_w(*freedom) + rotor;
             // What the freedoms before have taken away but for rounding has no direction left.
             if resistance > ROUNDING * whole.wrench(*freedom).power_w(*freedom) {
                 self = self.without_one(wrench, 1.0 / resistance);

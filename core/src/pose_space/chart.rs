@@ -192,7 +192,7 @@ mod tests {
     fn body(joint: JointKind) -> Body {
         let placement =
             Transform::new(math::exp(Vec3::new(0.3, -0.2, 0.5)), Vec3::new(0.1, 0.2, 0.3));
-        Body { parent: None, joint, placement, inertia: Inertia::default() }
+        Body { parent: None, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 }
     }
 
     fn kinds() -> [JointKind; 6] {

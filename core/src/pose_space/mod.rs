@@ -38,6 +38,7 @@ use crate::tree::{Body, Tree};
 ///     joint,
 ///     placement: Transform::from_translation(Vec3::X * x),
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let hinge = JointKind::Revolute { axis: Vec3::Z };
 /// let arm = Tree::<4>::from_bodies(&[

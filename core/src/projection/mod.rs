@@ -40,6 +40,7 @@ use crate::tree::{Body, Tree};
 ///     joint,
 ///     placement: Transform::from_translation(Vec3::X * x),
 ///     inertia: Inertia::default(),
+///     rotor_inertia: 0.0,
 /// };
 /// let elbow = JointKind::Revolute { axis: Vec3::Z };
 /// let bodies =

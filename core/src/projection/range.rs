@@ -13,6 +13,7 @@ use crate::math;
 /// #     joint,
 /// #     placement: Transform::IDENTITY,
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let knee = JointKind::Revolute { axis: Vec3::X };
 /// let leg = Tree::<2>::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), knee)])?;

@@ -22,6 +22,7 @@ use crate::tree::Tree;
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::IDENTITY,
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// // Hips, spine and head; a leg hangs on the hips.
 /// let figure = Tree::<4>::from_bodies(&[None, Some(0), Some(1), Some(0)].map(body))?;

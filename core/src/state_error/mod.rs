@@ -105,6 +105,7 @@ impl StateError {
 /// #     joint: JointKind::Spherical,
 /// #     placement: Transform::IDENTITY,
 /// #     inertia: Inertia::default(),
+/// #     rotor_inertia: 0.0,
 /// # };
 /// let figure = Tree::<3>::from_bodies(&[None, Some(0), Some(1)].map(body))?;
 /// let linear_compensation = Method::LinearCompensation {

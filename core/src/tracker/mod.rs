@@ -59,6 +59,7 @@ pub use settings::{
 ///         center_of_mass_m: Vec3::Y * 0.1,
 ///         rotational_kg_m2: RotationalInertia::diagonal(1e-3, 1e-3, 1e-3),
 ///     },
+///     rotor_inertia: 0.0,
 /// };
 /// /// A head that shakes.
 /// struct Shake([Transform; 1]);

@@ -130,6 +130,7 @@ impl BodyModel {
                     center_of_mass_m: body.center_of_mass_m.as_vec3(),
                     rotational_kg_m2: rotational_f32(&body.rotational_kg_m2),
                 },
+                rotor_inertia: 0.0,
             })?;
         }
         Ok(tree)

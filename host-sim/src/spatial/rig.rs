@@ -192,7 +192,13 @@ impl SpatialRig {
         turn: Turn,
     ) -> Result<usize, TreeError> {
         let placement = Transform::from_translation(offset_m.as_vec3());
-        self.tree.push(Body { parent, joint, placement, inertia: Inertia::default() })?;
+        self.tree.push(Body {
+            parent,
+            joint,
+            placement,
+            inertia: Inertia::default(),
+            rotor_inertia: 0.0,
+        })?;
         self.bodies.push(OfSkeleton { joint: name.to_owned(), turn });
         Ok(self.bodies.len() - 1)
     }

@@ -86,6 +86,7 @@ pub(super) fn tree(n: usize, root: Root, bodies: &[GoldenBody]) -> Result<Tree, 
                 center_of_mass_m: body.com.rounded(),
                 rotational_kg_m2: RotationalInertia { xx, xy, xz, yy, yz, zz },
             },
+            rotor_inertia: 0.0,
         })
         .map_err(|error| CaseError::new(field, error))?;
     }

@@ -101,6 +101,7 @@ fn check_trajectory(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(), 
         joint: JointKind::Free,
         placement: Transform::IDENTITY,
         inertia: Inertia::default(),
+        rotor_inertia: 0.0,
     };
     let tree = Tree::<1>::from_bodies(&[root]).map_err(|error| CaseError::new("quat", error))?;
     let (mut targets, mut measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));

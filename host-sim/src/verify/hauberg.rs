@@ -73,6 +73,7 @@ impl Case {
                 joint: kind(joint),
                 placement: Transform::from_translation(self.offset[joint].rounded()),
                 inertia: Inertia::default(),
+                rotor_inertia: 0.0,
             })
             .collect();
         Tree::from_bodies(&bodies).map_err(|error| CaseError::new("parent", error))

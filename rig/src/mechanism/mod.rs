@@ -116,6 +116,7 @@ impl Mechanism {
                     link.position_m.as_vec3(),
                 ),
                 inertia: link.inertia(),
+                rotor_inertia: link.rotor_inertia as f32,
             })?;
         }
         Ok(tree)

@@ -79,6 +79,7 @@ impl<const N: usize> Aims<N> {
     ///     joint: JointKind::Spherical,
     ///     placement: Transform::IDENTITY,
     ///     inertia: Inertia { mass_kg, ..Inertia::default() },
+    ///     rotor_inertia: 0.0,
     /// };
     /// let tree = Tree::<3>::from_bodies(&[body(None, 1.0), body(Some(0), 1.0), body(Some(0), 2.0)])?;
     /// assert_eq!(Aims::heaviest_child(&tree).as_slice(), [Aim::Child(2), Aim::None, Aim::None]);
@@ -123,6 +124,7 @@ impl<const N: usize> Aims<N> {
     /// #     joint: JointKind::Spherical,
     /// #     placement: Transform::IDENTITY,
     /// #     inertia: Inertia::default(),
+    /// #     rotor_inertia: 0.0,
     /// # };
     /// // Hips with two legs, one of which has a foot.
     /// let tree = Tree::<4>::from_bodies(&[None, Some(0), Some(0), Some(1)].map(body))?;

@@ -159,6 +159,7 @@ fn tree(case: &Case) -> Result<Tree, CaseError> {
             joint: if index == 0 { JointKind::Free } else { JointKind::Spherical },
             placement: Transform::IDENTITY,
             inertia: Inertia::default(),
+            rotor_inertia: 0.0,
         })
         .map_err(|error| CaseError::new(field, error))?;
     }
