@@ -193,7 +193,7 @@ fn a_baked_rig_is_the_described_one() {
     let rig = baked();
     // Of the table in the documentation.
     let drives = [9 * 4 + 3 * 4 + 12, 4 * 4 + 2 * 4 + 8, 2 * 4 + 2 * 4 + 6, 2 + 24 + 4, 34 + 4];
-    let expected = 16 + 7 * 96 + 9 * 24 + 20 + (5 * 6 + drives.iter().sum::<usize>()) + 8 * 56 + 4;
+    let expected = 16 + 7 * 100 + 9 * 24 + 20 + (5 * 6 + drives.iter().sum::<usize>()) + 8 * 56 + 4;
     assert_eq!(encoded(&rig).len(), expected);
     assert_eq!(rig.tree().bodies()[1].joint, JointKind::Spherical);
     // The mount stands in the placement of body 0: gravity is along -y of the world.

@@ -141,6 +141,7 @@ fn write_body(to: &mut Writer<'_>, body: &Body) {
     to.numbers(body.inertia.center_of_mass_m.to_array());
     let i = &body.inertia.rotational_kg_m2;
     to.numbers([i.xx, i.xy, i.xz, i.yy, i.yz, i.zz]);
+    to.f32(body.rotor_inertia);
 }
 
 fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError> {
@@ -170,7 +171,7 @@ fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError>
     let [xx, xy, xz, yy, yz, zz] = from.numbers()?;
     let rotational_kg_m2 = RotationalInertia { xx, xy, xz, yy, yz, zz };
     let inertia = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
-    Ok(Body { parent, joint, placement, inertia })
+    Ok(Body { parent, joint, placement, inertia, rotor_inertia: from.f32()? })
 }
 
 fn write_drive(to: &mut Writer<'_>, drive: &BoardDrive) {
