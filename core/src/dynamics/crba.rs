@@ -130,7 +130,9 @@ pub fn mass_matrix(
         let (first, inertia) = (this.first, this.inertia);
         for (row, column) in (first..size).zip(&columns) {
             matrix.set_row(row, inertia.wrench(*column), index, bodies, joints, scratch);
-            matrix.add_on_diagonal(row, body.rotor_inertia);
+            if body.rotor_inertia > 0.0 {
+                matrix.add_on_diagonal(row, body.rotor_inertia);
+            }
         }
     }
     size

@@ -136,7 +136,10 @@ fn along(inertia: &SpatialInertia, freedoms: &[Twist], rotor: f32) -> ReflectedI
         mass += freedom.linear.dot(inertia.linear * freedom.linear) + rotor * way;
         ways += way;
     }
-    let m = onto * inertia.angular * onto + onto * rotor;
+    let mut m = onto * inertia.angular * onto;
+    if rotor > 0.0 {
+        m += onto * rotor;
+    }
     ReflectedInertia {
         angular_kg_m2: RotationalInertia {
             xx: m.x_axis.x,
