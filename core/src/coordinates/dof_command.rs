@@ -20,6 +20,8 @@ use crate::tree::Body;
 /// The feed-forward effort and the sum are within the joint's limit; the feedback effort alone may be up to twice it. A
 /// common [`supply`](crate::supply) cuts the sum, not the feed-forward effort.
 ///
+/// All numbers are finite: one that is too large for f32 is zero.
+///
 /// A drive takes the parts that its servo can use: with current control the whole [`Self::effort`]; with position
 /// control the target, and the feed-forward effort over the servo's own stiffness, but no feedback, which would close
 /// a second loop round the servo's; with neither, the target alone.
@@ -157,17 +159,23 @@ impl<const N: usize> Controller<N> {
             for (slot, (((position, velocity), effort), feedforward_effort)) in
                 of_joint.iter_mut().zip(numbers)
             {
+                let feedforward_effort = finite(feedforward_effort);
                 *slot = DofCommand {
-                    position,
-                    velocity,
+                    position: finite(position),
+                    velocity: finite(velocity),
                     feedforward_effort,
-                    feedback_effort: effort - feedforward_effort,
+                    feedback_effort: finite(effort - feedforward_effort),
                     limited: torque.reason,
                 };
             }
         }
         Ok(())
     }
+}
+
+/// The number, or zero in the place of what f32 does not hold.
+fn finite(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
 }
 
 /// The target position of each degree of freedom; the rest is zero.
