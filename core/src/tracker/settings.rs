@@ -241,8 +241,8 @@ impl<B: Default + Copy> Settings<B> {
         if of_method.fixed_otherwise().is_none() {
             return of_method;
         }
-        let Self { differences, observer, .. } = of_method.spelled_out();
-        Self { differences, observer, ..of_method }
+        let Self { observer, differences, .. } = of_method.spelled_out();
+        Self { observer, differences, ..of_method }
     }
 
     /// The key of what the method fixes, and is set neither to that nor to its default.
