@@ -12,7 +12,7 @@ use crate::observer::Observer;
 use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
 use crate::state_error::{Aim, StateError};
-use crate::tracker::Tracker;
+use crate::tracker::{Tick, Tracker};
 use crate::{
     BodySet, ForwardDifferences, Inertia, JointKind, JointTargets, Trajectory, Transform, Tree,
     Twist, Wrench,
@@ -239,5 +239,12 @@ impl<const N: usize, const D: usize, const R: usize> Format for Tracker<N, D, R>
     fn format(&self, f: Formatter<'_>) {
         let (targets, states) = (self.targets(), self.states());
         write!(f, "Tracker {{ targets: {}, states: {} }}", targets, states);
+    }
+}
+
+/// Its torques.
+impl<const N: usize, const D: usize, const R: usize> Format for Tick<'_, N, D, R> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "Tick {{ torques: {} }}", self.torques());
     }
 }

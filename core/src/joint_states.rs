@@ -106,23 +106,47 @@ impl<const N: usize> JointStates<N> {
         poses: &[Transform],
         elapsed_s: f32,
     ) -> Result<(), StateInputError> {
-        let (poses, rate_hz) = (checked_poses(poses, self.states.len())?, rate(elapsed_s)?);
-        // Where the rig was may have come by other ways, which let farther poses in.
-        self.states.iter().try_for_each(|state| check_position(state.pose.translation_m))?;
+        let poses = checked_poses(poses, self.states.len())?;
+        let rate_hz = self.rate(elapsed_s)?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
-            let pose = Transform { rotation: math::unit(pose.rotation), ..*pose };
-            let mut velocity = step(&state.pose, &pose, rate_hz);
-            // Most joints only turn: their bodies' origins stay where they are in the parent's frame.
-            if velocity.linear != Vec3::ZERO {
-                velocity = in_axes_of(&pose, velocity);
-            }
-            *state = JointState { pose, velocity };
+            move_on(state, *pose, rate_hz);
         }
         Ok(())
+    }
+
+    /// The steps in a second, if a difference from the poses so far can be.
+    pub(crate) fn rate(&self, elapsed_s: f32) -> Result<f32, StateInputError> {
+        let rate_hz = rate(elapsed_s)?;
+        // Where the rig was may have come by other ways, which let farther poses in.
+        self.states.iter().try_for_each(|state| check_position(state.pose.translation_m))?;
+        Ok(rate_hz)
+    }
+
+    /// Moves one joint on to a pose that [`check_pose`](crate::state::check_pose) would pass, at a rate of [`Self::rate`].
+    pub(crate) fn move_on(&mut self, joint: usize, pose: Transform, rate_hz: f32) {
+        if let Some(state) = self.states.get_mut(joint) {
+            move_on(state, pose, rate_hz);
+        }
     }
 
     /// The states by joint.
     pub fn as_slice(&self) -> &[JointState] {
         &self.states
     }
+}
+
+/// The state after the step to a pose, whose rotation is made unit.
+#[expect(
+    clippy::inline_always,
+    reason = "a few operations of every tick, which several callers share: a call costs as much"
+)]
+#[inline(always)]
+fn move_on(state: &mut JointState, pose: Transform, rate_hz: f32) {
+    let pose = Transform { rotation: math::unit(pose.rotation), ..pose };
+    let mut velocity = step(&state.pose, &pose, rate_hz);
+    // Most joints only turn: their bodies' origins stay where they are in the parent's frame.
+    if velocity.linear != Vec3::ZERO {
+        velocity = in_axes_of(&pose, velocity);
+    }
+    *state = JointState { pose, velocity };
 }

@@ -25,7 +25,7 @@
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
 //! [`Controller::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer, from a
-//! source of frames. [`importance`] says how much each joint matters, for where not all can have what they want.
+//! source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow exactly.
 //!
 //! ```
 //! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};

@@ -186,6 +186,12 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         })
     }
 
+    /// Begins from a state as a new one would: the disturbances are forgotten.
+    pub fn reset(&mut self, state: &JointStates<N>) {
+        self.disturbances.fill(Twist::ZERO);
+        self.restart(state);
+    }
+
     /// Restarts from a state, after ticks whose measurements or commands were lost. The disturbances are kept: without
     /// them the torques would jump.
     // Not within its caller, whose frame would hold the copies of all joints as long as it runs.

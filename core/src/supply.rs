@@ -105,6 +105,16 @@ impl<const N: usize> TorqueSupply<N> {
         self.supply_nm
     }
 
+    /// Number of joints of its rig.
+    pub(crate) fn joint_count(&self) -> usize {
+        self.yields.len()
+    }
+
+    /// Whether [`Self::with_weights`] was called.
+    pub(crate) fn has_weights(&self) -> bool {
+        self.rule == Rule::LeastSquares
+    }
+
     /// Cuts the torques of a tick to the supply. Moments keep their directions; those that are cut get
     /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The sum is within the supply up to rounding.
     ///

@@ -24,14 +24,13 @@ use crate::show::Show;
 /// let show = Show::parse(&flash)?;
 /// // 500 ticks a second; a torque acts two ticks late.
 /// let timing = Timing { dt_s: show.dt_s(), latency_ticks: 2 };
-/// timing.check_recommended()?;
 /// let mut tracker = Tracker::<1, 8>::new(show.tree()?, &Settings::recommended(), timing)?;
 /// let mut frames = ShowFrames::<1>::new(show);
 /// let measured = [Transform::IDENTITY];
 /// tracker.begin(&mut frames, 0, &measured)?;
 /// for tick in 0..3 {
-///     let torques = tracker.step(&mut frames, tick, &measured)?;
-///     assert_eq!(torques.len(), 1);
+///     let tick = tracker.step(&mut frames, tick, &measured)?;
+///     assert_eq!(tick.torques().len(), 1);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

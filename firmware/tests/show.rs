@@ -126,7 +126,8 @@ fn a_replay_is_the_same_every_time_and_differs_by_method() {
         let mut replay = Replay::<3>::new(show, method).unwrap();
         let mut hash = TorqueHash::default();
         for tick in 0..u32::try_from(show.frame_count()).unwrap() {
-            let torques = replay.step(tick).unwrap();
+            let asked = replay.step(tick).unwrap();
+            let torques = asked.torques();
             assert_eq!(torques.len(), 3);
             assert!(torques.iter().all(|torque| torque.reason.is_none()));
             hash.update(torques);
@@ -158,8 +159,8 @@ fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
     // An observer, as `recommended` has one, expects a rig that follows its torques: this one does not.
     for method in METHODS.into_iter().filter(|method| *method != MethodName::Recommended) {
         let mut replay = Replay::<3>::new(Show::parse(&bytes).unwrap(), method).unwrap();
-        let first = replay.step(0).unwrap().to_vec();
-        assert_eq!(replay.step(1).unwrap(), first, "{}", method.as_str());
+        let first = replay.step(0).unwrap().torques().to_vec();
+        assert_eq!(replay.step(1).unwrap().torques(), first, "{}", method.as_str());
     }
 }
 
@@ -204,8 +205,8 @@ fn perform(bytes: &[u8]) {
     let Ok(show) = Show::parse(bytes) else { return };
     let Ok(mut replay) = Replay::<3>::new(show, MethodName::LinearCompensation) else { return };
     for tick in 0..u32::try_from(show.frame_count()).unwrap() {
-        if let Ok(torques) = replay.step(tick) {
-            assert!(torques.iter().all(|torque| torque.value.is_finite()));
+        if let Ok(asked) = replay.step(tick) {
+            assert!(asked.torques().iter().all(|torque| torque.value.is_finite()));
         }
     }
 }
@@ -246,12 +247,17 @@ fn the_recommended_setting_survives_lost_ticks_and_jumps_and_refuses_what_is_too
     let show = Show::parse(&bytes).unwrap();
     let mut replay = Replay::<3>::new(show, MethodName::Recommended).unwrap();
     for tick in [0, 1, 2, 5, 6, 0, 1, 1_000_000, 1_000_001] {
-        let torques = replay.step(tick).unwrap();
-        assert!(torques.iter().all(|torque| torque.value.is_finite()), "{tick}");
+        let asked = replay.step(tick).unwrap();
+        assert!(asked.torques().iter().all(|torque| torque.value.is_finite()), "{tick}");
     }
     // The show has 100 frames a second: a tick more is 20 ms.
     let timing = Timing { dt_s: show.dt_s(), latency_ticks: 1 };
-    let late = timing.check_recommended().unwrap_err();
+    let tracker = |settings: &Settings| {
+        Tracker::<BODIES, 2>::new(show.tree().unwrap(), settings, timing).map(|_| ())
+    };
+    let late = tracker(&Settings::recommended()).unwrap_err();
     assert_eq!(late, TrackerError::TooLate);
     assert!(late.to_string().contains("10 ms"));
+    // Spelled out, it is no promise.
+    tracker(&Settings::recommended().effective(show.dt_s())).unwrap();
 }

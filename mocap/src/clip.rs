@@ -26,3 +26,25 @@ impl Clip {
         forward_kinematics(&self.skeleton, &self.frames[frame])
     }
 }
+
+/// The joint that moves the body through space: the root or, where that has only one child and stays in all of `clips`,
+/// that child, and so on. Some recordings have a root that stays on the floor. The clips are of one skeleton.
+pub fn moving_root(clips: &[&Clip]) -> usize {
+    let mut joint = 0;
+    loop {
+        let Some(first) = clips.first() else { return joint };
+        let Some(child) = first.skeleton.only_child(joint) else { return joint };
+        let mut samples = clips.iter().flat_map(|clip| &clip.frames).map(|frame| frame[joint]);
+        let Some(sample) = samples.next() else { return joint };
+        let stays = samples.all(|other| other == sample);
+        let moves_below = clips.iter().any(|clip| {
+            clip.frames
+                .windows(2)
+                .any(|pair| pair[0][child].position_m != pair[1][child].position_m)
+        });
+        if !(stays && moves_below) {
+            return joint;
+        }
+        joint = child;
+    }
+}

@@ -44,7 +44,7 @@ mod skeleton;
 pub mod skeleton_map;
 pub mod text;
 
-pub use clip::Clip;
+pub use clip::{Clip, moving_root};
 pub use recording::Recording;
-pub use skeleton::{JointSample, Skeleton, SkeletonJoint, forward_kinematics, moving_root};
+pub use skeleton::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
 pub use skeleton_map::SkeletonMap;

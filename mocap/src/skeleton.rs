@@ -2,8 +2,6 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::Clip;
-
 /// The skeleton a clip was recorded on; parents come before children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skeleton {
@@ -67,7 +65,8 @@ impl Skeleton {
         false
     }
 
-    fn only_child(&self, parent: usize) -> Option<usize> {
+    /// The child of a joint that has one alone.
+    pub(crate) fn only_child(&self, parent: usize) -> Option<usize> {
         let mut children =
             (0..self.joints.len()).filter(|joint| self.joints[*joint].parent == Some(parent));
         children.next().filter(|_| children.next().is_none())
@@ -107,26 +106,4 @@ pub fn forward_kinematics(skeleton: &Skeleton, local: &[JointSample]) -> Vec<Joi
         }));
     }
     world
-}
-
-/// The joint that moves the body through space: the root or, where that has only one child and stays in all of `clips`,
-/// that child, and so on. Some recordings have a root that stays on the floor. The clips are of one skeleton.
-pub fn moving_root(clips: &[&Clip]) -> usize {
-    let mut joint = 0;
-    loop {
-        let Some(first) = clips.first() else { return joint };
-        let Some(child) = first.skeleton.only_child(joint) else { return joint };
-        let mut samples = clips.iter().flat_map(|clip| &clip.frames).map(|frame| frame[joint]);
-        let Some(sample) = samples.next() else { return joint };
-        let stays = samples.all(|other| other == sample);
-        let moves_below = clips.iter().any(|clip| {
-            clip.frames
-                .windows(2)
-                .any(|pair| pair[0][child].position_m != pair[1][child].position_m)
-        });
-        if !(stays && moves_below) {
-            return joint;
-        }
-        joint = child;
-    }
 }

@@ -4,7 +4,7 @@
 //! by bit.
 
 use sinew_core::control::Limited;
-use sinew_core::tracker::{MethodName, Settings, StepError, Timing, Tracker, TrackerError};
+use sinew_core::tracker::{MethodName, Settings, StepError, Tick, Timing, Tracker, TrackerError};
 use sinew_core::{Transform, Wrench};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError};
@@ -40,7 +40,7 @@ pub fn settings(method: MethodName) -> Settings {
 /// let mut run = Replay::<1>::new(show, MethodName::World)?;
 /// let mut hash = TorqueHash::default();
 /// for tick in 0..3 {
-///     hash.update(run.step(tick)?);
+///     hash.update(run.step(tick)?.torques());
 /// }
 /// // Every machine must come to the same number.
 /// println!("{:016x}", hash.value());
@@ -73,11 +73,11 @@ impl<'a, const N: usize> Replay<'a, N> {
         Ok(run)
     }
 
-    /// The torques of a tick; its frame is that of the same number. After the show's end its last frame is held.
+    /// One tick; its frame is that of the same number. After the show's end its last frame is held.
     ///
     /// # Errors
     /// Never for a show that was parsed; [`StepError`] as [`Tracker::step`].
-    pub fn step(&mut self, tick: u32) -> Result<&[Limited<Wrench>], StepError> {
+    pub fn step(&mut self, tick: u32) -> Result<Tick<'_, N>, StepError> {
         self.read_sensors(usize::try_from(tick).unwrap_or(usize::MAX));
         let count = self.tracker.controller().tree().len();
         let measured = self.late.get(..count).unwrap_or_default();

@@ -7,6 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use sinew_core::control::{ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit};
+use sinew_core::coordinates::{DofCommand, nearest_turn};
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::finite_difference::{
     DifferenceError, Scheme, of_rotations, of_rotations_in_world, of_vectors,
@@ -23,7 +24,8 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError, compensate,
     compensate_all,
 };
-use sinew_core::tracker::{MethodName, Timing, Tracker};
+use sinew_core::supply::TorqueSupply;
+use sinew_core::tracker::{Frame, FrameSource, Measured, MethodName, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
@@ -509,22 +511,143 @@ proptest! {
         for method in METHODS {
             let Ok(mut replay) = Replay::<N>::new(show, method) else { continue };
             for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
-                if let Ok(torques) = replay.step(tick) {
-                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
+                if let Ok(asked) = replay.step(tick) {
+                    prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
                 }
             }
         }
         for method in MethodName::ALL {
             let tree = show.tree::<N>().expect("what was a tree is one");
-            let (settings, timing) = (settings(method), Timing { dt_s, latency_ticks: 1 });
+            // Spelled out: any period will do.
+            let settings = settings(method).effective(dt_s);
+            let timing = Timing { dt_s, latency_ticks: 1 };
             let workspace = Workspace::<N, N>::resolving();
             let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
             let Ok(mut tracker) = tracker else { continue };
             let (mut frames, bodies) = (ShowFrames::<N>::new(show), show.body_count());
             for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
                 // A refused reading has no torques.
-                if let Ok(torques) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
-                    prop_assert!(torques.iter().all(sound_torque), "{method} {tick}");
+                if let Ok(asked) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
+                    prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
+                }
+            }
+        }
+    }
+}
+
+/// A number that coordinates may be, and now and then any.
+fn coordinate() -> impl Strategy<Value = f32> + Clone {
+    prop_oneof![12 => -2.0f32..2.0, 12 => -1e6f32..=1e6, 1 => any_number()]
+}
+
+/// Coordinates of a tree: positions, whose quaternions are rotations now and then none, speeds and accelerations.
+#[derive(Debug, Clone)]
+struct Coordinates {
+    q: Vec<f32>,
+    qd: Vec<f32>,
+    qdd: Vec<f32>,
+}
+
+fn coordinates(tree: &Tree<N>) -> impl Strategy<Value = Coordinates> + use<> {
+    let mut q = Vec::new();
+    for body in tree.bodies() {
+        let count = body.joint.coordinate_count();
+        let rotation = prop_oneof![24 => extreme::rotation(50), 1 => any_quaternion()];
+        let of_joint = (rotation, vec(coordinate(), count)).prop_map(|(rotation, mut numbers)| {
+            if let Some(quaternion) = numbers.get_mut(..4) {
+                quaternion.copy_from_slice(&rotation.to_array());
+            }
+            numbers
+        });
+        q.push(of_joint);
+    }
+    let freedoms = tree.degrees_of_freedom();
+    (q, vec(coordinate(), freedoms), vec(coordinate(), freedoms))
+        .prop_map(|(q, qd, qdd)| Coordinates { q: q.concat(), qd, qdd })
+}
+
+/// Frames of one set of coordinates after the other.
+struct InCoordinates<'a>(&'a [Coordinates]);
+
+impl FrameSource for InCoordinates<'_> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        let last = self.0.len() - 1;
+        let Coordinates { q, qd, qdd } = &self.0[usize::try_from(index).unwrap_or(0).min(last)];
+        Frame::Coordinates { q, qd, qdd }
+    }
+}
+
+proptest! {
+    #![proptest_config(property(500))]
+
+    /// Coordinates of rigs from the ends of f32, in and out, by hand and through the tracker.
+    #[test]
+    fn coordinates_of_trees(
+        (scene, all) in scenes::<N>().prop_flat_map(|scene| {
+            let all = vec(coordinates(&scene.tree), 4);
+            (Just(scene), all)
+        }),
+        (most_nm, supply_nm) in (any_number(), any_number()),
+        weights in vec(prop_oneof![1e-12f32..=1e12, any_number()], N),
+        elapsed_s in prop_oneof![Just(0.01), any_number()],
+        (angle_rad, to_rad) in (any_number(), any_number()),
+    ) {
+        let turned_rad = nearest_turn(angle_rad, to_rad);
+        prop_assert!(turned_rad.is_finite() || !angle_rad.is_finite(), "{angle_rad} {to_rad}");
+
+        let Scene { tree, mut targets, mut measured, external, .. } = scene;
+        let limits = TorqueLimit::new(most_nm, f32::INFINITY).map(|limit| vec![limit; tree.len()]);
+        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
+        let controller = match limits.ok().and_then(|limits| controller.clone().with_limits(&limits).ok()) {
+            Some(limited) => limited,
+            None => controller,
+        };
+        let supply = TorqueSupply::new(&tree, supply_nm);
+        let weighed = supply.clone().and_then(|supply| supply.with_weights(&weights[..tree.len()]));
+        let mut workspace = Workspace::new();
+        for Coordinates { q, qd, qdd } in &all {
+            let before = (measured.clone(), targets.clone());
+            if measured.set_coordinates(&tree, q, qd).is_err() {
+                prop_assert_eq!(&measured, &before.0);
+            }
+            let set = measured.clone();
+            if measured.update_coordinates(&tree, q, elapsed_s).is_err() {
+                prop_assert_eq!(&measured, &set);
+            }
+            if targets.set_coordinates(&tree, q, qd, qdd).is_err() {
+                prop_assert_eq!(&targets, &before.1);
+            }
+            prop_assert!(sound_states(&measured) && sound_targets(&targets));
+            controller.tick(&mut targets, &measured, &external, &mut workspace);
+            for supply in [&supply, &weighed].into_iter().flatten() {
+                let mut carried = [Wrench::ZERO; N];
+                controller.bias_wrenches(&measured, &external, &mut workspace, &mut carried);
+                let torques = &mut workspace.torques_mut()[..tree.len()];
+                let mut alike = torques.to_vec();
+                supply.share(&mut alike);
+                prop_assert!(alike.iter().all(sound_torque), "{alike:?}");
+                supply.share_acceleration(torques, &carried);
+                prop_assert!(torques.iter().all(sound_torque), "{torques:?}");
+            }
+            let mut commands = vec![DofCommand::default(); tree.degrees_of_freedom()];
+            controller.dof_commands(&targets, &measured, &external, &mut workspace, &mut commands).expect("they fit");
+            for command in commands {
+                let DofCommand { position, velocity, feedforward_effort, feedback_effort, .. } = command;
+                let numbers = [position, velocity, feedforward_effort, feedback_effort, command.effort()];
+                prop_assert!(numbers.iter().all(|number| number.is_finite()), "{command:?}");
+            }
+        }
+        for method in [MethodName::World, MethodName::ManifoldProjection, MethodName::Recommended] {
+            let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
+            let made = Tracker::<N, 2>::new(tree.clone(), &settings(method), timing);
+            let Ok(mut tracker) = made else { continue };
+            let mut frames = InCoordinates(&all);
+            for (tick, Coordinates { q, qd, .. }) in (0..).zip(&all) {
+                for measured in [Measured::Positions { q }, Measured::Coordinates { q, qd }] {
+                    if let Ok(asked) = tracker.step(&mut frames, tick, measured) {
+                        prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
+                    }
+                    prop_assert!(sound_states(tracker.states()) && sound_targets(tracker.targets()));
                 }
             }
         }

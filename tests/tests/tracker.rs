@@ -1,9 +1,12 @@
 //! The tracker as a whole: both kinds of frames, both kinds of readings, refusals, and what it asks of a source.
 
+use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
+use sinew_core::projection::{BodyWeight, JointRange};
+use sinew_core::supply::TorqueSupply;
 use sinew_core::tracker::{
-    Frame, FrameSource, InputError, Measured, MethodName, ObserverChoice, Settings, StepError,
-    Timing, Tracker,
+    Differences, Frame, FrameSource, InputError, Measured, MethodName, ObserverChoice,
+    SettingError, Settings, Sharing, StepError, Timing, Tracker, TrackerError,
 };
 use sinew_core::{
     Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree, Workspace, math,
@@ -97,18 +100,29 @@ fn coordinates_go_through_as_they_are() {
     let mut frames = InCoordinates::default();
     for tick in 0..5 {
         let (q, qd) = ([0.1, -0.2, 0.05 * tick as f32], [0.5, 0.0, -0.25]);
-        let torques = tracker.step(&mut frames, tick, Measured::Coordinates { q: &q, qd: &qd });
+        let measured = Measured::Coordinates { q: &q, qd: &qd };
         let Frame::Coordinates { q: to, qd: at, qdd } = frames.frame(tick) else { unreachable!() };
         targets.set_coordinates(&arm(), to, at, qdd).unwrap();
         states.set_coordinates(&arm(), &q, &qd).unwrap();
         let expected = controller.tick(&mut targets, &states, &[], &mut workspace);
-        assert_eq!(torques.unwrap(), expected, "tick {tick}");
+        let mut asked = tracker.step(&mut frames, tick, measured).unwrap();
+        assert_eq!(asked.torques(), expected, "tick {tick}");
+
+        let mut efforts = [[0.0; JOINTS]; 2];
+        asked.efforts(&mut efforts[0]).unwrap();
+        arm().efforts(states.as_slice(), expected, &mut efforts[1]).unwrap();
+        assert_eq!(efforts[0], efforts[1], "tick {tick}");
+        let mut commands = [[DofCommand::default(); JOINTS]; 2];
+        asked.dof_commands(&mut commands[0]).unwrap();
+        let [_, of_controller] = &mut commands;
+        controller.dof_commands(&targets, &states, &[], &mut workspace, of_controller).unwrap();
+        assert_eq!(commands[0], commands[1], "tick {tick}");
     }
 }
 
 #[test]
 fn differences_of_poses_come_near_to_exact_derivatives() {
-    let settings = Settings { differences: sinew_core::tracker::Differences::Aligned, ..world() };
+    let settings = Settings { differences: Differences::Aligned, ..world() };
     let (mut exact, mut differenced) = (tracker(settings, 0), tracker(settings, 0));
     let (mut in_coordinates, mut as_poses) = (InCoordinates::default(), AsPoses::default());
     for tick in 0..20 {
@@ -138,15 +152,23 @@ fn a_refused_reading_has_no_torques_and_the_next_one_goes_on() {
             if tick == 4 {
                 measured[2].rotation.w = f32::NAN;
             }
-            let torques = tracker.step(&mut frames, tick, &measured).map(<[_]>::len);
+            let count =
+                tracker.step(&mut frames, tick, &measured).map(|asked| asked.torques().len());
             if tick == 4 {
-                assert!(matches!(torques, Err(StepError::Measured(InputError::Pose(_)))));
+                assert!(matches!(count, Err(StepError::Measured(InputError::Pose(_)))));
             } else {
-                assert_eq!(torques, Ok(JOINTS));
+                assert_eq!(count, Ok(JOINTS));
             }
         }
-        let too_few = tracker.step(&mut frames, 9, &rest()[..2]).unwrap_err();
-        assert!(too_few.to_string().starts_with("the measured joints: "), "{too_few}");
+        let [first, ..] = rest();
+        for (found, poses) in [(2, &rest()[..2]), (4, &[first; 4])] {
+            let error = tracker.step(&mut frames, 9, poses).map(|_| ()).unwrap_err();
+            let expected = InputError::Count { expected: JOINTS, found };
+            assert_eq!(error, StepError::Measured(expected));
+            let message =
+                format!("the measured joints: 3 joints need as many poses, {found} were given");
+            assert_eq!(error.to_string(), message);
+        }
     }
 }
 
@@ -165,15 +187,227 @@ fn a_refused_frame_has_no_torques_and_the_next_good_one_begins_anew() {
 }
 
 #[test]
+fn a_pose_that_the_projection_refuses_is_named() {
+    let mut tracker = tracker(Settings::recommended(), 0);
+    let mut frames = AsPoses { bad: Some(0), ..AsPoses::default() };
+    let error = tracker.step(&mut frames, 0, &rest()).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("joint 1: the pose is not finite"), "{error}");
+}
+
+#[test]
 fn a_source_of_the_other_kind_needs_a_beginning() {
+    let kind = Err(StepError::Frame(InputError::Kind));
+    for settings in [world(), Settings::recommended()] {
+        for begins_the_estimate in [true, false] {
+            let mut tracker = tracker(settings, 0);
+            let (mut poses, mut coordinates) = (AsPoses::default(), InCoordinates::default());
+            for tick in 0..3 {
+                tracker.step(&mut poses, tick, &rest()).unwrap();
+            }
+            for tick in 3..7 {
+                let asked = tracker.step(&mut coordinates, tick, &rest()).map(|_| ());
+                assert_eq!(asked, kind, "tick {tick}");
+            }
+            match begins_the_estimate {
+                true => tracker.begin(&mut coordinates, 7, &rest()).unwrap(),
+                false => tracker.begin_frames(&mut coordinates, 7).unwrap(),
+            }
+            for tick in 7..10 {
+                tracker.step(&mut coordinates, tick, &rest()).unwrap();
+            }
+            for tick in 10..14 {
+                let asked = tracker.step(&mut poses, tick, &rest()).map(|_| ());
+                assert_eq!(asked, kind, "tick {tick}");
+            }
+            match begins_the_estimate {
+                true => tracker.begin(&mut poses, 14, &rest()).unwrap(),
+                false => tracker.begin_frames(&mut poses, 14).unwrap(),
+            }
+            for tick in 14..17 {
+                tracker.step(&mut poses, tick, &rest()).unwrap();
+            }
+        }
+    }
+}
+
+/// The positions of the motion at a tick, as encoders read them.
+fn positions(tick: i32) -> [f32; JOINTS] {
+    [0, 1, 2].map(|joint| motion(joint, tick)[0])
+}
+
+/// The same as poses.
+fn poses(tick: i32) -> [Transform; JOINTS] {
+    let mut frames = AsPoses::default();
+    frames.frame(tick);
+    frames.poses
+}
+
+/// All numbers that a run of some ticks asks for.
+fn run(tracker: &mut Tracker<JOINTS, 8>, ticks: core::ops::Range<i32>) -> Vec<[f32; JOINTS]> {
+    let mut frames = AsPoses::default();
+    let of_tick = |tick| {
+        let mut efforts = [0.0; JOINTS];
+        // A rig that is a little late: with errors, and with disturbances for the observer.
+        let measured = poses(tick - 2);
+        tracker.step(&mut frames, tick, &measured).unwrap().efforts(&mut efforts).unwrap();
+        efforts
+    };
+    ticks.map(of_tick).collect()
+}
+
+#[test]
+fn a_used_tracker_begins_as_a_new_one() {
+    let projected = Settings { method: MethodName::ManifoldProjection, ..Settings::default() };
+    for settings in [world(), projected, Settings::recommended()] {
+        let (mut new, mut used) = (tracker(settings, 1), tracker(settings, 1));
+        run(&mut used, 200..240);
+        for tracker in [&mut new, &mut used] {
+            tracker.begin(&mut AsPoses::default(), 0, &poses(-3)).unwrap();
+        }
+        assert_eq!(run(&mut new, 0..20), run(&mut used, 0..20), "{}", settings.method);
+    }
+}
+
+#[test]
+fn another_performance_leaves_the_estimate_of_a_rig_that_moves() {
+    let settings = Settings { method: MethodName::World, ..Settings::default() };
+    let (mut steady, mut changed) = (tracker(settings, 0), tracker(settings, 0));
+    for tracker in [&mut steady, &mut changed] {
+        run(tracker, 0..10);
+    }
+    changed.begin_frames(&mut AsPoses::default(), 10).unwrap();
+    assert_eq!(run(&mut steady, 10..12), run(&mut changed, 10..12));
+}
+
+#[test]
+fn positions_alone_are_the_same_as_their_poses() {
+    for settings in [world(), Settings::recommended()] {
+        let (mut of_poses, mut of_positions) = (tracker(settings, 1), tracker(settings, 1));
+        for tick in 0..10 {
+            let (poses, q) = (poses(tick), positions(tick));
+            let mut frames = InCoordinates::default();
+            of_poses.step(&mut frames, tick, &poses).unwrap();
+            of_positions.step(&mut frames, tick, Measured::Positions { q: &q }).unwrap();
+            let states = |tracker: &Tracker<JOINTS, 8>| tracker.states().as_slice().to_vec();
+            for (a, b) in states(&of_poses).iter().zip(states(&of_positions)) {
+                // The same turns, made by sine and cosine or by the exponential: some roundings, of differences 500
+                // times as much.
+                assert!((a.pose.rotation - b.pose.rotation).length() < 5e-7, "{a:?} {b:?}");
+                let off = (a.velocity.angular - b.velocity.angular).length();
+                assert!(off < 5e-7 * 500.0, "{a:?} {b:?}");
+            }
+        }
+        let bad = Measured::Positions { q: &[0.0, f32::NAN, 0.0] };
+        let error =
+            of_positions.step(&mut InCoordinates::default(), 10, bad).map(|_| ()).unwrap_err();
+        assert!(error.to_string().contains("q[1], of joint 1, is NaN"), "{error}");
+    }
+}
+
+#[test]
+fn a_rig_with_encoders_begins_with_its_speeds() {
     let mut tracker = tracker(world(), 0);
-    tracker.step(&mut AsPoses::default(), 0, &rest()).unwrap();
-    let error = tracker.step(&mut InCoordinates::default(), 1, &rest()).unwrap_err();
-    assert_eq!(error, StepError::Frame(InputError::Kind));
-    tracker.begin(&mut InCoordinates::default(), 2, &rest()).unwrap();
-    tracker.step(&mut InCoordinates::default(), 2, &rest()).unwrap();
-    let error = tracker.step(&mut AsPoses::default(), 3, &rest()).unwrap_err();
-    assert_eq!(error, StepError::Frame(InputError::Kind));
+    let (q, qd) = ([0.1, 0.2, 0.3], [1.0, -2.0, 0.5]);
+    tracker.begin(&mut AsPoses::default(), 0, Measured::Coordinates { q: &q, qd: &qd }).unwrap();
+    let (mut at, mut speeds) = ([0.0; JOINTS], [0.0; JOINTS]);
+    tracker.states().coordinates(&arm(), &mut at, &mut speeds).unwrap();
+    for (speed, expected) in speeds.iter().zip(qd) {
+        // A product with an axis and one back.
+        assert!((speed - expected).abs() <= 1e-6, "{speeds:?}");
+    }
+    // Without speeds it stands.
+    tracker.begin(&mut AsPoses::default(), 0, Measured::Positions { q: &q }).unwrap();
+    tracker.states().coordinates(&arm(), &mut at, &mut speeds).unwrap();
+    assert_eq!(speeds, [0.0; JOINTS]);
+}
+
+#[test]
+fn velocities_span_the_ticks_that_were_skipped() {
+    for settings in [world(), Settings::recommended()] {
+        let mut tracker = tracker(settings, 0);
+        let mut frames = InCoordinates::default();
+        // The first joint turns evenly, 0.01 rad in a tick of 2 ms.
+        let reading = |tick: i32| [0.01 * tick as f32, 0.0, 0.0];
+        for tick in [0, 1, 2, 7] {
+            if tick == 7 {
+                tracker.skip(4);
+            }
+            let q = reading(tick);
+            tracker.step(&mut frames, tick, Measured::Positions { q: &q }).unwrap();
+        }
+        let speed = tracker.states().as_slice()[0].velocity.angular.y;
+        // Roundings of 0.07 rad over 10 ms.
+        assert!((speed - 5.0).abs() < 1e-4, "{speed}");
+    }
+}
+
+fn refused(made: Result<Tracker<JOINTS, 8>, TrackerError>) -> TrackerError {
+    made.map(|_| ()).unwrap_err()
+}
+
+#[test]
+fn what_a_method_has_no_use_for_is_refused() {
+    let ranges = [JointRange::Any; JOINTS];
+    let weights = [BodyWeight::new(1.0, 0.5); JOINTS];
+    let error = refused(tracker(world(), 0).with_ranges(&ranges));
+    assert_eq!(error, TrackerError::NoProjection);
+    assert!(error.to_string().contains("manifold_projection"), "{error}");
+    assert_eq!(refused(tracker(world(), 0).with_weights(&weights)), TrackerError::NoProjection);
+    let projects = tracker(Settings::recommended(), 0);
+    projects.with_ranges(&ranges).unwrap().with_weights(&weights).unwrap();
+
+    for sharing in [Sharing::Alike, Sharing::Importance, Sharing::Accelerations] {
+        let settings = Settings { sharing, ..world() };
+        let plain = TorqueSupply::new(&arm(), 5.0).unwrap();
+        let weighed = plain.clone().with_weights(&[1.0; JOINTS]).unwrap();
+        let (fits, does_not) = match sharing {
+            Sharing::Importance => (weighed, plain),
+            _ => (plain, weighed),
+        };
+        tracker(settings, 0).with_supply(fits).unwrap();
+        let error = refused(tracker(settings, 0).with_supply(does_not));
+        assert_eq!(error, TrackerError::SupplyWeights, "{sharing:?}");
+        let hand = Tree::<JOINTS>::from_bodies(&arm().bodies()[..1]).unwrap();
+        let of_another = TorqueSupply::new(&hand, 5.0).unwrap();
+        let error = refused(tracker(settings, 0).with_supply(of_another));
+        assert_eq!(error, TrackerError::SupplyJoints { expected: JOINTS, found: 1 });
+    }
+}
+
+#[test]
+fn settings_and_timings_that_cannot_be_are_refused() {
+    let made = |settings: Settings, dt_s, latency_ticks| {
+        refused(Tracker::new(arm(), &settings, Timing { dt_s, latency_ticks }))
+    };
+    for dt_s in [f32::NAN, 0.0, -0.002, f32::INFINITY] {
+        let error = made(world(), dt_s, 0).to_string();
+        assert_eq!(
+            error,
+            format!("dt_s: expected a finite number of seconds from 1e-9, found {dt_s}")
+        );
+    }
+    let accumulated =
+        Settings { method: MethodName::Accumulated, reference: JOINTS, ..Settings::default() };
+    let error = made(accumulated, DT_S, 0).to_string();
+    assert_eq!(error, "reference: expected one of the rig's 3 bodies, found body 3");
+
+    assert_eq!(made(Settings::recommended(), 0.002, 5), TrackerError::TooLate);
+    let live = Settings { differences: Differences::Live, ..Settings::recommended() };
+    let slow = ObserverChoice { bandwidth_rad_s: 50.0, cancel: true, predict: true };
+    let slow = Settings { observer: slow, ..Settings::recommended() };
+    for (settings, key) in [(live, "differences"), (slow, "observer")] {
+        let error = made(settings, DT_S, 0);
+        assert_eq!(error, TrackerError::Setting(SettingError::Fixed { key }));
+        // In a comparison the others have it, and this method its own.
+        let compared = settings.with_method(MethodName::Recommended);
+        assert_eq!(compared.effective(DT_S), Settings::recommended().effective(DT_S));
+        assert_eq!(
+            settings.with_method(MethodName::World),
+            Settings { method: MethodName::World, ..settings }
+        );
+    }
+    let spelled_out = Settings::recommended().effective(DT_S);
+    tracker(Settings { method: MethodName::Recommended, ..spelled_out }, 0);
 }
 
 #[test]

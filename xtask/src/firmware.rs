@@ -177,7 +177,7 @@ fn host(show: &Path) -> Result<Vec<u64>> {
             let mut replay = Replay::<CAPACITY>::new(show, method)?;
             let mut hash = TorqueHash::default();
             for tick in 0..u32::try_from(show.frame_count())? {
-                hash.update(replay.step(tick)?);
+                hash.update(replay.step(tick)?.torques());
             }
             Ok(hash.value())
         })

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
-use sinew_image::{BOARDS, Board};
+use sinew_image::Board;
 
-use crate::{arm, audit, budget, firmware, parity, step};
+use crate::arm;
 
 /// A program of a package.
 #[derive(Debug, Clone, Copy)]
@@ -52,26 +52,4 @@ impl Image {
 /// Where the image of a name comes to lie.
 pub(crate) fn path_of(target: &str, name: &str) -> PathBuf {
     arm::target_dir().join(target).join("firmware").join(name)
-}
-
-/// Lints all images as the host's crates are.
-pub(crate) fn lint() -> Result<()> {
-    if arm::toolchain()? == arm::Toolchain::Debian {
-        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
-        return Ok(());
-    }
-    let clippy = |image: Image, mut command: Command| {
-        let title = format!("clippy of {}", image.name);
-        step::run(&title, command.args(["--", "--deny", "warnings"]))
-    };
-    for &board in BOARDS {
-        let image = Image::of(board);
-        let mut command = image.cargo("clippy")?;
-        command.env("SINEW_SHOW", firmware::baked(board));
-        clippy(image, command)?;
-    }
-    for image in [budget::KERNELS, budget::CORE_ALONE, audit::WITH_FAULTS, parity::IMAGE] {
-        clippy(image, image.cargo("clippy")?)?;
-    }
-    Ok(())
 }

@@ -71,8 +71,8 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
             Ok(())
         }),
         ["setup"] => Box::new(setup::run),
-        ["budget"] => Box::new(|| budget::run(false)),
-        ["budget", "--accept"] => Box::new(|| budget::run(true)),
+        ["budget"] => Box::new(|| budget::run(false, || firmware::run(None))),
+        ["budget", "--accept"] => Box::new(|| budget::run(true, || firmware::run(None))),
         ["test"] => Box::new(test::run),
         ["parity"] => Box::new(parity::run),
         ["semver", revision] => {

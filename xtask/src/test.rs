@@ -1,8 +1,12 @@
 //! Everything that must hold.
 
-use anyhow::Result;
+use std::process::Command;
 
-use crate::{audit, budget, docs, features, image, package, parity, setup, step};
+use anyhow::Result;
+use sinew_image::BOARDS;
+
+use crate::image::Image;
+use crate::{arm, audit, budget, docs, features, firmware, package, parity, setup, step};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -24,8 +28,8 @@ pub(crate) fn run() -> Result<()> {
     )?;
     docs::run()?;
 
-    budget::run(false)?;
-    image::lint()?;
+    budget::run(false, || firmware::run(None))?;
+    lint_images()?;
     audit::self_test()?;
     audit::run()?;
     let machines = parity::build()?;
@@ -50,4 +54,26 @@ pub(crate) fn run() -> Result<()> {
             .env("SINEW_CHROMIUM", browser);
         step::run("the report in a browser", &mut report)
     }
+}
+
+/// Lints all images as the host's crates are.
+fn lint_images() -> Result<()> {
+    if arm::toolchain()? == arm::Toolchain::Debian {
+        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
+        return Ok(());
+    }
+    let clippy = |image: Image, mut command: Command| {
+        let title = format!("clippy of {}", image.name);
+        step::run(&title, command.args(["--", "--deny", "warnings"]))
+    };
+    for &board in BOARDS {
+        let image = Image::of(board);
+        let mut command = image.cargo("clippy")?;
+        command.env("SINEW_SHOW", firmware::baked(board));
+        clippy(image, command)?;
+    }
+    for image in [budget::KERNELS, budget::CORE_ALONE, audit::WITH_FAULTS, parity::IMAGE] {
+        clippy(image, image.cargo("clippy")?)?;
+    }
+    Ok(())
 }

@@ -179,5 +179,6 @@ pub(crate) fn observers() {
     observer.compensate(&mut desired());
     observer.record_commands(slice(), slice());
     observer.restart(&state);
+    observer.reset(&state);
     black_box((observer.states(), observer.disturbances()));
 }

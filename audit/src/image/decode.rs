@@ -32,6 +32,8 @@ pub(crate) fn coordinates() {
     black_box((tree.coordinates(black_box(1)), tree.freedoms(black_box(1))));
     let (mut states, mut targets) = (measured(), desired());
     black_box(&states.set_coordinates(&tree, slice(), slice()));
+    black_box(&states.set_coordinates_at_rest(&tree, slice()));
+    black_box(&states.update_coordinates(&tree, slice(), black_box(0.01)));
     black_box(&states.coordinates(&tree, slice_mut(), slice_mut()));
     black_box(&targets.set_coordinates(&tree, slice(), slice(), slice()));
     black_box(&targets.coordinates(&tree, slice_mut(), slice_mut(), slice_mut()));

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
-use sinew_core::tracker::{MethodName, Settings, Timing, Tracker};
+use sinew_core::tracker::{Measured, MethodName, Settings, Timing, Tracker};
 use sinew_core::{Transform, Workspace, Wrench};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::indicator;
@@ -54,7 +54,7 @@ pub(crate) fn tracker() {
     if black_box(true) {
         settings = Settings::recommended();
     }
-    settings = settings.named(black_box);
+    settings = settings.with_method(black_box(MethodName::World)).named(black_box);
     let workspace = Workspace::resolving();
     let Ok(tracker) = Tracker::<N, 3, N>::with_workspace(tree(), &settings, timing, workspace)
     else {
@@ -67,12 +67,26 @@ pub(crate) fn tracker() {
     let Ok(mut tracker) = tracker.with_weights(slice()) else { return };
     if black_box(true) {
         let Some(supply) = construct::supply() else { return };
-        tracker = tracker.with_supply(supply);
+        let Ok(sharing) = tracker.with_supply(supply) else { return };
+        tracker = sharing;
     }
     let mut tracker = black_box(tracker);
     let mut frames = black_box(ShowFrames::<N>::new(black_box(show)));
-    black_box(&tracker.begin(&mut frames, black_box(1), slice()));
-    black_box(&tracker.step(&mut frames, black_box(1), slice()));
+    let readings = [
+        Measured::Poses(slice()),
+        Measured::Positions { q: slice() },
+        Measured::Coordinates { q: slice(), qd: slice() },
+    ];
+    for measured in black_box(readings) {
+        black_box(&tracker.begin(&mut frames, black_box(1), measured));
+        black_box(&tracker.begin_frames(&mut frames, black_box(1)));
+        tracker.skip(black_box(1));
+        if let Ok(mut tick) = tracker.step(&mut frames, black_box(1), measured) {
+            black_box(tick.torques());
+            black_box(&tick.efforts(slice_mut()));
+            black_box(&tick.dof_commands(slice_mut()));
+        }
+    }
     black_box((tracker.controller().tree(), frames.show(), tracker.states(), tracker.targets()));
     tracker.errors(slice_mut());
     let method = black_box(MethodName::World);
@@ -90,8 +104,8 @@ pub(crate) fn replay() {
     };
     let mut replay = black_box(replay);
     let mut hash = TorqueHash::default();
-    if let Ok(torques) = replay.step(black_box(1)) {
-        hash.update(torques);
+    if let Ok(tick) = replay.step(black_box(1)) {
+        hash.update(tick.torques());
     }
     black_box(hash.value());
 }

@@ -17,6 +17,11 @@ use crate::tree::Body;
 
 /// What one degree of freedom is asked for: where to be, and the effort in two parts.
 ///
+/// The feed-forward effort and the sum are within the joint's limit; the feedback effort alone may be up to twice it. A
+/// common [`supply`](crate::supply) cuts the sum, not the feed-forward effort.
+///
+/// All numbers are finite: one that is too large for f32 is zero.
+///
 /// A drive takes the parts that its servo can use: with current control the whole [`Self::effort`]; with position
 /// control the target, and the feed-forward effort over the servo's own stiffness, but no feedback, which would close
 /// a second loop round the servo's; with neither, the target alone.
@@ -41,7 +46,7 @@ pub struct DofCommand {
     /// joint's limit; N m or N. Zero with the law of PD alone.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub feedforward_effort: f32,
-    /// The rest of the effort that the tick gave, after limits: what corrects the error; N m or N.
+    /// The rest of the effort that the tick gave, after limits and supply: what corrects the error; N m or N.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub feedback_effort: f32,
     /// What limited the effort of the joint, if anything did. With [`LimitReason::NotFinite`] and
@@ -59,7 +64,8 @@ impl DofCommand {
 /// The same angle with as many whole turns as bring it next to another, rad.
 ///
 /// Poses do not count turns, so target angles are in [-π, π]. A servo whose range goes beyond takes the one
-/// next to the middle of its range; one that turns without end, the one next to what its encoder reads.
+/// next to the middle of its range; one that turns without end, the one next to what its encoder reads. Where f32 has
+/// no such angle, it is `angle_rad` itself.
 ///
 /// ```
 /// use sinew_core::{coordinates::nearest_turn, math::PI};
@@ -68,7 +74,8 @@ impl DofCommand {
 /// assert!((nearest_turn(target, middle) - (2.0 * PI - 2.0)).abs() < 1e-6);
 /// ```
 pub fn nearest_turn(angle_rad: f32, to_rad: f32) -> f32 {
-    angle_rad + math::round((to_rad - angle_rad) / TAU) * TAU
+    let turned_rad = angle_rad + math::round((to_rad - angle_rad) / TAU) * TAU;
+    if turned_rad.is_finite() { turned_rad } else { angle_rad }
 }
 
 impl<const N: usize> Controller<N> {
@@ -152,17 +159,23 @@ impl<const N: usize> Controller<N> {
             for (slot, (((position, velocity), effort), feedforward_effort)) in
                 of_joint.iter_mut().zip(numbers)
             {
+                let feedforward_effort = finite(feedforward_effort);
                 *slot = DofCommand {
-                    position,
-                    velocity,
+                    position: finite(position),
+                    velocity: finite(velocity),
                     feedforward_effort,
-                    feedback_effort: effort - feedforward_effort,
+                    feedback_effort: finite(effort - feedforward_effort),
                     limited: torque.reason,
                 };
             }
         }
         Ok(())
     }
+}
+
+/// The number, or zero in the place of what f32 does not hold.
+fn finite(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
 }
 
 /// The target position of each degree of freedom; the rest is zero.

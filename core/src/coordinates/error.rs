@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::joint::JointKind;
+use crate::state::StateInputError;
 use crate::tree::Body;
 
 /// The largest position, speed, acceleration or effort that is accepted: no machine has more, and nothing that follows
@@ -43,6 +44,9 @@ pub enum CoordinatesError {
         /// Its squared length.
         squared: f32,
     },
+    /// There is no difference from the positions before: the time is not a positive number (from 1e-9 s), or a joint is
+    /// farther than 1e6 m from its parent.
+    Difference(StateInputError),
 }
 
 impl fmt::Display for CoordinatesError {
@@ -59,6 +63,7 @@ impl fmt::Display for CoordinatesError {
                 f,
                 "the quaternion from q[{index}] on, of joint {joint}, has squared length {squared}; it must be a unit quaternion"
             ),
+            Self::Difference(error) => write!(f, "speeds by differences: {error}"),
         }
     }
 }

@@ -13,10 +13,11 @@
 //! | free | that quaternion, then the position x y z in the joint frame, m | three about, then three along x, y, z of the body |
 //!
 //! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
-//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). Where a body's numbers are in them is told by
-//! [`Tree::coordinates`](crate::Tree::coordinates) and [`Tree::freedoms`](crate::Tree::freedoms).
+//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). [`Tree::coordinates`](crate::Tree::coordinates) and
+//! [`Tree::freedoms`](crate::Tree::freedoms) say where a body's numbers are.
 //!
-//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured),
+//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured; of encoders without speeds
+//!   [`JointStates::update_coordinates`](crate::JointStates::update_coordinates)),
 //!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
 //! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
 //!   [`Controller::dof_commands`](crate::Controller::dof_commands): target, feed-forward and feedback for each degree

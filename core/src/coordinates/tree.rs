@@ -9,7 +9,7 @@ use crate::dynamics::degrees_of_freedom;
 use crate::joint::JointKind;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
-use crate::state::JointState;
+use crate::state::{JointState, check_position};
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
@@ -158,6 +158,68 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
+    /// Sets all joints by their positions, and their speeds to zero: for the first reading of encoders that measure no
+    /// speeds. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError`], and nothing is changed, as [`Self::set_coordinates`].
+    pub fn set_coordinates_at_rest(
+        &mut self,
+        tree: &Tree<N>,
+        q: &[f32],
+    ) -> Result<(), CoordinatesError> {
+        let bodies = tree.bodies();
+        check_count("joints", bodies.len(), self.as_slice().len())?;
+        check_positions(bodies, q)?;
+        for_each_state(bodies, q, &[], |joint, _, state, _| {
+            // A joint that is there: counted above.
+            let _ = self.put(joint, state);
+        });
+        Ok(())
+    }
+
+    /// Sets all joints by newly measured positions, and their speeds to the backward differences from where they were
+    /// `elapsed_s` before: for encoders that measure no speeds. An angle goes the shorter way round. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError`], and nothing is changed, as [`Self::set_coordinates`]; or if the time is not a positive
+    /// number (from 1e-9 s), or a joint is farther than 1e6 m from its parent.
+    ///
+    /// ```
+    /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
+    /// # let (parent, placement) = (None, Transform::IDENTITY);
+    /// # let joint = JointKind::Revolute { axis: Vec3::X };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// let tree = Tree::<1>::from_bodies(&[knee])?;
+    /// let mut measured = JointStates::rest(&tree);
+    /// measured.set_coordinates_at_rest(&tree, &[3.1])?;
+    /// // Past the end of the encoder's range.
+    /// measured.update_coordinates(&tree, &[-3.1], 0.01)?;
+    /// let turned_rad = core::f32::consts::TAU - 6.2;
+    /// assert!((measured.as_slice()[0].velocity.angular.x - turned_rad / 0.01).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn update_coordinates(
+        &mut self,
+        tree: &Tree<N>,
+        q: &[f32],
+        elapsed_s: f32,
+    ) -> Result<(), CoordinatesError> {
+        let bodies = tree.bodies();
+        check_count("joints", bodies.len(), self.as_slice().len())?;
+        check_positions(bodies, q)?;
+        // Positions are bounded, placements are not.
+        bodies
+            .iter()
+            .try_for_each(|body| check_position(body.placement.translation_m))
+            .map_err(CoordinatesError::Difference)?;
+        let rate_hz = self.rate(elapsed_s).map_err(CoordinatesError::Difference)?;
+        for_each_state(bodies, q, &[], |joint, _, state, _| {
+            self.move_on(joint, state.pose, rate_hz);
+        });
+        Ok(())
+    }
+
     /// The positions and speeds of all joints. Angles are in [-π, π]; of a pose that the joint cannot take, those of
     /// the nearest that it can. O(n).
     ///
@@ -245,8 +307,13 @@ fn range(bodies: &[Body], body: usize, of_joint: impl Fn(JointKind) -> usize) ->
 
 /// Refuses positions and speeds that are no state of the tree.
 fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
+    check_positions(bodies, q)?;
+    check_numbers("qd", bodies, JointKind::degrees_of_freedom, qd)
+}
+
+/// Refuses positions that are none of the tree.
+fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
     check_numbers("q", bodies, JointKind::coordinate_count, q)?;
-    check_numbers("qd", bodies, JointKind::degrees_of_freedom, qd)?;
     let mut rest = q;
     for (joint, body) in bodies.iter().enumerate() {
         let index = q.len().saturating_sub(rest.len());
@@ -259,7 +326,7 @@ fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), Coordinates
 }
 
 /// Calls `set` with every joint, its body, its state, and the body's rotation in the joint frame. For what
-/// [`check_state`] has passed.
+/// [`check_state`] has passed; speeds that are not there count as zero.
 fn for_each_state(
     bodies: &[Body],
     mut q: &[f32],

@@ -4,16 +4,23 @@ use crate::forward_differences::ForwardDifferences;
 use crate::joint_targets::JointTargets;
 use crate::kinematics::of_parent;
 use crate::pose_step::rate;
-use crate::projection::{ManifoldProjection, ProjectionWorkspace};
+use crate::projection::{ManifoldProjection, ProjectionError, ProjectionWorkspace};
 use crate::state::{BodyState, StateInputError};
 use crate::trajectory::{aligned_targets, forward_targets, live_targets};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 use crate::{fixed, math};
 
-use super::error::InputError;
+use super::error::{InputError, TrackerError, check_count};
 use super::frames::{Frame, FrameSource};
 use super::names::{DesiredVelocity, Differences};
+
+/// What frames are. Of coordinates nothing is remembered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Poses,
+    Coordinates,
+}
 
 /// Takes frames as the rig can perform them, and their differences.
 #[derive(Debug)]
@@ -29,8 +36,8 @@ pub(super) struct Desired<const N: usize> {
     /// The joints' poses in the last three frames, from the slot `oldest` on.
     window: [[Transform; N]; 3],
     oldest: usize,
-    /// Whether frames are coordinates, of which nothing is remembered.
-    exact: bool,
+    /// What the source's frames are; none before the beginning.
+    kind: Option<Kind>,
     /// The number of the last frame that was taken; none before the first.
     newest: Option<i32>,
     targets: JointTargets<N>,
@@ -53,7 +60,7 @@ impl<const N: usize> Desired<N> {
             of_bodies: ForwardDifferences::new(),
             window: [[Transform::IDENTITY; N]; 3],
             oldest: 0,
-            exact: false,
+            kind: None,
             newest: None,
             targets: JointTargets::rest(tree),
         }
@@ -67,14 +74,13 @@ impl<const N: usize> Desired<N> {
         &mut self.targets
     }
 
-    /// Puts another projection in the place of the one there is, if there is one.
-    pub(super) fn replace_projection<E>(
+    /// Puts another projection in the place of the one there is.
+    pub(super) fn replace_projection(
         &mut self,
-        replace: impl FnOnce(&ManifoldProjection<N>) -> Result<ManifoldProjection<N>, E>,
-    ) -> Result<(), E> {
-        if let Some((projection, _)) = &mut self.projection {
-            *projection = replace(projection)?;
-        }
+        replace: impl FnOnce(&ManifoldProjection<N>) -> Result<ManifoldProjection<N>, ProjectionError>,
+    ) -> Result<(), TrackerError> {
+        let (projection, _) = self.projection.as_mut().ok_or(TrackerError::NoProjection)?;
+        *projection = replace(projection)?;
         Ok(())
     }
 
@@ -93,19 +99,38 @@ impl<const N: usize> Desired<N> {
         self.met_by(index).saturating_add(self.differences.frames_ahead())
     }
 
-    /// Takes the frames that lead to those of tick `index`: after it the tick takes one, as each does that follows.
-    // Not within its caller, whose frame on the stack every tick would pay for.
-    #[inline(never)]
+    /// Begins a performance at tick `index`: nothing is left of the one before, and its frames may be of either kind.
     pub(super) fn begin(
         &mut self,
         tree: &Tree<N>,
         frames: &mut impl FrameSource,
         index: i32,
     ) -> Result<(), InputError> {
-        self.exact = matches!(frames.frame(self.met_by(index)), Frame::Coordinates { .. });
-        if self.exact {
-            return Ok(());
+        if let Some((_, workspace)) = &mut self.projection {
+            workspace.reset();
         }
+        self.newest = None;
+        match frames.frame(self.met_by(index)) {
+            Frame::Poses(_) => {
+                self.kind = Some(Kind::Poses);
+                self.lead_in(tree, frames, index)
+            }
+            Frame::Coordinates { .. } => {
+                self.kind = Some(Kind::Coordinates);
+                Ok(())
+            }
+        }
+    }
+
+    /// Takes the frames that lead to those of tick `index`: after it the tick takes one, as each does that follows.
+    // Not within its caller, whose frame on the stack every tick would pay for.
+    #[inline(never)]
+    fn lead_in(
+        &mut self,
+        tree: &Tree<N>,
+        frames: &mut impl FrameSource,
+        index: i32,
+    ) -> Result<(), InputError> {
         let newest = self.newest_of(index);
         self.newest = None;
         let dt_s = self.dt_s;
@@ -135,15 +160,15 @@ impl<const N: usize> Desired<N> {
         frames: &mut impl FrameSource,
         index: i32,
     ) -> Result<(), InputError> {
-        if self.exact {
+        if self.kind.is_none() {
+            self.begin(tree, frames, index)?;
+        }
+        if self.kind == Some(Kind::Coordinates) {
             return self.take_exactly(tree, frames.frame(self.met_by(index)));
         }
         let newest = self.newest_of(index);
         if self.newest.and_then(|newest| newest.checked_add(1)) != Some(newest) {
-            self.begin(tree, frames, index)?;
-            if self.exact {
-                return self.take_exactly(tree, frames.frame(self.met_by(index)));
-            }
+            self.lead_in(tree, frames, index)?;
         }
         // Begins anew if the frame is refused.
         self.newest = None;
@@ -266,7 +291,8 @@ fn joints_of<'f, const N: usize>(
     tree: &Tree<N>,
 ) -> Result<&'f [Transform], InputError> {
     let Frame::Poses(poses) = frame else { return Err(InputError::Kind) };
-    Ok(poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?)
+    check_count(tree.len(), poses.len())?;
+    Ok(poses)
 }
 
 /// A frame as the rig can perform it: itself, or projected on the rig's own poses in `slot`.
@@ -279,7 +305,6 @@ fn performed<'f, const N: usize>(
     let joints = joints_of(frame, tree)?;
     let Some((projection, workspace)) = projection else { return Ok(joints) };
     let nearest = slot.get_mut(..tree.len()).unwrap_or_default();
-    // The counts are right: only a pose can be refused.
-    projection.project(tree, joints, workspace, nearest).map_err(|_| StateInputError::NonFinite)?;
+    projection.project(tree, joints, workspace, nearest)?;
     Ok(nearest)
 }

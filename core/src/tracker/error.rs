@@ -14,18 +14,39 @@ use crate::state_error::ReferencesError;
 /// Why a frame or a reading was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum InputError {
+    /// There must be one pose for each joint.
+    Count {
+        /// Number of joints.
+        expected: usize,
+        /// Number of poses.
+        found: usize,
+    },
     /// A pose.
     Pose(StateInputError),
+    /// A pose that the projection cannot take.
+    Projection(ProjectionError),
     /// Coordinates.
     Coordinates(CoordinatesError),
     /// A frame is of another kind than those that the tracker began with.
     Kind,
 }
 
+/// Refuses poses that are not one for each joint.
+pub(super) fn check_count(expected: usize, found: usize) -> Result<(), InputError> {
+    if found == expected { Ok(()) } else { Err(InputError::Count { expected, found }) }
+}
+
 impl From<StateInputError> for InputError {
     fn from(error: StateInputError) -> Self {
         Self::Pose(error)
+    }
+}
+
+impl From<ProjectionError> for InputError {
+    fn from(error: ProjectionError) -> Self {
+        Self::Projection(error)
     }
 }
 
@@ -38,10 +59,14 @@ impl From<CoordinatesError> for InputError {
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Count { expected, found } => {
+                write!(f, "{expected} joints need as many poses, {found} were given")
+            }
             Self::Pose(error) => error.fmt(f),
+            Self::Projection(error) => error.fmt(f),
             Self::Coordinates(error) => error.fmt(f),
             Self::Kind => f.write_str(
-                "it is of another kind than the frames before: poses, or coordinates; begin anew with another source",
+                "the source changed between poses and coordinates; call `begin` before another kind of source",
             ),
         }
     }
@@ -52,6 +77,7 @@ impl core::error::Error for InputError {}
 /// Why a tick has no torques.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum StepError {
     /// A frame of the performance was refused.
     Frame(InputError),
@@ -81,6 +107,18 @@ pub enum SettingError {
     GainsWithoutPd,
     /// Gains of a period for a law that has no unit of inertia.
     ImplicitWithoutInertia,
+    /// A value that [`MethodName::Recommended`](super::MethodName::Recommended) has of its own.
+    Fixed {
+        /// The key, dotted.
+        key: &'static str,
+    },
+    /// A body that the rig does not have.
+    Reference {
+        /// Its number.
+        body: usize,
+        /// Number of bodies.
+        bodies: usize,
+    },
     /// A value out of its range.
     Value {
         /// The key, dotted.
@@ -99,11 +137,18 @@ impl fmt::Display for SettingError {
                 "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
             ),
             Self::GainsWithoutPd => {
-                f.write_str("gains: expected \"uniform\", but with controller.law = \"pd\"")
+                f.write_str("gains: expected \"uniform\"; other gains need law = \"pd\"")
             }
             Self::ImplicitWithoutInertia => f.write_str(
-                "implicit: expected false with uniform gains of controller.law = \"pd\", which are not per unit of inertia",
+                "implicit: expected false with uniform gains of law = \"pd\", which are not per unit of inertia",
             ),
+            Self::Fixed { key } => write!(
+                f,
+                "{key}: fixed by method = \"recommended\"; use \"manifold_projection\" and set it"
+            ),
+            Self::Reference { body, bodies } => {
+                write!(f, "reference: expected one of the rig's {bodies} bodies, found body {body}")
+            }
             Self::Value { key, expected, value } => {
                 write!(f, "{key}: expected {expected}, found {value}")
             }
@@ -134,7 +179,19 @@ pub enum TrackerError {
     RestPose(RestPoseError),
     /// The rig's joints have no importance.
     Importance(ImportanceError),
-    /// The latency and the tick together take longer than [`LATE_MOST_S`](super::LATE_MOST_S).
+    /// Ranges or weights for a method without a projection.
+    NoProjection,
+    /// The supply was made of another rig.
+    SupplyJoints {
+        /// Number of the rig's joints.
+        expected: usize,
+        /// Number of the supply's joints.
+        found: usize,
+    },
+    /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) has no use for, or lacks them.
+    SupplyWeights,
+    /// With the method `recommended`, the latency and the tick together take longer than
+    /// [`LATE_MOST_S`](super::LATE_MOST_S).
     TooLate,
 }
 
@@ -170,8 +227,17 @@ impl fmt::Display for TrackerError {
             Self::Observer(error) => error.fmt(f),
             Self::RestPose(error) => error.fmt(f),
             Self::Importance(error) => error.fmt(f),
+            Self::NoProjection => f.write_str(
+                "ranges and weights are of a projection: use the method \"manifold_projection\" or \"recommended\"",
+            ),
+            Self::SupplyJoints { expected, found } => {
+                write!(f, "the supply is of a rig of {found} joints, this one has {expected}")
+            }
+            Self::SupplyWeights => f.write_str(
+                "the supply must have weights with sharing = \"importance\", and none with another",
+            ),
             Self::TooLate => f.write_str(
-                "the latency and the tick together must not take longer than 10 ms: more ticks a second, or another setting",
+                "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: more ticks a second, or another method",
             ),
         }
     }

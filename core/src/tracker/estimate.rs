@@ -8,14 +8,14 @@ use crate::state::StateInputError;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::Tree;
 
-use super::error::InputError;
+use super::error::{InputError, check_count};
 use super::frames::Measured;
 
 /// The state of the rig: backward differences of readings, or an observer's, which begins with them.
 #[derive(Debug)]
 pub(super) struct Estimate<const N: usize, const D: usize> {
     dt_s: f32,
-    /// The last reading that was accepted, with speeds by differences or as told.
+    /// The last reading that was accepted, with speeds by differences or as measured.
     differenced: JointStates<N>,
     /// Ticks since the last reading that was accepted; zero before any was.
     age_ticks: u16,
@@ -41,12 +41,35 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(Self { dt_s, differenced, age_ticks: 0, observer, observing: false, cancel })
     }
 
-    /// Takes a reading as that of a rig at rest, one tick before the next.
-    pub(super) fn begin(&mut self, measured: &[Transform]) -> Result<(), StateInputError> {
-        self.differenced.set_at_rest(measured)?;
+    /// Takes a reading, one tick before the next; of a rig at rest, if it has no speeds. Nothing is left of what was
+    /// estimated before.
+    pub(super) fn begin(
+        &mut self,
+        tree: &Tree<N>,
+        measured: Measured<'_>,
+    ) -> Result<(), InputError> {
+        self.age_ticks = 0;
+        match measured {
+            Measured::Poses(poses) => {
+                check_count(tree.len(), poses.len())?;
+                self.differenced.set_at_rest(poses)?;
+            }
+            Measured::Positions { q } => self.differenced.set_coordinates_at_rest(tree, q)?,
+            Measured::Coordinates { q, qd } => self.differenced.set_coordinates(tree, q, qd)?,
+        }
         self.age_ticks = 1;
         self.observing = false;
+        if let Some(observer) = &mut self.observer {
+            observer.reset(&self.differenced);
+        }
         Ok(())
+    }
+
+    /// Notes that ticks were left out: the next difference is over their time too.
+    pub(super) fn skip(&mut self, ticks: u16) {
+        if self.age_ticks > 0 {
+            self.age_ticks = self.age_ticks.saturating_add(ticks);
+        }
     }
 
     /// Takes the reading of a tick. The first one counts as at rest, if it has no speeds: where the rig stood before is
@@ -58,16 +81,24 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
     ) -> Result<(), InputError> {
         let age_ticks = self.age_ticks;
         // Ages before the reading is looked at: one that is refused has taken its tick all the same.
-        self.age_ticks = age_ticks.saturating_add(u16::from(age_ticks > 0));
+        self.skip(1);
         match measured {
             Measured::Poses(poses) => {
-                let poses = poses.get(..tree.len()).ok_or(StateInputError::NoSuchJoint)?;
+                check_count(tree.len(), poses.len())?;
                 self.observe_poses(tree, poses, age_ticks)?;
             }
-            Measured::Coordinates { q, qd } => self.observe_coordinates(tree, q, qd, age_ticks)?,
+            Measured::Positions { q } => self.observe_coordinates(tree, q, None, age_ticks)?,
+            Measured::Coordinates { q, qd } => {
+                self.observe_coordinates(tree, q, Some(qd), age_ticks)?;
+            }
         }
         self.age_ticks = 1;
         Ok(())
+    }
+
+    /// The time since a reading of that age.
+    fn elapsed_s(&self, age_ticks: u16) -> f32 {
+        self.dt_s * f32::from(age_ticks)
     }
 
     fn observe_poses(
@@ -86,7 +117,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
             _ => {
                 match age_ticks {
                     0 => self.differenced.set_at_rest(poses)?,
-                    _ => self.differenced.update_poses(poses, self.dt_s * f32::from(age_ticks))?,
+                    _ => self.differenced.update_poses(poses, self.elapsed_s(age_ticks))?,
                 }
                 self.restart();
             }
@@ -100,10 +131,15 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         &mut self,
         tree: &Tree<N>,
         q: &[f32],
-        qd: &[f32],
+        qd: Option<&[f32]>,
         age_ticks: u16,
     ) -> Result<(), InputError> {
-        self.differenced.set_coordinates(tree, q, qd)?;
+        let elapsed_s = self.elapsed_s(age_ticks);
+        match (qd, age_ticks) {
+            (Some(qd), _) => self.differenced.set_coordinates(tree, q, qd)?,
+            (None, 0) => self.differenced.set_coordinates_at_rest(tree, q)?,
+            (None, _) => self.differenced.update_coordinates(tree, q, elapsed_s)?,
+        }
         match &mut self.observer {
             Some(observer) if self.observing && age_ticks == 1 => {
                 let mut poses = [Transform::IDENTITY; N];

@@ -9,8 +9,8 @@ pub enum Frame<'a> {
     /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
     /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
     Poses(&'a [Transform]),
-    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. Needs neither
-    /// projection nor differences.
+    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. They need
+    /// neither projection nor differences, and nothing keeps them within the joints' ranges.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
@@ -21,14 +21,20 @@ pub enum Frame<'a> {
     },
 }
 
-/// What the sensors of the joints told in a tick.
+/// What the sensors of the joints measured in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Measured<'a> {
     /// Poses of all joints, each in its parent's frame. Velocities are backward differences.
     Poses(&'a [Transform]),
-    /// Coordinates and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates speeds of its own,
-    /// and takes those told only to begin with.
+    /// Positions alone, as [`coordinates`](crate::coordinates) has them: of encoders that measure no speeds. Speeds are
+    /// backward differences.
+    Positions {
+        /// Positions of the joints, nq numbers.
+        q: &'a [f32],
+    },
+    /// Positions and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates the speeds itself; it
+    /// uses these only to start.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
@@ -51,8 +57,8 @@ impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
 
 /// Where frames come from: a baked show, a clip, a live stream, a pose that is held.
 ///
-/// A [`Tracker`](super::Tracker) asks for frames by number and never knows how they are stored. All frames of a source are
-/// of one kind; before a source of the other kind, [`begin`](super::Tracker::begin) anew.
+/// A [`Tracker`](super::Tracker) asks for frames by number and never knows how they are stored. All frames of a source
+/// are of one kind; before a source of the other kind, [`begin`](super::Tracker::begin) anew.
 ///
 /// ```
 /// use sinew_core::Transform;

@@ -21,10 +21,10 @@ use crate::controller::{Controller, ControllerError, Workspace};
 use crate::coordinates::{CoordinatesError, DofCommand};
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
-use crate::projection::{JointRange, ProjectionError};
+use crate::projection::JointRange;
 use crate::state_error::StateError;
 use crate::supply::TorqueSupply;
-use crate::transform::{Transform, Wrench};
+use crate::transform::Wrench;
 use crate::tree::Tree;
 
 use desired::Desired;
@@ -42,9 +42,8 @@ pub use settings::{
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
 ///
-/// `D` is the room of the observer, one more than the longest latency in ticks; `R` that for resolved acceleration,
-/// `N` or
-/// 0. All memory is in here: put it in a static.
+/// `D`: one more than the longest latency in ticks. `R`: `N` for resolved acceleration, else 0. All memory is in here: put
+/// it in a static.
 ///
 /// ```
 /// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
@@ -79,8 +78,10 @@ pub use settings::{
 /// for tick in 0..100 {
 ///     // What the sensors of the joints say goes in, and torques for their drives come out.
 ///     let measured = [Transform::IDENTITY];
-///     let torques = tracker.step(&mut show, tick, &measured)?;
-///     assert_eq!(torques.len(), 1);
+///     let mut efforts_nm = [0.0];
+///     tracker.step(&mut show, tick, &measured)?.efforts(&mut efforts_nm)?;
+///     // To the servo.
+///     assert!(efforts_nm[0].is_finite());
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -98,7 +99,7 @@ impl<const N: usize, const D: usize> Tracker<N, D> {
     /// A tracker of a rig, for all methods but resolved acceleration. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if a setting cannot be, not on this rig, or the latency is longer than `D` - 1.
+    /// [`TrackerError`] if a setting or the timing cannot be, not on this rig, or the latency is longer than `D` - 1.
     pub fn new(tree: Tree<N>, settings: &Settings, timing: Timing) -> Result<Self, TrackerError> {
         Self::with_workspace(tree, settings, timing, Workspace::new())
     }
@@ -116,18 +117,22 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         workspace: Workspace<N, R>,
     ) -> Result<Self, TrackerError> {
         let Timing { dt_s, latency_ticks } = timing;
+        timing.check()?;
+        if settings.method == MethodName::Recommended {
+            timing.check_recommended()?;
+        }
         let controller = settings.controller(tree, dt_s)?;
-        let (tree, effective) = (controller.tree(), settings.effective());
+        let (tree, effective) = (controller.tree(), settings.effective(dt_s));
         // Who does not look ahead acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
         let differences = (effective.differences, effective.desired_velocity);
         Ok(Self {
-            desired: Desired::new(tree, dt_s, ahead, differences, settings.projection(tree)?),
+            desired: Desired::new(tree, dt_s, ahead, differences, effective.projection(tree)?),
             estimate: Estimate::new(
                 tree,
                 dt_s,
-                settings.observer(dt_s)?,
+                effective.observer(dt_s)?,
                 effective.observer.cancel,
                 latency_ticks,
             )?,
@@ -154,69 +159,102 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Self { controller: self.controller.with_gravity(gravity_m_s2)?, ..self })
     }
 
-    /// The same with drives that share a supply, by the rule of [`Settings::sharing`]. It must be made of this rig.
-    #[must_use]
-    pub fn with_supply(self, supply: TorqueSupply<N>) -> Self {
-        Self { supply: Some(supply), ..self }
-    }
-
-    /// The same with a range for each joint: the projection, if there is one, has no target outside of them.
+    /// The same with drives that share a supply, by the rule of [`Settings::sharing`].
     ///
     /// # Errors
-    /// [`ProjectionError`] if there is not a range for each joint, or one does not fit its joint.
-    pub fn with_ranges(mut self, ranges: &[JointRange]) -> Result<Self, ProjectionError> {
+    /// [`TrackerError`] if the supply is of another number of joints, or has weights where
+    /// [`Sharing::Importance`] is not the rule, or has none where it is.
+    pub fn with_supply(self, supply: TorqueSupply<N>) -> Result<Self, TrackerError> {
+        let (expected, found) = (self.controller.tree().len(), supply.joint_count());
+        if found != expected {
+            return Err(TrackerError::SupplyJoints { expected, found });
+        }
+        if supply.has_weights() != (self.sharing == Sharing::Importance) {
+            return Err(TrackerError::SupplyWeights);
+        }
+        Ok(Self { supply: Some(supply), ..self })
+    }
+
+    /// The same with a range for each joint: the projection has no target outside of them.
+    ///
+    /// # Errors
+    /// [`TrackerError`] if the method has no projection, there is not a range for each joint, or one does not fit its
+    /// joint.
+    pub fn with_ranges(mut self, ranges: &[JointRange]) -> Result<Self, TrackerError> {
         let tree = self.controller.tree();
         self.desired
             .replace_projection(|projection| projection.clone().with_ranges(tree, ranges))?;
         Ok(self)
     }
 
-    /// The same with other weights in the projection, if there is one, such as
+    /// The same with other weights in the projection, such as
     /// [`BodyWeights::by_importance`](crate::projection::BodyWeights::by_importance).
     ///
     /// # Errors
-    /// [`ProjectionError`] if the weights are not the rig's.
-    pub fn with_weights(mut self, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
+    /// [`TrackerError`] if the method has no projection, or the weights are not the rig's.
+    pub fn with_weights(mut self, weights: &[BodyWeight]) -> Result<Self, TrackerError> {
         let tree = self.controller.tree();
         self.desired
             .replace_projection(|projection| projection.clone().with_weights(tree, weights))?;
         Ok(self)
     }
 
-    /// Takes the frames that lead to those of tick `index`, and a reading that counts as that of a rig at rest one tick
-    /// before it: where the rig stood before is not known.
+    /// Begins as a new tracker would, with tick `index`: takes the frames that lead to those of the tick, and a reading of
+    /// one tick before it. If the reading has no speeds, it counts as that of a rig at rest.
     ///
-    /// A tick that has not been begun with does this itself, from its own reading. It takes as long as some twenty
-    /// ticks where the projection has to find its first pose.
+    /// The first tick of all does this itself, from its own reading. It takes as long as some twenty ticks where the
+    /// projection has to find its first pose.
     ///
     /// # Errors
     /// [`StepError`] if a frame or the reading is refused: begin again.
-    pub fn begin(
+    pub fn begin<'m>(
         &mut self,
         frames: &mut impl FrameSource,
         index: i32,
-        measured: &[Transform],
+        measured: impl Into<Measured<'m>>,
     ) -> Result<(), StepError> {
-        self.desired.begin(self.controller.tree(), frames, index).map_err(StepError::Frame)?;
-        self.estimate.begin(measured).map_err(|error| StepError::Measured(error.into()))
+        let tree = self.controller.tree();
+        self.desired.begin(tree, frames, index).map_err(StepError::Frame)?;
+        self.estimate.begin(tree, measured.into()).map_err(StepError::Measured)
     }
 
-    /// One tick: torques for frame `index`, from what the joints' sensors tell now. O(n).
+    /// Begins another performance with tick `index` while the rig moves: takes the frames that lead to those of the tick,
+    /// and leaves what is known of the rig. The source may be of another kind than the one before.
     ///
-    /// The torques are wrenches by joint, as [`Controller::tick`] gives them; [`Self::dof_commands`] and
-    /// [`Tree::efforts`] tell what they come to for each degree of freedom. After ticks that were left out or refused
-    /// it goes on from differences over the time that has passed. From one frame to the next one frame is taken,
-    /// after a jump four.
+    /// It takes as long as [`Self::begin`]. If ticks are left out meanwhile, [`Self::skip`] them. Targets jump to the new
+    /// performance: where they must not, let the source lead over.
     ///
     /// # Errors
-    /// [`StepError`] if a frame is refused, or a reading: too few joints, a pose that is not finite or whose rotation
-    /// is not unit. There are no torques then, and the servos must be held safe.
+    /// [`StepError::Frame`] if a frame is refused: begin again.
+    pub fn begin_frames(
+        &mut self,
+        frames: &mut impl FrameSource,
+        index: i32,
+    ) -> Result<(), StepError> {
+        self.desired.begin(self.controller.tree(), frames, index).map_err(StepError::Frame)
+    }
+
+    /// Tells that `ticks` were left out since the last call of [`Self::begin`] or [`Self::step`]: velocities are then
+    /// differences over the time that has passed, and an observer, which does not know what was commanded meanwhile,
+    /// starts anew from them. A call of [`Self::step`] that was refused is no tick left out.
+    pub fn skip(&mut self, ticks: u16) {
+        self.estimate.skip(ticks);
+    }
+
+    /// One tick: torques for frame `index`, from what the joints' sensors measure now. O(n).
+    ///
+    /// From one frame to the next one frame is taken, after a jump four. A tick that is refused has taken its time: the
+    /// next goes on from differences over it. Ticks that are left out must be told: see [`Self::skip`].
+    ///
+    /// # Errors
+    /// [`StepError`] if a frame is refused, or a reading: not one for each joint, a pose that is not finite or whose
+    /// rotation is not unit. There are no torques then, and the servos must be held safe.
     pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
         index: i32,
         measured: impl Into<Measured<'m>>,
-    ) -> Result<&[Limited<Wrench>], StepError> {
+    ) -> Result<Tick<'_, N, D, R>, StepError> {
         let tree = self.controller.tree();
         let of_frame = self.desired.follow(tree, frames, index);
         // The reading is kept, whatever became of the frame.
@@ -235,17 +273,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
         let torques = w.torques().get(..count).unwrap_or_default();
         self.estimate.commanded(w.commands(), torques);
-        Ok(torques)
-    }
-
-    /// What each degree of freedom is asked for after a tick: target, feed-forward and feedback effort, and what
-    /// limited it. See [`Controller::dof_commands`]. O(n).
-    ///
-    /// # Errors
-    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
-    pub fn dof_commands(&mut self, out: &mut [DofCommand]) -> Result<(), CoordinatesError> {
-        let (targets, states) = (self.desired.targets(), self.estimate.states());
-        self.controller.dof_commands(targets, states, &[], &mut self.workspace, out)
+        Ok(Tick { tracker: self })
     }
 
     /// The rig's controller.
@@ -272,6 +300,39 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     pub fn errors(&mut self, out: &mut [StateError]) {
         let states = self.estimate.states();
         self.controller.errors(self.desired.targets_mut(), states, &mut self.workspace, out);
+    }
+}
+
+/// What a tick asks for: there is none of a tick that was refused.
+#[derive(Debug)]
+pub struct Tick<'t, const N: usize, const D: usize = 1, const R: usize = 0> {
+    tracker: &'t mut Tracker<N, D, R>,
+}
+
+impl<const N: usize, const D: usize, const R: usize> Tick<'_, N, D, R> {
+    /// The wrench of each joint's drive, as [`Controller::tick`] gives it.
+    pub fn torques(&self) -> &[Limited<Wrench>] {
+        let count = self.tracker.controller.tree().len();
+        self.tracker.workspace.torques().get(..count).unwrap_or_default()
+    }
+
+    /// What the drives of the degrees of freedom are to give, N m or N: see [`Tree::efforts`]. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    pub fn efforts(&self, out: &mut [f32]) -> Result<(), CoordinatesError> {
+        let states = self.tracker.estimate.states().as_slice();
+        self.tracker.controller.tree().efforts(states, self.torques(), out)
+    }
+
+    /// What each degree of freedom is asked for: target, feed-forward and feedback effort, and what limited it. See
+    /// [`Controller::dof_commands`]. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    pub fn dof_commands(&mut self, out: &mut [DofCommand]) -> Result<(), CoordinatesError> {
+        let Tracker { controller, desired, estimate, workspace, .. } = &mut *self.tracker;
+        controller.dof_commands(desired.targets(), estimate.states(), &[], workspace, out)
     }
 }
 

@@ -2,31 +2,63 @@
 
 use core::fmt;
 
-/// A method of measuring the state error, or a setting with one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case")
-)]
-pub enum MethodName {
-    /// Local Space Error: every joint as its parent sees it.
-    Local,
-    /// World Space Error.
-    World,
-    /// Every body as the root sees it, the root as the world sees it.
-    Egocentric,
-    /// The descendants of `reference` as that body sees them, all others as the world does.
-    Accumulated,
-    /// Linear Compensation Error: bodies turn so that their child reaches its goal.
-    LinearCompensation,
-    /// World Space Error of the rig's own pose that is nearest to the performance's.
-    ManifoldProjection,
-    /// Joint accelerations that make every body's error in the world obey one law.
-    ResolvedAcceleration,
-    /// For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead.
-    Recommended,
+macro_rules! methods {
+    ($($variant:ident = $name:literal, $label:literal, $summary:literal;)*) => {
+        /// A method of measuring the state error, or a setting with one.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum MethodName {
+            $(
+                #[doc = concat!($summary, ".")]
+                #[cfg_attr(feature = "serde", serde(rename = $name))]
+                $variant,
+            )*
+        }
+
+        impl MethodName {
+            /// Every one there is.
+            pub const EVERY: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+
+            /// The name in options and files.
+            pub const fn as_str(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+
+            /// The name in headings.
+            pub const fn label(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $label,)*
+                }
+            }
+
+            /// What it does, in a line.
+            pub const fn summary(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $summary,)*
+                }
+            }
+        }
+    };
+}
+
+methods! {
+    Local = "local", "Local", "Local Space Error: every joint as its parent sees it";
+    World = "world", "World", "World Space Error";
+    Egocentric = "egocentric", "Egocentric",
+        "Every body as the root sees it, the root as the world sees it";
+    Accumulated = "accumulated", "Accumulated",
+        "The descendants of `reference` as that body sees them, all others as the world does";
+    LinearCompensation = "linear_compensation", "Linear Compensation",
+        "Linear Compensation Error: bodies turn so that their child reaches its goal";
+    ManifoldProjection = "manifold_projection", "Manifold Projection",
+        "World Space Error of the rig's own pose that is nearest to the performance's";
+    ResolvedAcceleration = "resolved_acceleration", "Resolved Acceleration",
+        "Joint accelerations that make every body's error in the world obey one law";
+    Recommended = "recommended", "Recommended",
+        "For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead";
 }
 
 impl MethodName {
@@ -44,18 +76,6 @@ impl MethodName {
         Self::Recommended,
     ];
 
-    /// Every one there is.
-    pub const EVERY: [Self; 8] = [
-        Self::Local,
-        Self::World,
-        Self::Egocentric,
-        Self::Accumulated,
-        Self::LinearCompensation,
-        Self::ManifoldProjection,
-        Self::ResolvedAcceleration,
-        Self::Recommended,
-    ];
-
     /// The method of that name.
     ///
     /// ```
@@ -65,58 +85,6 @@ impl MethodName {
     /// ```
     pub fn from_name(name: &str) -> Option<Self> {
         Self::EVERY.into_iter().find(|method| method.as_str() == name)
-    }
-
-    /// The name in options and files.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Local => "local",
-            Self::World => "world",
-            Self::Egocentric => "egocentric",
-            Self::Accumulated => "accumulated",
-            Self::LinearCompensation => "linear_compensation",
-            Self::ManifoldProjection => "manifold_projection",
-            Self::ResolvedAcceleration => "resolved_acceleration",
-            Self::Recommended => "recommended",
-        }
-    }
-
-    /// The name in headings.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Local => "Local",
-            Self::World => "World",
-            Self::Egocentric => "Egocentric",
-            Self::Accumulated => "Accumulated",
-            Self::LinearCompensation => "Linear Compensation",
-            Self::ManifoldProjection => "Manifold Projection",
-            Self::ResolvedAcceleration => "Resolved Acceleration",
-            Self::Recommended => "Recommended",
-        }
-    }
-
-    /// What it does, in a line.
-    pub const fn summary(self) -> &'static str {
-        match self {
-            Self::Local => "Local Space Error: every joint as its parent sees it",
-            Self::World => "World Space Error",
-            Self::Egocentric => "Every body as the root sees it, the root as the world sees it",
-            Self::Accumulated => {
-                "The descendants of `controller.reference` as that body sees them, all others as the world does"
-            }
-            Self::LinearCompensation => {
-                "Linear Compensation Error: bodies turn so that their child reaches its goal"
-            }
-            Self::ManifoldProjection => {
-                "World Space Error of the rig's own pose that is nearest to the performance's"
-            }
-            Self::ResolvedAcceleration => {
-                "Joint accelerations that make every body's error in the world obey one law"
-            }
-            Self::Recommended => {
-                "For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead"
-            }
-        }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::dynamics::{OuterJoints, reflected_inertia};
 use crate::importance::{RestPose, descendants_length};
 use crate::joint_states::JointStates;
 use crate::observer::ObserverSettings;
+use crate::pose_step::rate;
 use crate::projection::{DEFAULT_SWEEPS, ManifoldProjection, ProjectionError};
 use crate::state_error::{Aims, Compensation, Method, RateTerm, References};
 use crate::tree::Tree;
@@ -23,7 +24,7 @@ pub const ROTATION_M: f32 = 0.5;
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
 /// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended
-/// setting: beyond, no rig stood in simulation whose masses were off by 15 % and whose sensors had 12 bits.
+/// setting: beyond it, every simulated rig with masses off by 15 % and sensors of 12 bits was lost.
 pub const LATE_MOST_S: f32 = 0.010;
 
 /// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.
@@ -75,7 +76,8 @@ pub struct Settings<B: Default = usize> {
     /// How the error becomes a torque.
     #[cfg_attr(feature = "serde", serde(with = "super::names::law"))]
     pub law: ControlLaw,
-    /// How the joints share a supply that all drives have together, see [`Tracker::with_supply`](super::Tracker::with_supply).
+    /// How the joints share a supply that all drives have together, see
+    /// [`Tracker::with_supply`](super::Tracker::with_supply).
     pub sharing: Sharing,
     /// What the gains of `pd` are multiplied with, joint by joint.
     pub gains: GainsName,
@@ -182,7 +184,7 @@ impl Default for ResolvedSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
-    /// Time from one tick, and from one frame, to the next, in s.
+    /// Time from one tick, and from one frame, to the next, in s: a finite number from 1e-9.
     pub dt_s: f32,
     /// Ticks from a measurement to the tick that its torque acts in, beyond the tick itself. Looked ahead over with
     /// [`ObserverChoice::predict`].
@@ -197,10 +199,24 @@ impl<B: Default + Copy> Settings<B> {
         Self { method: MethodName::Recommended, ..Self::default() }
     }
 
-    /// The same with the method [`MethodName::Recommended`] spelled out: the settings that it stands for. Gains and the
-    /// projection's weights stay.
+    /// The same with the method [`MethodName::Recommended`] spelled out for a rig that acts once in `dt_s` seconds: the
+    /// settings that it stands for. Gains and the projection's weights stay.
+    ///
+    /// A tracker of settings that are spelled out does not check its [`Timing`]: for simulations of drives that come too
+    /// late.
     #[must_use]
-    pub fn effective(self) -> Self {
+    pub fn effective(self, dt_s: f32) -> Self {
+        let mut effective = self.spelled_out();
+        if self.method == MethodName::Recommended {
+            // An observer cannot be faster than its ticks.
+            let bandwidth_rad_s = &mut effective.observer.bandwidth_rad_s;
+            *bandwidth_rad_s = bandwidth_rad_s.min(1.0 / dt_s);
+        }
+        effective
+    }
+
+    /// The same at any period.
+    fn spelled_out(self) -> Self {
         if self.method != MethodName::Recommended {
             return self;
         }
@@ -214,6 +230,32 @@ impl<B: Default + Copy> Settings<B> {
             },
             implicit: true,
             ..self
+        }
+    }
+
+    /// The same with another method, for a comparison of several: [`MethodName::Recommended`] gets its own differences and
+    /// observer, whatever the others have.
+    #[must_use]
+    pub fn with_method(self, method: MethodName) -> Self {
+        let of_method = Self { method, ..self };
+        if of_method.fixed_otherwise().is_none() {
+            return of_method;
+        }
+        let Self { observer, differences, .. } = of_method.spelled_out();
+        Self { observer, differences, ..of_method }
+    }
+
+    /// The key of what the method fixes, and is set neither to that nor to its default.
+    fn fixed_otherwise(&self) -> Option<&'static str> {
+        let (own, default) = (self.spelled_out(), Self::default());
+        if self.method != MethodName::Recommended {
+            None
+        } else if ![own.differences, default.differences].contains(&self.differences) {
+            Some("differences")
+        } else if ![own.observer, default.observer].contains(&self.observer) {
+            Some("observer")
+        } else {
+            None
         }
     }
 
@@ -255,16 +297,28 @@ impl<B: Default + Copy> Settings<B> {
         }
     }
 
-    /// Checks every value; NaN is refused.
+    /// Checks every value; NaN is refused. With [`MethodName::Recommended`], differences and observer are its own: they
+    /// must be left out.
     ///
     /// # Errors
     /// [`SettingError`] names the key.
+    ///
+    /// ```
+    /// use sinew_core::tracker::{Differences, Settings};
+    /// let live = Settings { differences: Differences::Live, ..Settings::<usize>::recommended() };
+    /// let expected =
+    ///     "differences: fixed by method = \"recommended\"; use \"manifold_projection\" and set it";
+    /// assert_eq!(live.check().unwrap_err().to_string(), expected);
+    /// ```
     pub fn check(&self) -> Result<(), SettingError> {
         let Self { beta, kp, law, gains, projection, resolved, implicit, observer, .. } =
-            self.effective();
+            self.spelled_out();
         let pd = law == ControlLaw::ProportionalDerivative;
         let value = |key, expected, value| Err(SettingError::Value { key, expected, value });
         let length = "a length from 0.01 to 100 m";
+        if let Some(key) = self.fixed_otherwise() {
+            return Err(SettingError::Fixed { key });
+        }
         if gains != GainsName::Uniform && !pd {
             return Err(SettingError::GainsWithoutPd);
         }
@@ -318,7 +372,7 @@ impl Settings {
         dt_s: f32,
     ) -> Result<Controller<N>, TrackerError> {
         self.check()?;
-        let settings = self.effective();
+        let settings = self.effective(dt_s);
         let method = settings.state_error(&tree)?;
         let outer = match settings.gains {
             GainsName::Uniform => None,
@@ -353,6 +407,10 @@ impl Settings {
             }
             MethodName::Egocentric => Method::Accumulated(References::egocentric(tree)),
             MethodName::Accumulated => {
+                let (body, bodies) = (self.reference, tree.len());
+                if body >= bodies {
+                    return Err(SettingError::Reference { body, bodies }.into());
+                }
                 let seen_from: [_; N] = core::array::from_fn(|body| {
                     tree.is_ancestor(self.reference, body).then_some(self.reference)
                 });
@@ -377,7 +435,7 @@ impl Settings {
         &self,
         tree: &Tree<N>,
     ) -> Result<Option<ManifoldProjection<N>>, TrackerError> {
-        if self.effective().method != MethodName::ManifoldProjection {
+        if self.spelled_out().method != MethodName::ManifoldProjection {
             return Ok(None);
         }
         let ProjectionSettings { rotation_m, root_held, sweeps, .. } = self.projection;
@@ -398,13 +456,9 @@ impl Settings {
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
     }
 
-    /// The observer of the state, if there is one.
+    /// The observer of the state, if there is one, of settings that are spelled out.
     pub(super) fn observer(&self, dt_s: f32) -> Result<Option<ObserverSettings>, TrackerError> {
-        let ObserverChoice { mut bandwidth_rad_s, predict, .. } = self.effective().observer;
-        if self.method == MethodName::Recommended {
-            // An observer cannot be faster than its ticks.
-            bandwidth_rad_s = bandwidth_rad_s.min(1.0 / dt_s);
-        }
+        let ObserverChoice { bandwidth_rad_s, predict, .. } = self.observer;
         Ok(if bandwidth_rad_s > 0.0 {
             Some(ObserverSettings::extended_state(bandwidth_rad_s, dt_s)?)
         } else if predict {
@@ -427,8 +481,20 @@ impl ResolvedSettings {
 }
 
 impl Timing {
-    /// Refuses what no real rig stands in the recommended setting: a torque that ends later than [`LATE_MOST_S`] after
-    /// its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
+    /// Refuses a period that is no time.
+    pub(super) fn check(self) -> Result<(), SettingError> {
+        let Self { dt_s, .. } = self;
+        if rate(dt_s).is_err() {
+            let expected = "a finite number of seconds from 1e-9";
+            return Err(SettingError::Value { key: "dt_s", expected, value: dt_s });
+        }
+        Ok(())
+    }
+
+    /// Refuses a timing at which simulated rigs with the recommended setting were lost: a torque that ends more than
+    /// [`LATE_MOST_S`] after its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
+    ///
+    /// [`Tracker::new`](super::Tracker::new) checks this of the method [`MethodName::Recommended`].
     ///
     /// # Errors
     /// [`TrackerError::TooLate`].

@@ -11,7 +11,7 @@ use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::evaluate::{EvaluateError, Evaluation, Protocol, evaluate, report, steps_of_all};
 
 use super::clips::{ClipArgs, seconds};
-use super::methods::{MethodArg, methods};
+use super::methods::{MethodArg, check_fixed, methods};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
 
@@ -105,6 +105,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         methods: methods(&args.methods),
         seconds: args.seconds,
     };
+    check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.
     if let Some(folder) = &args.out {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;

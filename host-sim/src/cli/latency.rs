@@ -13,7 +13,7 @@ use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, rate, seconds};
 use super::evaluate::{ensure_different, scale};
-use super::methods::{MethodArg, methods};
+use super::methods::{MethodArg, check_fixed, methods};
 use super::setup::SetupArgs;
 
 /// Find the largest latency that each method tolerates, by rate of control.
@@ -66,12 +66,13 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
+    check_fixed(&setup, &methods)?;
     ensure_different(&args.rates, "--rates")?;
     let setups: Vec<Setup> = methods
         .iter()
         .map(|method| {
             let mut setup = setup.clone();
-            setup.controller.method = *method;
+            setup.controller = setup.controller.with_method(*method);
             setup
         })
         .collect();

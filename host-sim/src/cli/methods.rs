@@ -1,8 +1,11 @@
 //! Options that name methods.
 
+use anyhow::bail;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use sinew_sim::evaluate::MethodName;
+use sinew_core::tracker::SettingError;
+use sinew_sim::command::note;
+use sinew_sim::evaluate::{MethodName, Setup, SetupError};
 
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy)]
@@ -44,4 +47,22 @@ pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
         MethodArg::All => MethodName::ALL.to_vec(),
     };
     args.iter().flat_map(named).collect()
+}
+
+/// Refuses a setting that the only method has of its own; of several methods, says which one keeps its own.
+pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Result<()> {
+    for method in methods {
+        let mut of_method = setup.clone();
+        of_method.controller.method = *method;
+        match of_method.check() {
+            Err(SetupError::Controller(SettingError::Fixed { key })) if methods.len() > 1 => {
+                note(format_args!(
+                    "{method} keeps its own controller.{key}: what is set is for the other methods"
+                ));
+            }
+            Err(error @ SetupError::Controller(SettingError::Fixed { .. })) => bail!(error),
+            _ => {}
+        }
+    }
+    Ok(())
 }

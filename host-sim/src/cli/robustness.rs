@@ -13,7 +13,7 @@ use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, seconds};
 use super::evaluate::{ensure_different, scale};
-use super::methods::{MethodArg, methods};
+use super::methods::{MethodArg, check_fixed, methods};
 use super::setup::SetupArgs;
 
 /// Track the clips on rigs as they are built: a row for each of many, and the median.
@@ -80,6 +80,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
+    check_fixed(&setup, &methods)?;
     for method in &methods {
         as_built(&setup, *method, 0).check()?;
     }

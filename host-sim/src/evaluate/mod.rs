@@ -119,7 +119,7 @@ impl Protocol {
     pub fn setup_of(&self, scale: f64, method: MethodName) -> Setup {
         let mut setup = self.setup.clone();
         setup.dimensions = Dimensions { scale, ..setup.dimensions };
-        setup.controller.method = method;
+        setup.controller = setup.controller.with_method(method);
         setup
     }
 }

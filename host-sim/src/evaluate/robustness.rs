@@ -47,7 +47,7 @@ pub fn trial(motions: &[FigureMotion], setup: &Setup, seconds: Option<f64>) -> T
 #[must_use]
 pub fn as_built(setup: &Setup, method: MethodName, seed: u64) -> Setup {
     let mut setup = setup.clone();
-    setup.controller.method = method;
+    setup.controller = setup.controller.with_method(method);
     setup.disturbance.masses = 0.15;
     setup.disturbance.sensor_bits = 12;
     setup.disturbance.latency_steps = 1;
@@ -79,14 +79,10 @@ pub fn largest_latency(
     seconds: Option<f64>,
 ) -> Result<Option<usize>, Lost> {
     let mut setup = setup.clone();
-    let recommended = setup.controller.method == MethodName::Recommended;
-    setup.controller = setup.controller.effective();
-    let observer = &mut setup.controller.observer;
-    observer.predict = look_ahead;
-    if let Some(motion) = motions.first().filter(|_| recommended) {
-        // As the setting itself does at low rates.
-        observer.bandwidth_rad_s = observer.bandwidth_rad_s.min(1.0 / narrow(motion.dt_s));
+    if let Some(motion) = motions.first() {
+        setup.controller = setup.controller.effective(narrow(motion.dt_s));
     }
+    setup.controller.observer.predict = look_ahead;
     let mut largest = None;
     for latency_steps in 0..=LATENCY_MOST {
         setup.disturbance.latency_steps = latency_steps;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{SettingError, Timing, Tracker};
+use sinew_core::tracker::{SettingError, Timing, Tracker, TrackerError};
 use thiserror::Error;
 
 use super::controller::{BodyName, ControllerSettings, narrow};
@@ -178,13 +178,14 @@ impl Setup {
         dt_s: f64,
     ) -> Result<Box<FigureTracker>, RunError> {
         let tree = model.tree(self.root)?;
-        let settings = self.controller.named(|BodyName(body)| body);
-        let latency_ticks = self.disturbance.latency_steps;
-        let timing = Timing { dt_s: narrow(dt_s), latency_ticks };
+        let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
+        self.controller.check().map_err(TrackerError::from)?;
+        // Spelled out, since it is an evaluation's business to try drives that come too late.
+        let settings = self.controller.effective(timing.dt_s).named(|BodyName(body)| body);
         let supply = supply(self, &tree, levers)?;
         let tracker = Tracker::with_workspace(tree, &settings, timing, Workspace::resolving())?
             .with_limits(&self.disturbance.torque_limits())?
-            .with_supply(supply);
+            .with_supply(supply)?;
         Ok(Box::new(tracker))
     }
 }

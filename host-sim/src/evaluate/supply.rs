@@ -20,7 +20,7 @@ pub(super) fn supply(
     levers: &Levers,
 ) -> Result<TorqueSupply<BODY_COUNT>, RunError> {
     let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
-    Ok(match setup.controller.effective().sharing {
+    Ok(match setup.controller.sharing {
         Sharing::Alike | Sharing::Accelerations => supply,
         Sharing::Importance => supply.with_weights(&weights(tree, levers))?,
     })

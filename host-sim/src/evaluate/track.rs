@@ -119,7 +119,8 @@ pub fn track(
     for frame in 0..steps {
         let now = sensors.read(measured_joints(plant.poses(), &model.offset_m));
         let tick = i32::try_from(frame).map_err(|_| RunError::TooLong { frames: steps })?;
-        let torques = tracker.step(&mut frames, tick, &now).map_err(refused(frame))?;
+        let tick = tracker.step(&mut frames, tick, &now).map_err(refused(frame))?;
+        let torques = tick.torques();
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }

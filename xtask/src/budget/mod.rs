@@ -14,12 +14,12 @@ use std::fs;
 use anyhow::{Context, Result, ensure};
 
 use crate::elf::Elf;
-use crate::{arm, firmware, image, step};
-use file::{Budget, FILE};
+use crate::{arm, image, step};
 use kernels::{Kernel, Kernels};
 use trace::Mix;
 
 pub(crate) use figures::{Figures, Place};
+pub(crate) use file::{Budget, FILE};
 pub(crate) use images::{CORE_ALONE, KERNELS, size};
 pub(crate) use kernels::{field, number};
 pub(crate) use tables::{aligned, section};
@@ -28,8 +28,9 @@ pub(crate) use trace::qemu;
 /// The rig that promises are about.
 const BODIES: &str = "18";
 
-/// Measures everything, and compares it with the committed file; or makes it the new one.
-pub(crate) fn run(accept: bool) -> Result<()> {
+/// Measures everything, and compares it with the committed file; or makes it the new one. `boards`: what their images
+/// take.
+pub(crate) fn run(accept: bool, boards: impl FnOnce() -> Result<Figures>) -> Result<()> {
     let path = step::root().join(FILE);
     let text = fs::read_to_string(&path).with_context(|| FILE.to_owned())?;
     let budget = Budget::parse(&text)?;
@@ -39,7 +40,7 @@ pub(crate) fn run(accept: bool) -> Result<()> {
         "{FILE} has the figures of rustup's compiler, and this is {}",
         toolchain.name()
     );
-    let mut figures = firmware::run(None)?;
+    let mut figures = boards()?;
     images::build()?;
     let kernels = kernels::measure(&images::KERNELS.path())?;
     figures.extend(kernels.figures.clone());

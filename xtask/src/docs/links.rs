@@ -1,4 +1,4 @@
-//! Links to files and headings that are not there.
+//! Links to files and headings that are not there, and names of sources that are not.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -12,7 +12,13 @@ pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
             let what = fault(page, link, pages)?;
             Some(Fault { path: page.path.clone(), line: *line, what })
         };
-        page.links.iter().filter_map(dead).collect()
+        let gone = |(line, source): &(usize, String)| {
+            let is_there = step::root().join(source).exists();
+            let what = format!("`{source}`: there is no such file or folder");
+            (!is_there).then(|| Fault { path: page.path.clone(), line: *line, what })
+        };
+        let links = page.links.iter().filter_map(dead);
+        links.chain(page.sources.iter().filter_map(gone)).collect()
     };
     pages.iter().flat_map(of_page).collect()
 }
@@ -69,10 +75,17 @@ mod tests {
                 "docs/a.md",
                 "# One\n[b](../README.md#two), [c](book.toml), [d](https://e.org), [f](#one)",
             ),
-            page("README.md", "# Two\n\n[gone](docs/gone.md)\n\n[heading](docs/a.md#two)"),
+            page(
+                "README.md",
+                "# Two\n\n[gone](docs/gone.md)\n\n[heading](docs/a.md#two)\n\n\
+                 `core/src/math.rs`, `core/src/gone.rs`",
+            ),
         ];
         let faults: Vec<_> =
             check(&pages).iter().map(|fault| (fault.path.clone(), fault.line)).collect();
-        assert_eq!(faults, [("README.md".into(), 3), ("README.md".into(), 5)]);
+        assert_eq!(
+            faults,
+            [("README.md".into(), 3), ("README.md".into(), 5), ("README.md".into(), 7)]
+        );
     }
 }

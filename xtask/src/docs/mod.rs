@@ -3,6 +3,7 @@
 mod book;
 mod cargo;
 mod commands;
+mod figures;
 mod links;
 mod page;
 mod width;
@@ -23,11 +24,12 @@ struct Fault {
 
 /// Checks every page of the repository, then builds the book.
 pub(crate) fn run() -> Result<()> {
-    eprintln!("\n== documentation: links, commands, width");
+    eprintln!("\n== documentation: links, commands, figures, width");
     let pages = pages()?;
     let mut faults = links::check(&pages);
     faults.extend(book::check(&pages));
     faults.extend(commands::check(&pages)?);
+    faults.extend(figures::check(&pages)?);
     faults.extend(width::check(&pages)?);
     for Fault { path, line, what } in &faults {
         eprintln!("   {}:{line}: {what}", path.display());

@@ -17,6 +17,8 @@ pub(super) struct Page {
     pub(super) lines: Vec<(String, bool)>,
     /// What it links to and shows, with the line.
     pub(super) links: Vec<(usize, String)>,
+    /// Paths of sources that it names, with the line.
+    pub(super) sources: Vec<(usize, String)>,
     /// What can be linked to in it.
     pub(super) anchors: BTreeSet<String>,
     /// Commands in blocks of `sh`, with the line.
@@ -35,6 +37,7 @@ impl Page {
             path,
             lines: text.lines().map(|line| (line.to_owned(), true)).collect(),
             links: Vec::new(),
+            sources: Vec::new(),
             anchors: BTreeSet::new(),
             commands: Vec::new(),
         };
@@ -43,6 +46,11 @@ impl Page {
         let mut in_shell = false;
         let events = Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter();
         for (event, range) in events {
+            if let Event::Code(code) = &event
+                && code.contains("/src/")
+            {
+                page.sources.push((line_of(range.start), code.to_string()));
+            }
             match event {
                 Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
                 Event::End(TagEnd::Heading(_)) => {

@@ -159,7 +159,7 @@ fn board_tick<const N: usize>(
     measured: &[Transform],
 ) -> Result<(), StepError> {
     let index = i32::try_from(index).unwrap_or(i32::MAX);
-    tracker.step(frames, index, measured).map(|torques| _ = black_box(torques))
+    tracker.step(frames, index, measured).map(|tick| _ = black_box(tick.torques()))
 }
 
 fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {

@@ -50,12 +50,12 @@ fn perform() -> Result<(), &'static str> {
         let (mut counts, mut most_counts) = (0, 0);
         for tick in 0..ticks {
             let start = SYST::get_current();
-            let torques = replay.step(tick).map_err(|_| "a tick was refused")?;
+            let asked = replay.step(tick).map_err(|_| "a tick was refused")?;
             // The counter runs down and wraps at 24 bits.
             let taken = u64::from(start.wrapping_sub(SYST::get_current()) & COUNTER_MASK);
             counts += taken;
             most_counts = most_counts.max(taken);
-            hash.update(torques);
+            hash.update(asked.torques());
         }
         hprintln!(
             "method={} ticks={} tick={} worst={} hash={:016x}",

@@ -83,10 +83,11 @@ async fn run_control(
         ticker.next().await;
         let start = Instant::now();
         match replay.step(tick) {
-            Ok(torques) => {
+            Ok(asked) => {
                 // Only a tick that has torques: whoever has none for long is reset.
                 watchdog.pet();
-                let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
+                let limited =
+                    asked.torques().iter().filter(|torque| torque.reason.is_some()).count();
                 if tick.is_multiple_of(100) {
                     let took_us = start.elapsed().as_micros();
                     defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
