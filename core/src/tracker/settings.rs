@@ -189,7 +189,7 @@ pub struct Timing {
     pub latency_ticks: usize,
 }
 
-impl<B: Default + Copy> Settings<B> {
+impl<B: Default + Clone> Settings<B> {
     /// The setting for real rigs: manifold projection on aligned targets, implicit gains, and an observer that cancels
     /// what the model has wrong and looks ahead over the latency.
     #[must_use]
@@ -261,7 +261,7 @@ impl<B: Default + Copy> Settings<B> {
     /// [`SettingError`] names the key.
     pub fn check(&self) -> Result<(), SettingError> {
         let Self { beta, kp, law, gains, projection, resolved, implicit, observer, .. } =
-            self.effective();
+            self.clone().effective();
         let pd = law == ControlLaw::ProportionalDerivative;
         let value = |key, expected, value| Err(SettingError::Value { key, expected, value });
         let length = "a length from 0.01 to 100 m";
