@@ -14,10 +14,10 @@ use glam::{DMat3, DVec3};
 use peak_alloc::PeakAlloc;
 use sinew_sim::builtin;
 use sinew_sim::evaluate::{MethodName, Protocol, evaluate, run, steps_of_all};
-use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion, MassProperties};
+use sinew_sim::figure::{BODIES, Body, FigureMotion, MassProperties};
 use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::plant::{
-    Drive, Mechanism, MovingPose, PlantBody, PlantKind, PlantSettings, Pose, Root,
+    Drive, Freedom, Mechanism, MovingPose, PlantKind, PlantSettings, Pose, link,
 };
 
 const ROUNDS: usize = 5;
@@ -112,26 +112,26 @@ fn fall(settings: PlantSettings, steps: usize) {
         center_of_mass_m: DVec3::new(0.0, 0.1, 0.0),
         rotational_kg_m2: DMat3::from_diagonal(DVec3::new(0.03, 0.02, 0.03)),
     };
-    let bodies: Vec<PlantBody> = BODIES
-        .iter()
-        .map(|body| PlantBody {
-            parent: body.parent,
-            offset_m: body.parent.map_or(DVec3::ZERO, |_| DVec3::new(0.0, 0.25, 0.0)),
-            mass,
-        })
-        .collect();
+    let body = |body: &Body| match body.parent {
+        None => link(None, Freedom::Free, DVec3::ZERO, &mass),
+        Some(parent) => {
+            link(Some(parent), Freedom::Spherical, DVec3::new(0.0, 0.25, 0.0), &mass)
+        }
+    };
+    let bodies: Vec<_> = BODIES.iter().map(body).collect();
     let mut start: Vec<MovingPose> = Vec::new();
     for body in &bodies {
         let pose = body
             .parent
             .map_or(Pose { rotation: glam::DQuat::IDENTITY, position_m: DVec3::Y }, |parent| {
-                start[parent].pose.child(body.offset_m, glam::DQuat::from_rotation_x(0.3))
+                start[parent].pose.child(body.position_m, glam::DQuat::from_rotation_x(0.3))
             });
         start.push(MovingPose { pose, angular_rad_s: DVec3::ZERO, linear_m_s: DVec3::ZERO });
     }
-    let mechanism = Mechanism { root: Root::Driven, bodies };
-    let drive =
-        Drive { root_force_n: DVec3::Y * 700.0, torque_nm: vec![DVec3::X * 0.01; BODY_COUNT] };
+    let mut drive = Drive::none(bodies.len());
+    drive.torque_nm.fill(DVec3::X * 0.01);
+    drive.force_n[0] = DVec3::Y * 700.0;
+    let mechanism = Mechanism { bodies };
     let mut left = steps;
     while left > 0 {
         let mut plant = settings.build(&mechanism, &start, 0.01).expect("a mechanism");
@@ -175,7 +175,7 @@ fn repeated(motion: &FigureMotion, frames: usize) -> FigureMotion {
     let there_and_back = (0..=last).chain((1..last).rev()).cycle().take(frames);
     let (mut rotation, mut root) = (Vec::with_capacity(frames), Vec::with_capacity(frames));
     for frame in there_and_back {
-        rotation.push(motion.rotation[frame]);
+        rotation.push(motion.rotation[frame].clone());
         root.push(motion.root_position_m[frame]);
     }
     FigureMotion { rotation, root_position_m: root, ..motion.clone() }

@@ -9,11 +9,9 @@ use clap::ValueEnum as _;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
 use sinew_sim::builtin;
-use sinew_sim::figure::{BODIES, BODY_COUNT, BodyModel, FigureMotion};
+use sinew_sim::figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
 use sinew_sim::pipeline::{self, Settings};
-use sinew_sim::plant::{
-    Drive, Mechanism, MovingPose, PlantBody, PlantKind, PlantSettings, Pose, Root,
-};
+use sinew_sim::plant::{Drive, Mechanism, MovingPose, PlantKind, PlantSettings, Pose};
 
 const STEPS: u32 = 100;
 
@@ -22,7 +20,8 @@ fn steps(criterion: &mut Criterion) {
     let (motion, _) = pipeline::prepare(clip, &Settings::default()).expect("a built-in clip");
     let (mechanism, start) = at_rest(&motion);
     let torque = DVec3::new(0.01, 0.02, -0.01);
-    let drive = Drive { root_force_n: DVec3::Y * 700.0, torque_nm: vec![torque; BODY_COUNT] };
+    let mut drive = Drive { torque_nm: vec![torque; BODY_COUNT], ..Drive::none(BODY_COUNT) };
+    drive.force_n[0] = DVec3::Y * 700.0;
 
     let mut group = criterion.benchmark_group("100 steps");
     group.throughput(Throughput::Elements(u64::from(STEPS)));
@@ -47,19 +46,16 @@ fn steps(criterion: &mut Criterion) {
 /// The figure in the first pose of a clip.
 fn at_rest(motion: &FigureMotion) -> (Mechanism, Vec<MovingPose>) {
     let model = BodyModel::from_motion(motion).expect("a figure of the clip's dimensions");
-    let mut bodies = Vec::new();
+    let mechanism = model.mechanism(Root::Driven);
     let mut start: Vec<MovingPose> = Vec::new();
-    for (index, body) in BODIES.iter().enumerate() {
-        let (offset_m, mass) = (model.offset_m[index], model.bodies[index]);
-        bodies.push(PlantBody { parent: body.parent, offset_m, mass });
-        let rotation = motion.rotation[0][index];
+    for (body, rotation) in mechanism.bodies.iter().zip(&motion.rotation[0]) {
         let pose = match body.parent {
-            Some(parent) => start[parent].pose.child(offset_m, rotation),
-            None => Pose { rotation, position_m: motion.root_position_m[0] },
+            Some(parent) => start[parent].pose.child(body.position_m, *rotation),
+            None => Pose { rotation: *rotation, position_m: motion.root_position_m[0] },
         };
         start.push(MovingPose { pose, angular_rad_s: DVec3::ZERO, linear_m_s: DVec3::ZERO });
     }
-    (Mechanism { root: Root::Driven, bodies }, start)
+    (mechanism, start)
 }
 
 criterion_group!(plants, steps);

@@ -5,7 +5,8 @@ use std::convert::Infallible;
 use sinew_core::{Transform, TreeError};
 use sinew_firmware::show;
 
-use crate::figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
+use crate::evaluate::CAPACITY;
+use crate::figure::{BodyModel, FigureMotion, Root};
 
 /// Bakes the first `frames` frames of a clip (all, if it has fewer) for a figure, in the format of
 /// [`sinew_firmware::show`].
@@ -13,8 +14,8 @@ use crate::figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
 /// # Errors
 /// [`TreeError`] if the figure cannot be a rig.
 pub fn bake(motion: &FigureMotion, model: &BodyModel, frames: usize) -> Result<Vec<u8>, TreeError> {
-    let tree = model.tree(Root::Driven)?;
-    let poses: Vec<[Transform; BODY_COUNT]> =
+    let tree = model.mechanism(Root::Driven).tree::<CAPACITY>()?;
+    let poses: Vec<Vec<Transform>> =
         (0..motion.rotation.len().min(frames)).map(|frame| motion.joint_poses(frame)).collect();
     #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
     let dt_s = motion.dt_s as f32;
@@ -23,7 +24,6 @@ pub fn bake(motion: &FigureMotion, model: &BodyModel, frames: usize) -> Result<V
         bytes.extend_from_slice(piece);
         Ok::<(), Infallible>(())
     };
-    let Ok(()) =
-        show::write(tree.bodies(), dt_s, poses.iter().map(<[_; BODY_COUNT]>::as_slice), sink);
+    let Ok(()) = show::write(tree.bodies(), dt_s, poses.iter().map(Vec::as_slice), sink);
     Ok(bytes)
 }

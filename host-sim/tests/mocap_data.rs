@@ -130,14 +130,14 @@ fn the_figure_stands_where_the_recording_does() {
 }
 
 /// From the origin of each body to the end of its segment in one frame, in the world, in metres.
-fn world_segments(motion: &FigureMotion, frame: usize) -> [DVec3; BODY_COUNT] {
-    let mut world = motion.rotation[frame];
+fn world_segments(motion: &FigureMotion, frame: usize) -> Vec<DVec3> {
+    let mut world = motion.rotation[frame].clone();
     for (i, body) in BODIES.iter().enumerate() {
         if let Some(parent) = body.parent {
             world[i] = world[parent] * world[i];
         }
     }
-    std::array::from_fn(|i| world[i] * motion.segment_end_m[i])
+    world.iter().zip(&motion.segment_end_m).map(|(turn, end_m)| *turn * *end_m).collect()
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, perform, pose_bytes, tick_bytes};
-use sinew_sim::evaluate::{MethodName, Protocol, track};
+use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
 use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
 
@@ -37,10 +37,10 @@ impl Run {
         let (mut measured, mut evaluation) = (Vec::new(), Vec::new());
         let ticks = track(motion, &setup, None, 0, |step| {
             if measured.is_empty() {
-                measured.push(*step.readings[0]);
+                measured.extend_from_slice(step.readings[0]);
             }
-            measured.push(*step.readings[1]);
-            let mut answer = [[0; TICK_BYTES]; BODY_COUNT];
+            measured.extend_from_slice(step.readings[1]);
+            let mut answer = [[0; TICK_BYTES]; CAPACITY];
             evaluation.extend_from_slice(tick_bytes(step.tracker, &mut answer));
         })
         .unwrap();
@@ -51,7 +51,7 @@ impl Run {
             bytes.extend(u32::try_from(count).unwrap().to_le_bytes());
         }
         bytes.extend(show);
-        bytes.extend(measured.iter().flatten().flat_map(pose_bytes));
+        bytes.extend(measured.iter().flat_map(pose_bytes));
         Self { clip: motion.name.clone(), scale, method, bytes, evaluation, ticks }
     }
 

@@ -13,8 +13,10 @@ use sinew_core::{
     Body, BodyState, Controller, ControllerError, Inertia, JointKind, JointStates, JointTargets,
     Transform, Tree, Twist, Workspace, kinematics,
 };
-use sinew_sim::figure::{MassProperties, Root};
-use sinew_sim::plant::{ArticulatedPlant, Drive, Mechanism, MovingPose, Plant, PlantBody, Pose};
+use sinew_sim::figure::MassProperties;
+use sinew_sim::plant::{
+    ArticulatedPlant, Drive, Freedom, Mechanism, MovingPose, Plant, Pose, link,
+};
 use sinew_tests::property;
 use sinew_tests::reference::{self, turn};
 use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
@@ -44,15 +46,13 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
     let bodies = rig.tree.bodies().iter().map(|body| {
         let i = &body.inertia.rotational_kg_m2;
         let rotational = [i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz].map(f64::from);
-        PlantBody {
-            parent: body.parent,
-            offset_m: body.placement.translation_m.as_dvec3(),
-            mass: MassProperties {
-                mass_kg: body.inertia.mass_kg.into(),
-                center_of_mass_m: body.inertia.center_of_mass_m.as_dvec3(),
-                rotational_kg_m2: DMat3::from_cols_array(&rotational),
-            },
-        }
+        let mass = MassProperties {
+            mass_kg: body.inertia.mass_kg.into(),
+            center_of_mass_m: body.inertia.center_of_mass_m.as_dvec3(),
+            rotational_kg_m2: DMat3::from_cols_array(&rotational),
+        };
+        let joint = if body.parent.is_some() { Freedom::Spherical } else { Freedom::Free };
+        link(body.parent, joint, body.placement.translation_m.as_dvec3(), &mass)
     });
     let start: Vec<_> = rig
         .world()
@@ -66,7 +66,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
             linear_m_s: velocity.linear.as_dvec3(),
         })
         .collect();
-    let mechanism = Mechanism { root: Root::Driven, bodies: bodies.collect() };
+    let mechanism = Mechanism { bodies: bodies.collect() };
     ArticulatedPlant::new(&mechanism, &start, dt_s, 1).expect("a tree with a state for each body")
 }
 
@@ -84,8 +84,12 @@ fn drive(
         .zip(poses)
         .map(|(torque, pose)| pose.rotation * torque.value.moment_nm.as_dvec3())
         .collect();
-    let root_force_n = poses[0].rotation * torques[0].value.force_n.as_dvec3();
-    Drive { root_force_n, torque_nm }
+    let force_n = torques
+        .iter()
+        .zip(poses)
+        .map(|(torque, pose)| pose.rotation * torque.value.force_n.as_dvec3())
+        .collect();
+    Drive { torque_nm, force_n }
 }
 
 /// A row for each component of each body's acceleration.

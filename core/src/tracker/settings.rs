@@ -191,7 +191,7 @@ pub struct Timing {
     pub latency_ticks: usize,
 }
 
-impl<B: Default + Copy> Settings<B> {
+impl<B: Default + Clone> Settings<B> {
     /// The setting for real rigs: manifold projection on aligned targets, implicit gains, and an observer that cancels
     /// what the model has wrong and looks ahead over the latency.
     #[must_use]
@@ -206,8 +206,9 @@ impl<B: Default + Copy> Settings<B> {
     /// late.
     #[must_use]
     pub fn effective(self, dt_s: f32) -> Self {
+        let recommended = self.method == MethodName::Recommended;
         let mut effective = self.spelled_out();
-        if self.method == MethodName::Recommended {
+        if recommended {
             // An observer cannot be faster than its ticks.
             let bandwidth_rad_s = &mut effective.observer.bandwidth_rad_s;
             *bandwidth_rad_s = bandwidth_rad_s.min(1.0 / dt_s);
@@ -241,13 +242,13 @@ impl<B: Default + Copy> Settings<B> {
         if of_method.fixed_otherwise().is_none() {
             return of_method;
         }
-        let Self { observer, differences, .. } = of_method.spelled_out();
+        let Self { observer, differences, .. } = of_method.clone().spelled_out();
         Self { observer, differences, ..of_method }
     }
 
     /// The key of what the method fixes, and is set neither to that nor to its default.
     fn fixed_otherwise(&self) -> Option<&'static str> {
-        let (own, default) = (self.spelled_out(), Self::default());
+        let (own, default) = (self.clone().spelled_out(), Self::default());
         if self.method != MethodName::Recommended {
             None
         } else if ![own.differences, default.differences].contains(&self.differences) {
@@ -312,7 +313,7 @@ impl<B: Default + Copy> Settings<B> {
     /// ```
     pub fn check(&self) -> Result<(), SettingError> {
         let Self { beta, kp, law, gains, projection, resolved, implicit, observer, .. } =
-            self.spelled_out();
+            self.clone().spelled_out();
         let pd = law == ControlLaw::ProportionalDerivative;
         let value = |key, expected, value| Err(SettingError::Value { key, expected, value });
         let length = "a length from 0.01 to 100 m";

@@ -201,7 +201,7 @@ impl Performer {
     /// The pose at a time.
     pub(super) fn pose(&self, time_s: f64) -> Pose {
         let trunk = self.trunk(time_s);
-        let mut rotation = [DQuat::IDENTITY; BODY_COUNT];
+        let mut rotation = vec![DQuat::IDENTITY; BODY_COUNT];
         rotation[PELVIS] = trunk.pelvis.rotation;
         rotation[ABDOMEN] = relative(&trunk.pelvis, trunk.abdomen.rotation);
         rotation[THORAX] = relative(&trunk.abdomen, trunk.thorax.rotation);

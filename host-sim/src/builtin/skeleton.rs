@@ -11,7 +11,7 @@
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Skeleton, SkeletonJoint};
 
-use crate::figure::{BODIES, BODY_COUNT};
+use crate::figure::BODIES;
 
 const STATURE_M: f64 = 1.78;
 /// From de Leva's mean man to ours.
@@ -196,20 +196,20 @@ impl Frame {
 }
 
 /// One pose of the figure.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pose {
     /// World position of the pelvis, in metres.
     pub root_m: DVec3,
     /// Rotation from each body to its parent (the pelvis: to the world), unit.
-    pub rotation: [DQuat; BODY_COUNT],
+    pub rotation: Vec<DQuat>,
 }
 
 impl Pose {
     /// All bodies in the world.
     #[cfg(test)]
-    pub(super) fn world(&self) -> [Frame; BODY_COUNT] {
+    pub(super) fn world(&self) -> Vec<Frame> {
         let mut frames =
-            [Frame { rotation: self.rotation[PELVIS], origin_m: self.root_m }; BODY_COUNT];
+            vec![Frame { rotation: self.rotation[PELVIS], origin_m: self.root_m }; BODIES.len()];
         for (body, place) in BODIES.iter().enumerate() {
             if let Some(parent) = place.parent {
                 frames[body] = frames[parent].child(body, self.rotation[body]);
@@ -220,7 +220,7 @@ impl Pose {
 
     /// The pose seen in a mirror in the plane x = 0: left and right change places.
     pub(super) fn mirrored(&self) -> Self {
-        let mut rotation = self.rotation.map(mirror_rotation);
+        let mut rotation: Vec<_> = self.rotation.iter().copied().map(mirror_rotation).collect();
         for segment in 0..4 {
             rotation.swap(Side::Left.clavicle() + segment, Side::Right.clavicle() + segment);
         }
@@ -249,6 +249,7 @@ pub(super) fn mirror_turn(turn: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figure::BODY_COUNT;
 
     #[test]
     fn indices_name_the_bodies_they_claim() {
@@ -265,7 +266,7 @@ mod tests {
 
     #[test]
     fn rest_pose_stands_as_tall_as_the_man() {
-        let rest = Pose { root_m: DVec3::ZERO, rotation: [DQuat::IDENTITY; BODY_COUNT] }.world();
+        let rest = Pose { root_m: DVec3::ZERO, rotation: vec![DQuat::IDENTITY; BODY_COUNT] }.world();
         let top = rest[HEAD].point(HEAD_M).y;
         let sole = rest[Side::Left.foot()].origin_m.y - ANKLE_HEIGHT_M;
         assert!((top - sole - STATURE_M).abs() < 0.005, "{}", top - sole);
@@ -274,7 +275,7 @@ mod tests {
     #[test]
     fn mirroring_twice_changes_nothing_and_once_swaps_the_hands() {
         let mut pose =
-            Pose { root_m: DVec3::new(0.3, 0.9, 0.1), rotation: [DQuat::IDENTITY; BODY_COUNT] };
+            Pose { root_m: DVec3::new(0.3, 0.9, 0.1), rotation: vec![DQuat::IDENTITY; BODY_COUNT] };
         pose.rotation[Side::Left.clavicle() + 1] =
             DQuat::from_rotation_z(0.5) * DQuat::from_rotation_y(0.3);
         pose.rotation[PELVIS] = DQuat::from_rotation_y(0.4);

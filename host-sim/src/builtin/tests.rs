@@ -20,7 +20,7 @@ use crate::figure::{BODIES, BODY_COUNT};
 struct Take {
     script: Script,
     poses: Vec<Pose>,
-    bodies: Vec<[Frame; BODY_COUNT]>,
+    bodies: Vec<Vec<Frame>>,
 }
 
 static TAKES: LazyLock<Vec<Take>> = LazyLock::new(|| {
@@ -182,7 +182,7 @@ fn impacts_reach_the_opponent() {
 }
 
 /// Centre of mass, with de Leva's masses (1996, table 4, males) at the middles of the segments.
-fn centre_of_mass(bodies: &[Frame; BODY_COUNT]) -> DVec3 {
+fn centre_of_mass(bodies: &[Frame]) -> DVec3 {
     let (mut moment, mut mass) = (DVec3::ZERO, 0.0);
     for (body, part) in BODIES.iter().enumerate() {
         let percent = match part.name.trim_end_matches("_l").trim_end_matches("_r") {

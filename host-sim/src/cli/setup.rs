@@ -67,6 +67,7 @@ impl SetupArgs {
             Setup::from_table(setup.clone()).with_context(|| format!("--set {assignment}"))?;
         }
         let mut setup = Setup::from_table(setup)?;
+        setup.check_figure()?;
         if let Some(kind) = self.plant {
             setup.plant.kind = kind;
         }

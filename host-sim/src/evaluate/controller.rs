@@ -1,32 +1,21 @@
-//! How the figure is controlled: the core's settings, with bodies by their names.
+//! How a rig is controlled: the core's settings, with bodies by their names.
 
 use serde::{Deserialize, Serialize};
 use sinew_core::tracker::Settings;
 
 use crate::figure::BODIES;
 
-/// How the figure is controlled.
+/// How a rig is controlled.
 pub type ControllerSettings = Settings<BodyName>;
 
-/// A body of the figure, by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "&'static str")]
-pub struct BodyName(pub usize);
+/// A body of a rig, by its name. Default: the root of the figure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct BodyName(pub String);
 
-impl TryFrom<String> for BodyName {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        BODIES.iter().position(|body| body.name == name).map(Self).ok_or_else(|| {
-            let names: Vec<_> = BODIES.iter().map(|body| body.name).collect();
-            format!("expected a body of the figure ({}), found `{name}`", names.join(", "))
-        })
-    }
-}
-
-impl From<BodyName> for &'static str {
-    fn from(BodyName(body): BodyName) -> Self {
-        BODIES[body].name
+impl Default for BodyName {
+    fn default() -> Self {
+        Self(BODIES[0].name.to_owned())
     }
 }
 

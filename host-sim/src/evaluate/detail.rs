@@ -1,7 +1,6 @@
 //! More of a run than its means: by body, by size and over time, in memory that does not grow with the clip.
 
 use super::metrics::{ErrorTotals, angle_between_rad};
-use crate::figure::BODY_COUNT;
 use crate::plant::Pose;
 
 /// The errors of one run, by body, by size and over time.
@@ -17,7 +16,7 @@ pub struct Detail {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spread {
     /// Totals of each body.
-    pub bodies: [ErrorTotals; BODY_COUNT],
+    pub bodies: Vec<ErrorTotals>,
     /// Angular errors of all bodies by size, in degrees.
     pub angular_deg: Histogram,
     /// Linear errors of all bodies by size, in centimetres.
@@ -43,8 +42,9 @@ pub struct Course {
 
 impl Detail {
     /// Adds one step: the poses of all bodies where they should be and where they are, in the world.
-    pub fn add(&mut self, desired: &[Pose; BODY_COUNT], measured: &[Pose]) {
+    pub fn add(&mut self, desired: &[Pose], measured: &[Pose]) {
         let mut step = ErrorTotals::default();
+        self.spread.hold(desired.len());
         for ((desired, measured), body) in desired.iter().zip(measured).zip(&mut self.spread.bodies)
         {
             let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
@@ -59,8 +59,16 @@ impl Detail {
 }
 
 impl Spread {
+    /// Makes room for so many bodies.
+    fn hold(&mut self, bodies: usize) {
+        if self.bodies.len() < bodies {
+            self.bodies.resize(bodies, ErrorTotals::default());
+        }
+    }
+
     /// Adds that of another run. Sums are of floats: merge in the order of the clips for the same bits.
     pub fn merge(&mut self, other: &Self) {
+        self.hold(other.bodies.len());
         for (body, other) in self.bodies.iter_mut().zip(&other.bodies) {
             body.merge(other);
         }
@@ -178,8 +186,9 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
+    use crate::figure::BODY_COUNT;
 
-    const STILL: Pose = Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+    const STILL: Pose = Pose::IDENTITY;
 
     /// A detail of `steps` steps, in step `s` of which body 7 alone is `s` mm and `s` mrad off.
     fn drifting(steps: u32) -> Detail {

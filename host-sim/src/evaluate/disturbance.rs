@@ -1,20 +1,23 @@
-//! What the controller does not know of its figure: wrong masses, noisy sensors, weak and late drives.
+//! What the controller does not know of its rig: wrong masses, noisy sensors, weak and late drives.
 
 use std::collections::VecDeque;
 use std::f32::consts::TAU;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
+use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{Transform, Wrench, math};
+use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 
 use super::controller::narrow;
-use crate::figure::{BODIES, BODY_COUNT, BodyModel, MassProperties};
+use crate::plant::{Pose, coordinates, pose_at};
 use crate::random::{Random, Subject};
 
 /// The most steps that a torque can come late.
 pub const LATENCY_MOST: usize = 100;
 
-/// What the controller does not know of its figure. The default is nothing.
+/// What the controller does not know of its rig. The default is nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Disturbance {
@@ -86,27 +89,32 @@ impl Disturbance {
         None
     }
 
-    /// The figure as it was built: the same for every clip of a seed.
-    pub(super) fn built(&self, model: &BodyModel) -> BodyModel {
+    /// The rig as it was built: the same for every motion of a seed.
+    pub(super) fn built(&self, mechanism: &Mechanism) -> Mechanism {
         let mut random = Random::new(self.seed, Subject::Masses);
-        BodyModel {
-            offset_m: model.offset_m,
-            bodies: model.bodies.map(|body| {
-                let factor = random.between(1.0 - self.masses, 1.0 + self.masses);
-                MassProperties {
-                    mass_kg: body.mass_kg * factor,
-                    rotational_kg_m2: body.rotational_kg_m2 * factor,
-                    ..body
-                }
-            }),
+        let mut built = mechanism.clone();
+        for link in &mut built.bodies {
+            let factor = random.between(1.0 - self.masses, 1.0 + self.masses);
+            link.mass_kg *= factor;
+            link.inertia_kg_m2 *= factor;
         }
+        built
     }
 
-    /// The limits of the joints' drives.
-    pub(super) fn torque_limits(&self) -> [TorqueLimit; BODY_COUNT] {
-        let limit = TorqueLimit::new(narrow(self.torque_limit_nm), f32::INFINITY);
-        let limit = limit.expect("checked to be above 0");
-        BODIES.map(|body| if body.parent.is_none() { TorqueLimit::NONE } else { limit })
+    /// The limits of the joints' drives: this one's, or the rig's own if that is smaller. The root's drive has none.
+    pub(super) fn torque_limits(&self, links: &[Link]) -> Vec<TorqueLimit> {
+        let of_link = |link: &Link| {
+            if link.parent.is_none() {
+                return TorqueLimit::NONE;
+            }
+            let (torque_nm, force_n) = match link.joint {
+                Freedom::Prismatic(_) => (self.torque_limit_nm, link.effort),
+                _ => (self.torque_limit_nm.min(link.effort), f64::INFINITY),
+            };
+            let limit = TorqueLimit::new(narrow(torque_nm), narrow(force_n));
+            limit.expect("checked to be above 0")
+        };
+        links.iter().map(of_link).collect()
     }
 }
 
@@ -132,35 +140,75 @@ impl Sensors {
         }
     }
 
-    /// What the sensors tell of the joints' true poses.
-    pub(super) fn read(&mut self, mut joints: [Transform; BODY_COUNT]) -> [Transform; BODY_COUNT] {
+    /// What the sensors tell, in place of the joints' true poses.
+    ///
+    /// A ball joint and the root have sensors about three axes; an axis or a slide has one of its own.
+    pub(super) fn read(&mut self, links: &[Link], joints: &mut [Transform]) {
         if self.noise_rad > 0.0 {
-            for joint in &mut joints {
-                let turn = self.random.normal3() * self.noise_rad;
-                joint.rotation = (joint.rotation * math::exp(turn.as_vec3())).normalize();
+            for (link, joint) in links.iter().zip(&mut *joints) {
+                let turn = turn_of_joint(link, joint, (self.random.normal3() * self.noise_rad).as_vec3());
+                joint.rotation = (joint.rotation * math::exp(turn)).normalize();
             }
         }
         if self.noise_m > 0.0 {
-            joints[0].translation_m += (self.random.normal3() * self.noise_m).as_vec3();
-        }
-        if let Some(step_rad) = self.step_rad {
-            for joint in &mut joints {
-                let steps = (math::log(joint.rotation) / step_rad).map(f32::round_ties_even);
-                joint.rotation = math::exp(steps * step_rad);
+            for (link, joint) in links.iter().zip(&mut *joints) {
+                let way_m = match (link.parent, link.joint) {
+                    (None, _) => (self.random.normal3() * self.noise_m).as_vec3(),
+                    (_, Freedom::Prismatic(axis)) => {
+                        let noise_m = self.random.normal3().x * self.noise_m;
+                        (link.rotation * axis * noise_m).as_vec3()
+                    }
+                    _ => continue,
+                };
+                joint.translation_m += way_m;
             }
         }
-        joints
+        if let Some(step_rad) = self.step_rad {
+            for (link, joint) in links.iter().zip(joints) {
+                joint.rotation = in_steps(link, joint.rotation, step_rad);
+            }
+        }
     }
 }
 
-/// What the controller wants of the drives, in body axes: that is where a motor keeps it while its body
-/// turns.
-pub(super) type Wanted = [Wrench; BODY_COUNT];
+/// What of a turn in body axes the sensors of a joint can tell.
+fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
+    let along = |axis: Vec3| axis * axis.dot(turn);
+    match (link.parent, link.joint) {
+        (None, _) | (_, Freedom::Spherical | Freedom::Free) => turn,
+        (_, Freedom::Fixed | Freedom::Prismatic(_)) => Vec3::ZERO,
+        (_, Freedom::Revolute(axis)) => along(axis.as_vec3()),
+        (_, Freedom::Universal([first, second])) => {
+            let first = joint.rotation.conjugate() * (link.rotation * first).as_vec3();
+            along(first) + along(second.as_vec3())
+        }
+    }
+}
 
-/// The way of the torques to the drives: a queue of as many steps as they come late.
+/// A rotation of a joint in its parent's frame as sensors with steps tell it.
+fn in_steps(link: &Link, rotation: Quat, step_rad: f32) -> Quat {
+    match (link.parent, link.joint) {
+        (None, _) | (_, Freedom::Spherical | Freedom::Free) => {
+            let steps = (math::log(rotation) / step_rad).map(f32::round_ties_even);
+            math::exp(steps * step_rad)
+        }
+        (_, Freedom::Fixed | Freedom::Prismatic(_)) => rotation,
+        (_, Freedom::Revolute(_) | Freedom::Universal(_)) => {
+            let step_rad = f64::from(step_rad);
+            let in_joint = link.rotation.conjugate() * rotation.as_dquat();
+            let in_joint = Pose { rotation: in_joint, position_m: DVec3::ZERO };
+            let angles_rad = coordinates(link.joint, &in_joint)
+                .map(|angle_rad| (angle_rad / step_rad).round_ties_even() * step_rad);
+            (link.rotation * pose_at(link.joint, angles_rad).rotation).as_quat().normalize()
+        }
+    }
+}
+
+/// The way of the torques to the drives: a queue of as many steps as they come late. They are in body axes: that is
+/// where a motor keeps them while its body turns.
 pub(super) struct DelayLine {
     steps: usize,
-    waiting: VecDeque<Wanted>,
+    waiting: VecDeque<Vec<Wrench>>,
 }
 
 impl DelayLine {
@@ -169,21 +217,24 @@ impl DelayLine {
     }
 
     /// Sends off what is wanted now; returns what arrives now.
-    pub(super) fn pass(&mut self, wanted: &Wanted) -> &Wanted {
-        if self.waiting.len() > self.steps {
-            self.waiting.pop_front();
-        }
-        self.waiting.push_back(*wanted);
+    pub(super) fn pass(&mut self, wanted: impl Iterator<Item = Wrench>) -> &[Wrench] {
+        let mut slot = if self.waiting.len() > self.steps {
+            self.waiting.pop_front().unwrap_or_default()
+        } else {
+            Vec::new()
+        };
+        slot.clear();
+        slot.extend(wanted);
+        self.waiting.push_back(slot);
         &self.waiting[0]
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::evaluate::Setup;
+    use crate::figure::fixture;
 
     fn refused(disturbance: Disturbance) -> String {
         Setup { disturbance, ..Setup::default() }.check().unwrap_err().to_string()
@@ -208,7 +259,7 @@ mod tests {
             assert!(refused.contains("disturbance.torque_limit_nm"), "{refused}");
         }
         assert_eq!(tiny(1e-30).fault(), None);
-        let _ = tiny(1e-30).torque_limits();
+        let _ = tiny(1e-30).torque_limits(&fixture::mechanism().bodies);
     }
 
     #[test]
@@ -217,7 +268,7 @@ mod tests {
             let mut line = DelayLine::new(steps);
             [1_u8, 2, 3, 4, 5].map(|n| {
                 let wrench = Wrench::new(Vec3::X * f32::from(n), Vec3::ZERO);
-                line.pass(&[wrench; BODY_COUNT])[0].moment_nm.x.to_bits()
+                line.pass([wrench].into_iter())[0].moment_nm.x.to_bits()
             })
         };
         let bits = |numbers: [u8; 5]| numbers.map(|n| f32::from(n).to_bits());

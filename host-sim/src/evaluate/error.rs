@@ -48,13 +48,13 @@ pub enum RunError {
         /// Frames of the clip.
         frames: usize,
     },
-    /// The figure was lost.
+    /// The rig was lost.
     #[error("diverged at frame {frame}: the {body} is {linear_m:.3} m from its goal")]
     Diverged {
         /// Frame of the clip.
         frame: usize,
         /// The body farthest off, or the first whose pose is no number.
-        body: &'static str,
+        body: String,
         /// How far, in metres.
         linear_m: f64,
     },
@@ -72,6 +72,9 @@ pub enum RunError {
         /// Why.
         source: StepError,
     },
+    /// The setup does not go with the rig.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     /// There is no such tracker.
     #[error("controller: {0}")]
     Tracker(#[from] TrackerError),

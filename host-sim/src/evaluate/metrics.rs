@@ -3,18 +3,17 @@
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
-use super::{Levers, Step};
-use crate::figure::{BODY_COUNT, is_leaf};
+use super::{Rig, Step};
 use crate::plant::Pose;
 
-/// Errors over all bodies and over the leaves (head, hands, feet) alone.
+/// Errors over all bodies and over the leaves (of the figure: head, hands, feet) alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
     /// Over all bodies.
     pub all: ErrorTotals,
     /// Over the leaves.
     pub leaf: ErrorTotals,
-    /// Of whole poses, every joint by what it moves: see [`Levers`].
+    /// Of whole poses, every joint by what it moves: see [`Levers`](super::Levers).
     pub weighted: WeightedTotals,
     /// The widest gap at a joint, in metres: what the plant's constraints let through.
     pub widest_gap_m: f64,
@@ -43,14 +42,14 @@ pub struct WeightedTotals {
 }
 
 impl Errors {
-    /// Adds one step: the poses of all bodies where they should be and where they are, of a figure with these levers.
-    pub fn add(&mut self, desired: &[Pose; BODY_COUNT], measured: &[Pose], levers: &Levers) {
-        self.weighted.add(levers.error_m(desired, measured));
+    /// Adds one step: the poses of all bodies where they should be and where they are.
+    pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
+        self.weighted.add(rig.levers().error_m(desired, measured));
         for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
             let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
             let linear_m = (desired.position_m - measured.position_m).length();
             self.all.add(angular_rad, linear_m);
-            if is_leaf(body) {
+            if rig.is_leaf(body) {
                 self.leaf.add(angular_rad, linear_m);
             }
         }
@@ -58,7 +57,7 @@ impl Errors {
 
     /// Adds one step of a run.
     pub fn add_step(&mut self, step: &Step<'_>) {
-        self.add(step.desired, step.measured, step.levers);
+        self.add(step.desired, step.measured, step.rig);
         self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
         self.limited += step.limited as u64;
     }
@@ -157,6 +156,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::evaluate::Levers;
+    use crate::figure::fixture;
 
     fn pose(rotation_vector: DVec3, position_m: DVec3) -> Pose {
         Pose { rotation: DQuat::from_scaled_axis(rotation_vector), position_m }
@@ -164,15 +165,18 @@ mod tests {
 
     #[test]
     fn means_and_maxima_are_those_of_known_errors() {
-        let still = [pose(DVec3::ZERO, DVec3::ZERO); BODY_COUNT];
-        let mut off = still;
+        let mechanism = fixture::mechanism();
+        let levers = Levers::none(&mechanism);
+        let rig = Rig::with_levers(mechanism, levers);
+        let still = vec![pose(DVec3::ZERO, DVec3::ZERO); rig.links().len()];
+        let mut off = still.clone();
         // Body 3, the head, is a leaf; body 0, the pelvis, is not.
         off[3] = pose(DVec3::new(0.0, 0.18, 0.0), DVec3::new(0.0, 0.03, 0.04));
         off[0] = pose(DVec3::ZERO, DVec3::new(0.36, 0.0, 0.0));
         // The other sign of a quaternion is the same orientation.
         off[7].rotation = -off[7].rotation;
         let mut errors = Errors::default();
-        errors.add(&still, &off, &Levers::NONE);
+        errors.add(&still, &off, &rig);
         let mut twice = errors;
         twice.merge(&errors);
         for errors in [errors, twice] {

@@ -1,4 +1,4 @@
-//! The paper's evaluation: every clip, tracked by a figure of every scale with every method of measuring
+//! The paper's evaluation: every motion, tracked by a rig (the figure at every scale) with every method of measuring
 //! its state error, and how far off it was.
 
 mod controller;
@@ -12,15 +12,17 @@ pub mod paper;
 pub mod pareto;
 mod reference;
 pub mod report;
+mod rig;
 pub mod robustness;
 mod setup;
 mod supply;
+mod take;
 mod track;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::figure::{Dimensions, FigureMotion};
+use crate::figure::Dimensions;
 
 pub use sinew_core::tracker::MethodName;
 
@@ -30,7 +32,9 @@ pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use levers::Levers;
 pub use metrics::{ErrorTotals, Errors, WeightedTotals};
-pub use setup::{BodySource, FigureTracker, Setup, SetupError};
+pub use rig::{CAPACITY, Rig};
+pub use setup::{BodySource, RigTracker, Setup, SetupError};
+pub use take::Take;
 pub use track::{Step, step_count, track};
 
 /// What to evaluate.
@@ -125,24 +129,24 @@ impl Protocol {
 }
 
 /// Steps that a whole evaluation takes, for a progress bar.
-pub fn steps_of_all(motions: &[FigureMotion], protocol: &Protocol) -> usize {
+pub fn steps_of_all(takes: &[impl Take], protocol: &Protocol) -> usize {
     let frames: usize =
-        motions.iter().map(|motion| track::step_count(motion, protocol.seconds)).sum();
+        takes.iter().map(|take| track::step_count(take, protocol.seconds)).sum();
     frames * protocol.scales.len() * protocol.methods.len()
 }
 
-/// Tracks every clip with every method on a figure of every scale. Runs in parallel; the result does not
+/// Tracks every motion with every method on a rig of every scale. Runs in parallel; the result does not
 /// depend on the number of threads. `progress` gets the number of steps done, now and then.
 ///
 /// # Errors
 /// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,
 /// never part of a mean.
-pub fn evaluate(
-    motions: &[FigureMotion],
+pub fn evaluate<T: Take>(
+    takes: &[T],
     protocol: &Protocol,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Evaluation, EvaluateError> {
-    if motions.is_empty() {
+    if takes.is_empty() {
         return Err(EvaluateError::NoClips);
     }
     for scale in &protocol.scales {
@@ -153,23 +157,23 @@ pub fn evaluate(
     let mut runs = Vec::new();
     for scale in &protocol.scales {
         for method in &protocol.methods {
-            for (stream, motion) in (0..).zip(motions) {
-                runs.push((*scale, *method, motion, stream));
+            for (stream, take) in (0..).zip(takes) {
+                runs.push((*scale, *method, take, stream));
             }
         }
     }
     // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
     let results: Vec<Result<(Errors, Detail), EvaluateError>> = runs
         .par_iter()
-        .map(|(scale, method, motion, stream)| {
+        .map(|(scale, method, take, stream)| {
             let setup = protocol.setup_of(*scale, *method);
             let (mut errors, mut detail) = (Errors::default(), Detail::default());
-            let steps = track(motion, &setup, protocol.seconds, *stream, |step| {
+            let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
                 errors.add_step(&step);
                 detail.add(step.desired, step.measured);
             })
             .map_err(|kind| EvaluateError::Run {
-                clip: motion.name.clone(),
+                clip: take.name().to_owned(),
                 scale: *scale,
                 method: *method,
                 kind,
@@ -179,11 +183,11 @@ pub fn evaluate(
         })
         .collect();
 
-    let clips = motions
+    let clips = takes
         .iter()
-        .map(|motion| ClipLength {
-            name: motion.name.clone(),
-            frames: track::step_count(motion, protocol.seconds),
+        .map(|take| ClipLength {
+            name: take.name().to_owned(),
+            frames: track::step_count(take, protocol.seconds),
         })
         .collect();
     let mut results = results.into_iter();
@@ -191,7 +195,7 @@ pub fn evaluate(
     for scale in &protocol.scales {
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
-            let runs = results.by_ref().take(motions.len()).collect::<Result<Vec<_>, _>>()?;
+            let runs = results.by_ref().take(takes.len()).collect::<Result<Vec<_>, _>>()?;
             let (clips, details): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
             let mut total = Errors::default();
             for clip in &clips {
@@ -209,13 +213,13 @@ pub fn evaluate(
 /// # Errors
 /// [`RunError`].
 pub fn run(
-    motion: &FigureMotion,
+    take: &dyn Take,
     setup: &Setup,
     seconds: Option<f64>,
     stream: u64,
 ) -> Result<(Errors, usize), RunError> {
     let mut errors = Errors::default();
-    let steps = track(motion, setup, seconds, stream, |step| errors.add_step(&step))?;
+    let steps = track(take, setup, seconds, stream, |step| errors.add_step(&step))?;
     Ok((errors, steps))
 }
 

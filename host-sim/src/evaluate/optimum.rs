@@ -10,18 +10,16 @@
 //! joint. Over all w it is a curve from World's rotations to the nearest positions. It is the least in squares:
 //! a mean of absolute errors may be a little below.
 
-use std::array;
-
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::error::{EvaluateError, RunError};
-use super::levers::Levers;
 use super::metrics::Errors;
 use super::reference::Performance;
+use super::rig::Rig;
 use super::setup::Setup;
 use super::{Protocol, track};
-use crate::figure::{BODIES, BODY_COUNT, FigureMotion, Root};
+use crate::figure::{BODIES, FigureMotion, Root};
 use crate::plant::Pose;
 
 /// The rotation weights of a curve, in metres: from World's rotations to the nearest positions.
@@ -132,14 +130,14 @@ pub fn nearest_poses(
     held: Held,
 ) -> Result<(Errors, usize), RunError> {
     let model = setup.model(motion)?;
-    let levers = Levers::of(&model)?;
-    let performance = Performance { motion, root: setup.root };
+    let rig = Rig::new(model.mechanism(setup.root))?;
+    let performance = Performance { take: motion, setup, links: rig.links() };
     let mut search = Search::new(&model.offset_m, weight_m, held);
-    let (mut errors, mut unsolved) = (Errors::default(), 0);
+    let (mut errors, mut unsolved, mut desired) = (Errors::default(), 0, Vec::new());
     for frame in (1..=track::step_count(motion, seconds)).step_by(every) {
-        let desired = performance.world_poses(&motion.offset_m, frame);
+        performance.desired(frame, &mut desired);
         unsolved += usize::from(!search.solve(&desired));
-        errors.add(&desired, &search.poses, &levers);
+        errors.add(&desired, &search.poses, &rig);
     }
     Ok((errors, unsolved))
 }
@@ -148,20 +146,20 @@ pub fn nearest_poses(
 #[derive(Debug, Clone)]
 pub struct Search<'a> {
     /// Positions of the joints in their parents' frames, in metres.
-    offset_m: &'a [DVec3; BODY_COUNT],
+    offset_m: &'a [DVec3],
     weight_m: f64,
     held: Held,
     /// The nearest pose that was found, in the world.
-    pub poses: [Pose; BODY_COUNT],
+    pub poses: Vec<Pose>,
     /// How it deviates from the desired one: where the next search begins.
-    deviation_rad: [DVec3; BODY_COUNT],
+    deviation_rad: Vec<DVec3>,
     shift_m: DVec3,
 }
 
 /// A step of the search: the root's shift, and turns of all bodies, in the world.
 struct Change {
     shift_m: DVec3,
-    turn_rad: [DVec3; BODY_COUNT],
+    turn_rad: Vec<DVec3>,
 }
 
 impl<'a> Search<'a> {
@@ -174,24 +172,23 @@ impl<'a> Search<'a> {
     const ROUNDING: f64 = 1e-12;
 
     /// For a figure with these joints in their parents' frames and a rotation weight above 0, both in metres.
-    pub fn new(offset_m: &'a [DVec3; BODY_COUNT], weight_m: f64, held: Held) -> Self {
-        let still = Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+    pub fn new(offset_m: &'a [DVec3], weight_m: f64, held: Held) -> Self {
         Self {
             offset_m,
             weight_m,
             held,
-            poses: [still; BODY_COUNT],
-            deviation_rad: [DVec3::ZERO; BODY_COUNT],
+            poses: vec![Pose::IDENTITY; offset_m.len()],
+            deviation_rad: vec![DVec3::ZERO; offset_m.len()],
             shift_m: DVec3::ZERO,
         }
     }
 
     /// Seeks the pose nearest to a desired one, from where the last search ended. Says whether it was found.
-    pub fn solve(&mut self, desired: &[Pose; BODY_COUNT]) -> bool {
-        let turned = array::from_fn(|body| {
-            DQuat::from_scaled_axis(self.deviation_rad[body]) * desired[body].rotation
+    pub fn solve(&mut self, desired: &[Pose]) -> bool {
+        let turned = self.deviation_rad.iter().zip(desired).map(|(deviation_rad, desired)| {
+            DQuat::from_scaled_axis(*deviation_rad) * desired.rotation
         });
-        self.poses = self.assembled(desired[0].position_m + self.shift_m, &turned);
+        self.poses = self.assembled(desired[0].position_m + self.shift_m, turned);
         let mut solved = false;
         for _ in 0..Self::STEPS {
             let step = self.step(desired);
@@ -201,14 +198,15 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        self.deviation_rad =
-            array::from_fn(|body| deviation_rad(&self.poses[body], &desired[body]));
+        self.deviation_rad.clear();
+        let deviations = self.poses.iter().zip(desired).map(|(at, desired)| deviation_rad(at, desired));
+        self.deviation_rad.extend(deviations);
         self.shift_m = self.poses[0].position_m - desired[0].position_m;
         solved
     }
 
     /// What is least at the nearest pose, in m².
-    fn energy_m2(&self, poses: &[Pose; BODY_COUNT], desired: &[Pose; BODY_COUNT]) -> f64 {
+    fn energy_m2(&self, poses: &[Pose], desired: &[Pose]) -> f64 {
         let of_body = |(pose, desired): (&Pose, &Pose)| {
             (pose.position_m - desired.position_m).length_squared()
                 + self.weight_m * self.weight_m * deviation_rad(pose, desired).length_squared()
@@ -217,8 +215,9 @@ impl<'a> Search<'a> {
     }
 
     /// The figure with its root at a place and its bodies turned in the world.
-    fn assembled(&self, root_m: DVec3, rotation: &[DQuat; BODY_COUNT]) -> [Pose; BODY_COUNT] {
-        let mut poses = rotation.map(|rotation| Pose { rotation, position_m: root_m });
+    fn assembled(&self, root_m: DVec3, rotations: impl Iterator<Item = DQuat>) -> Vec<Pose> {
+        let mut poses: Vec<_> =
+            rotations.map(|rotation| Pose { rotation, position_m: root_m }).collect();
         for (body, place) in BODIES.iter().enumerate() {
             if let Some(parent) = place.parent {
                 let parent = poses[parent];
@@ -229,15 +228,15 @@ impl<'a> Search<'a> {
     }
 
     /// Makes the longest part of a step, of the whole and its halves, that comes no farther; `false` if none does.
-    fn go(&mut self, step: &Change, desired: &[Pose; BODY_COUNT]) -> bool {
+    fn go(&mut self, step: &Change, desired: &[Pose]) -> bool {
         let limit = self.energy_m2(&self.poses, desired) * (1.0 + Self::ROUNDING);
         let mut part = 1.0;
         while part > Self::ENOUGH {
-            let rotation = array::from_fn(|body| {
-                let turn = DQuat::from_scaled_axis(step.turn_rad[body] * part);
-                (turn * self.poses[body].rotation).normalize()
+            let rotations = step.turn_rad.iter().zip(&self.poses).map(|(turn_rad, pose)| {
+                let turn = DQuat::from_scaled_axis(*turn_rad * part);
+                (turn * pose.rotation).normalize()
             });
-            let poses = self.assembled(self.poses[0].position_m + step.shift_m * part, &rotation);
+            let poses = self.assembled(self.poses[0].position_m + step.shift_m * part, rotations);
             if self.energy_m2(&poses, desired) <= limit {
                 self.poses = poses;
                 return true;
@@ -248,7 +247,7 @@ impl<'a> Search<'a> {
     }
 
     /// Newton's step, or where the energy is not convex, that of Gauss and Newton, which always leads down.
-    fn step(&self, desired: &[Pose; BODY_COUNT]) -> Change {
+    fn step(&self, desired: &[Pose]) -> Change {
         let step = self.eliminated(desired, true).or_else(|| self.eliminated(desired, false));
         step.expect("without the curvature, the normal equations are positive definite")
     }
@@ -259,20 +258,22 @@ impl<'a> Search<'a> {
     ///
     /// With x the shift of body b, its subtree costs `xᵀ A_b x - 2 b_bᵀ x` and a constant, its own turn being the
     /// best one, `M d = q - B x`. A child is shifted by `x + d × l`, with l from b to it.
-    fn eliminated(&self, desired: &[Pose; BODY_COUNT], curved: bool) -> Option<Change> {
+    fn eliminated(&self, desired: &[Pose], curved: bool) -> Option<Change> {
         let weight_m2 = self.weight_m * self.weight_m;
         let turns = |body: usize| body > 0 || self.held != Held::Pose;
         let arm_m =
             |child: usize, parent: usize| self.poses[parent].rotation * self.offset_m[child];
         // A, b; M, or its inverse once all children are in; B, q.
-        let mut cost = [DMat3::IDENTITY; BODY_COUNT];
-        let mut residual_m: [DVec3; BODY_COUNT] =
-            array::from_fn(|body| desired[body].position_m - self.poses[body].position_m);
-        let mut pull_m = residual_m;
-        let mut own = [DMat3::from_diagonal(DVec3::splat(weight_m2)); BODY_COUNT];
-        let mut coupling = [DMat3::ZERO; BODY_COUNT];
-        let mut moment: [DVec3; BODY_COUNT] =
-            array::from_fn(|body| -weight_m2 * deviation_rad(&self.poses[body], &desired[body]));
+        let count = self.poses.len();
+        let pairs = || self.poses.iter().zip(desired);
+        let mut cost = vec![DMat3::IDENTITY; count];
+        let mut residual_m: Vec<DVec3> =
+            pairs().map(|(at, desired)| desired.position_m - at.position_m).collect();
+        let mut pull_m = residual_m.clone();
+        let mut own = vec![DMat3::from_diagonal(DVec3::splat(weight_m2)); count];
+        let mut coupling = vec![DMat3::ZERO; count];
+        let mut moment: Vec<DVec3> =
+            pairs().map(|(at, desired)| -weight_m2 * deviation_rad(at, desired)).collect();
         for (body, place) in BODIES.iter().enumerate().rev() {
             if turns(body) {
                 own[body] = inverse(own[body])?;
@@ -288,8 +289,9 @@ impl<'a> Search<'a> {
                 own[parent] -= turned * cross;
                 coupling[parent] += turned;
                 moment[parent] += cross * pull_m[body];
-                cost[parent] += cost[body];
-                pull_m[parent] += pull_m[body];
+                let (cost_beyond, pull_beyond_m) = (cost[body], pull_m[body]);
+                cost[parent] += cost_beyond;
+                pull_m[parent] += pull_beyond_m;
                 if curved {
                     // A turn by d shifts by d × (d × l) / 2 too.
                     let along = residual_m[body].dot(arm_m);
@@ -300,11 +302,11 @@ impl<'a> Search<'a> {
                 residual_m[parent] += beyond_m;
             }
         }
-        let mut change = Change { shift_m: DVec3::ZERO, turn_rad: [DVec3::ZERO; BODY_COUNT] };
+        let mut change = Change { shift_m: DVec3::ZERO, turn_rad: vec![DVec3::ZERO; count] };
         if self.held == Held::Nothing {
             change.shift_m = inverse(cost[0])? * pull_m[0];
         }
-        let mut shift_m = [change.shift_m; BODY_COUNT];
+        let mut shift_m = vec![change.shift_m; count];
         for (body, place) in BODIES.iter().enumerate() {
             if let Some(parent) = place.parent {
                 shift_m[body] =
@@ -351,8 +353,8 @@ mod tests {
     use sinew_core::projection::ProjectionWorkspace;
 
     use super::*;
-    use crate::evaluate::{BodyName, MethodName};
-    use crate::figure::Dimensions;
+    use crate::evaluate::MethodName;
+    use crate::figure::{BODY_COUNT, Dimensions};
     use crate::figure::fixture::moving;
     use crate::random::{Random, Subject};
     use sinew_core::tracker::ProjectionSettings;
@@ -360,29 +362,38 @@ mod tests {
     const ALL_HELD: [Held; 3] = [Held::Nothing, Held::Position, Held::Pose];
 
     /// A frame of a clip, and the joints of a figure of other dimensions than the clip's.
-    fn desired_and_offsets(scale: f64) -> ([Pose; BODY_COUNT], [DVec3; BODY_COUNT]) {
+    fn desired_and_offsets(scale: f64) -> (Vec<Pose>, Vec<DVec3>) {
         let motion = moving("clip", 40);
-        let performance = Performance { motion: &motion, root: Root::Driven };
         let dimensions = Dimensions { random: 0.2, seed: 3, ..Dimensions::uniform(scale) };
         let factors = dimensions.factors();
-        let offset_m = array::from_fn(|body| motion.offset_m[body] * factors[body]);
-        (performance.world_poses(&motion.offset_m, 30), offset_m)
+        let offset_m = motion.offset_m.iter().zip(factors).map(|(offset, factor)| *offset * factor);
+        let offset_m = offset_m.collect();
+        (desired(&motion, 30), offset_m)
+    }
+
+    fn desired(motion: &FigureMotion, frame: usize) -> Vec<Pose> {
+        let setup = Setup::default();
+        let mechanism = setup.model(motion).unwrap().mechanism(setup.root);
+        let mut desired = Vec::new();
+        Performance { take: motion, setup: &setup, links: &mechanism.bodies }
+            .desired(frame, &mut desired);
+        desired
     }
 
     /// The figure with its root shifted and its bodies turned, all in the world, as far as nothing is held.
     fn altered(
         search: &Search<'_>,
         shift_m: DVec3,
-        turn_rad: &[DVec3; BODY_COUNT],
-    ) -> [Pose; BODY_COUNT] {
+        turn_rad: &[DVec3],
+    ) -> Vec<Pose> {
         let root = &search.poses[0];
         let shift_m = if search.held == Held::Nothing { shift_m } else { DVec3::ZERO };
-        let rotation = array::from_fn(|body| {
+        let rotations = search.poses.iter().zip(turn_rad).enumerate().map(|(body, (pose, turn))| {
             let turns = body > 0 || search.held != Held::Pose;
-            let turn = if turns { turn_rad[body] } else { DVec3::ZERO };
-            DQuat::from_scaled_axis(turn) * search.poses[body].rotation
+            let turn = if turns { *turn } else { DVec3::ZERO };
+            DQuat::from_scaled_axis(turn) * pose.rotation
         });
-        search.assembled(root.position_m + shift_m, &rotation)
+        search.assembled(root.position_m + shift_m, rotations)
     }
 
     #[test]
@@ -398,7 +409,7 @@ mod tests {
                     DVec3::AXES.iter().flat_map(|a| (0..=BODY_COUNT).map(move |p| (a, p)))
                 {
                     let energy = |size: f64| {
-                        let (mut shift_m, mut turn_rad) = (DVec3::ZERO, [DVec3::ZERO; BODY_COUNT]);
+                        let (mut shift_m, mut turn_rad) = (DVec3::ZERO, vec![DVec3::ZERO; BODY_COUNT]);
                         *turn_rad.get_mut(place).unwrap_or(&mut shift_m) = *axis * size;
                         search.energy_m2(&altered(&search, shift_m, &turn_rad), &desired)
                     };
@@ -425,7 +436,8 @@ mod tests {
                 let least = search.energy_m2(&search.poses, &desired);
                 for size in [1e-3, 1e-2, 0.1, 1.0] {
                     for _ in 0..200 {
-                        let turn_rad = array::from_fn(|_| random.normal3() * size);
+                        let turn_rad: Vec<_> =
+                            (0..BODY_COUNT).map(|_| random.normal3() * size).collect();
                         let poses = altered(&search, random.normal3() * size, &turn_rad);
                         assert!(search.energy_m2(&poses, &desired) > least);
                     }
@@ -461,27 +473,28 @@ mod tests {
                     ..ProjectionSettings::default()
                 };
                 let model = setup.model(&motion).unwrap();
-                let tree = model.tree(Root::Driven).unwrap();
-                let settings = setup.controller.named(|BodyName(body)| body);
+                let mechanism = model.mechanism(Root::Driven);
+                let tree = mechanism.tree::<BODY_COUNT>().unwrap();
+                let settings = setup.controller_of(&mechanism.bodies).unwrap();
                 let projection = settings.projection(&tree).unwrap().unwrap();
-                let performance = Performance { motion: &motion, root: Root::Driven };
-                let joints = performance.joint_poses(30);
-                let mut nearest = joints;
+                let joints = motion.joint_poses(30);
+                let mut nearest = joints.clone();
                 projection
                     .project(&tree, &joints, &mut ProjectionWorkspace::new(), &mut nearest)
                     .unwrap();
 
                 let mut search = Search::new(&model.offset_m, f64::from(weight_m), held);
-                let desired = performance.world_poses(&motion.offset_m, 30);
+                let desired = desired(&motion, 30);
                 assert!(search.solve(&desired));
                 let root_m = nearest[0].translation_m.as_dvec3();
-                let mut rotation = nearest.map(|joint| joint.rotation.as_dquat().normalize());
+                let mut rotation: Vec<_> =
+                    nearest.iter().map(|joint| joint.rotation.as_dquat().normalize()).collect();
                 for (body, place) in BODIES.iter().enumerate() {
                     if let Some(parent) = place.parent {
                         rotation[body] = rotation[parent] * rotation[body];
                     }
                 }
-                let poses = search.assembled(root_m, &rotation);
+                let poses = search.assembled(root_m, rotation.into_iter());
                 // Some ten roundings of f32 along a limb, in metres and radians.
                 for (pose, optimum) in poses.iter().zip(&search.poses) {
                     assert!(pose.position_m.distance(optimum.position_m) < 2e-6);
@@ -496,7 +509,8 @@ mod tests {
         let (desired, offset_m) = desired_and_offsets(1.1);
         let mut search = Search::new(&offset_m, 1e4, Held::Nothing);
         assert!(search.solve(&desired));
-        let world = search.assembled(desired[0].position_m, &desired.map(|pose| pose.rotation));
+        let world =
+            search.assembled(desired[0].position_m, desired.iter().map(|pose| pose.rotation));
         let residuals = desired.iter().zip(&world).map(|(d, w)| d.position_m - w.position_m);
         let mean_m = residuals.sum::<DVec3>() / BODY_COUNT as f64;
         let shift_m = search.poses[0].position_m - desired[0].position_m;

@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::controller::narrow;
 pub use super::disturbance::LATENCY_MOST;
-use super::{Errors, MethodName, RunError, Setup, run};
-use crate::figure::FigureMotion;
+use super::{Errors, MethodName, RunError, Setup, Take, run};
 
 /// The errors of one setup over all clips, or the clip that the figure was lost on.
 pub type Trial = Result<Errors, Lost>;
@@ -24,15 +23,15 @@ pub struct Lost {
 ///
 /// # Errors
 /// [`Lost`]: the first clip, in their order, that the figure was lost on.
-pub fn trial(motions: &[FigureMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
-    let runs: Vec<Trial> = motions
+pub fn trial(takes: &[impl Take], setup: &Setup, seconds: Option<f64>) -> Trial {
+    let runs: Vec<Trial> = takes
         .par_iter()
         .enumerate()
-        .map(|(stream, motion)| {
-            let errors = run(motion, setup, seconds, stream as u64);
+        .map(|(stream, take)| {
+            let errors = run(take, setup, seconds, stream as u64);
             errors
                 .map(|(errors, _)| errors)
-                .map_err(|kind| Lost { clip: motion.name.clone(), kind })
+                .map_err(|kind| Lost { clip: take.name().to_owned(), kind })
         })
         .collect();
     let mut total = Errors::default();
@@ -73,20 +72,20 @@ pub const TRACKS_BELOW_DEG: f64 = 10.0;
 /// # Errors
 /// [`Lost`] for what is no loss of the figure: a clip that is too short, a setting that cannot be.
 pub fn largest_latency(
-    motions: &[FigureMotion],
+    takes: &[impl Take],
     setup: &Setup,
     look_ahead: bool,
     seconds: Option<f64>,
 ) -> Result<Option<usize>, Lost> {
     let mut setup = setup.clone();
-    if let Some(motion) = motions.first() {
-        setup.controller = setup.controller.effective(narrow(motion.dt_s));
+    if let Some(take) = takes.first() {
+        setup.controller = setup.controller.clone().effective(narrow(take.dt_s()));
     }
     setup.controller.observer.predict = look_ahead;
     let mut largest = None;
     for latency_steps in 0..=LATENCY_MOST {
         setup.disturbance.latency_steps = latency_steps;
-        match trial(motions, &setup, seconds) {
+        match trial(takes, &setup, seconds) {
             Ok(errors) if errors.all.angular_mean_deg() < TRACKS_BELOW_DEG => {
                 largest = Some(latency_steps);
             }

@@ -2,22 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{SettingError, Timing, Tracker, TrackerError};
+use sinew_core::tracker::{MethodName, SettingError, Settings, Timing, Tracker, TrackerError};
+use sinew_rig::mechanism::Link;
 use thiserror::Error;
 
 use super::controller::{BodyName, ControllerSettings, narrow};
 use super::disturbance::{Disturbance, LATENCY_MOST};
 use super::error::RunError;
-use super::levers::Levers;
+use super::rig::{CAPACITY, Rig};
 use super::supply::supply;
 use crate::figure::{
-    BODY_COUNT, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject,
+    BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject,
 };
 use crate::parse_message::parse_message;
 use crate::plant::PlantSettings;
 
-/// The figure's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
-pub type FigureTracker = Tracker<BODY_COUNT, { LATENCY_MOST + 1 }, BODY_COUNT>;
+/// A rig's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
+pub type RigTracker = Tracker<CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
@@ -72,6 +73,14 @@ pub enum SetupError {
     /// A subject for a body that needs none.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
+    /// The reference is no body of the rig.
+    #[error("controller.reference: expected a body of the rig ({names}), found `{found}`")]
+    NoSuchBody {
+        /// The bodies there are.
+        names: String,
+        /// What was named.
+        found: String,
+    },
     /// A setting of the controller.
     #[error("controller.{0}")]
     Controller(#[from] SettingError),
@@ -142,6 +151,36 @@ impl Setup {
         Ok(())
     }
 
+    /// Checks that the bodies which are named are the figure's.
+    ///
+    /// # Errors
+    /// [`SetupError::NoSuchBody`].
+    pub fn check_figure(&self) -> Result<(), SetupError> {
+        self.reference(BODIES.iter().map(|body| body.name)).map(|_| ())
+    }
+
+    /// The controller's settings with bodies by index. Only the method `accumulated` needs one to be there.
+    pub(super) fn controller_of(&self, links: &[Link]) -> Result<Settings, SetupError> {
+        let reference = self.reference(links.iter().map(|link| link.name.as_str()));
+        let reference = match self.controller.method {
+            MethodName::Accumulated => reference?,
+            _ => reference.unwrap_or_default(),
+        };
+        Ok(self.controller.clone().named(|_| reference))
+    }
+
+    /// Index of the reference body among bodies of these names.
+    fn reference<'a>(
+        &self,
+        names: impl Iterator<Item = &'a str> + Clone,
+    ) -> Result<usize, SetupError> {
+        let BodyName(wanted) = &self.controller.reference;
+        names.clone().position(|name| name == wanted).ok_or_else(|| SetupError::NoSuchBody {
+            names: names.collect::<Vec<_>>().join(", "),
+            found: wanted.clone(),
+        })
+    }
+
     /// The keys that differ from the default, with their values: `plant.substeps = 4`.
     pub fn differences(&self) -> Vec<String> {
         let table = |setup: &Self| {
@@ -167,24 +206,19 @@ impl Setup {
         Ok(model.scaled_by(&self.dimensions.factors()))
     }
 
-    /// The tracker of a figure, which acts once in `dt_s` seconds.
+    /// The tracker of a rig, which acts once in `dt_s` seconds.
     ///
     /// # Errors
-    /// [`RunError`] if the figure's numbers do not survive f32, or a setting does not go with it.
-    pub(super) fn tracker(
-        &self,
-        model: &BodyModel,
-        levers: &Levers,
-        dt_s: f64,
-    ) -> Result<Box<FigureTracker>, RunError> {
-        let tree = model.tree(self.root)?;
+    /// [`RunError`] if the rig's numbers do not survive f32, or a setting does not go with it.
+    pub(super) fn tracker(&self, rig: &Rig, dt_s: f64) -> Result<Box<RigTracker>, RunError> {
+        let tree = rig.tree()?;
         let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
         self.controller.check().map_err(TrackerError::from)?;
         // Spelled out, since it is an evaluation's business to try drives that come too late.
-        let settings = self.controller.effective(timing.dt_s).named(|BodyName(body)| body);
-        let supply = supply(self, &tree, levers)?;
+        let settings = self.controller_of(rig.links())?.effective(timing.dt_s);
+        let supply = supply(self, &tree, rig)?;
         let tracker = Tracker::with_workspace(tree, &settings, timing, Workspace::resolving())?
-            .with_limits(&self.disturbance.torque_limits())?
+            .with_limits(&self.disturbance.torque_limits(rig.links()))?
             .with_supply(supply)?;
         Ok(Box::new(tracker))
     }

@@ -8,39 +8,39 @@ use sinew_core::tracker::Sharing;
 
 use super::controller::narrow;
 use super::error::RunError;
-use super::levers::Levers;
+use super::rig::{CAPACITY, Rig};
 use super::setup::Setup;
-use crate::figure::BODY_COUNT;
 
 /// The supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
 /// inertias that their drives work against in the rest pose.
 pub(super) fn supply(
     setup: &Setup,
-    tree: &Tree<BODY_COUNT>,
-    levers: &Levers,
-) -> Result<TorqueSupply<BODY_COUNT>, RunError> {
+    tree: &Tree<CAPACITY>,
+    rig: &Rig,
+) -> Result<TorqueSupply<CAPACITY>, RunError> {
     let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
     Ok(match setup.controller.sharing {
         Sharing::Alike | Sharing::Accelerations => supply,
-        Sharing::Importance => supply.with_weights(&weights(tree, levers))?,
+        Sharing::Importance => supply.with_weights(&weights(tree, rig.levers().as_slice_m()))?,
     })
 }
 
 /// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by
 /// the lever of that.
-fn weights(tree: &Tree<BODY_COUNT>, levers: &Levers) -> [f32; BODY_COUNT] {
+fn weights(tree: &Tree<CAPACITY>, levers_m: &[f64]) -> Vec<f32> {
     let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
-    let mut weights = [1.0; BODY_COUNT];
-    for ((weight, inertia), lever_m) in weights.iter_mut().zip(&inertias).zip(levers.as_array_m()) {
+    let weight = |(inertia, lever_m): (&ReflectedInertia, &f64)| {
         let mean_kg_m2 = mean_moment_kg_m2(inertia);
         // A joint that cannot turn wants no torque, and its weight counts nothing.
         if mean_kg_m2 > 0.0 {
             let moved = lever_m / mean_kg_m2;
             // Within what weights may be: a leaf whose mass is at its joint moves nothing.
-            *weight = narrow(moved * moved).clamp(1e-12, 1e12);
+            narrow(moved * moved).clamp(1e-12, 1e12)
+        } else {
+            1.0
         }
-    }
-    weights
+    };
+    inertias.iter().zip(levers_m).map(weight).collect()
 }
 
 /// Mean over the axes.

@@ -5,7 +5,7 @@ use sinew_core::state_error::RateTerm;
 use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
 
 use super::*;
-use crate::figure::Root;
+use crate::figure::{FigureMotion, Root};
 use crate::figure::fixture::moving;
 use crate::plant::{PlantKind, Pose};
 
@@ -54,7 +54,7 @@ fn linear_compensation_without_weight_is_world() {
 fn a_reference_frame_may_be_any_body() {
     let seen_from = |name: &str| {
         let mut setup = with_method(MethodName::Accumulated);
-        setup.controller.reference = BodyName::try_from(name.to_owned()).unwrap();
+        setup.controller.reference = BodyName(name.to_owned());
         trace(setup)
     };
     assert!(seen_from("pelvis") == trace(with_method(MethodName::Egocentric)));
@@ -239,7 +239,7 @@ fn tables_stand_beside_the_papers_where_it_has_some() {
 #[test]
 fn what_cannot_be_evaluated_is_refused_by_name() {
     let protocol = Protocol::default();
-    assert_eq!(evaluate(&[], &protocol, |_| ()), Err(EvaluateError::NoClips));
+    assert_eq!(evaluate::<FigureMotion>(&[], &protocol, |_| ()), Err(EvaluateError::NoClips));
     let error = evaluate(&[moving("short", 2)], &protocol, |_| ()).unwrap_err();
     assert_eq!(
         error.to_string(),

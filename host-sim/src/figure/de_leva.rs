@@ -6,15 +6,12 @@
 
 use glam::DVec3;
 
-use super::BODY_COUNT;
 use super::cut::{self, CutDisc};
 use super::model::{BodyModelError, MassProperties};
 use super::placement::{self, Part, Placement};
 
 /// Mass properties of the table's man in the dimensions of a skeleton.
-pub(super) fn bodies(
-    placement: &Placement<'_>,
-) -> Result<[MassProperties; BODY_COUNT], BodyModelError> {
+pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, BodyModelError> {
     let stature_m = placement.leg_m / (THIGH.length + SHANK.length);
     let upper_trunk = UpperTrunkParts::new();
     placement::each_body(|body| {
@@ -40,7 +37,7 @@ pub(super) fn bodies(
 /// Share of the body's mass that the table gives a body of the figure.
 ///
 /// # Panics
-/// If `body` is not below [`BODY_COUNT`].
+/// If `body` is not below [`BODY_COUNT`](super::BODY_COUNT).
 pub fn mass_fraction(body: usize) -> f64 {
     UpperTrunkParts::new().segment(Part::of(body)).mass
 }
@@ -180,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_figures_bodies_are_the_whole_body() {
-        let sum: f64 = (0..BODY_COUNT).map(mass_fraction).sum();
+        let sum: f64 = (0..crate::figure::BODY_COUNT).map(mass_fraction).sum();
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::body::{BODIES, BODY_COUNT};
+use super::body::{BODIES, Body};
 use crate::random::{Random, Subject};
 
 /// Factors on the figure's dimensions; the clip keeps its own. They multiply: a left arm has
@@ -56,9 +56,9 @@ impl Dimensions {
     }
 
     /// The factor on each body.
-    pub fn factors(&self) -> [f64; BODY_COUNT] {
+    pub fn factors(&self) -> Vec<f64> {
         let mut random = Random::new(self.seed, Subject::Dimensions);
-        BODIES.map(|body| {
+        let factor = |body: &Body| {
             let part = match body.name {
                 "pelvis" | "abdomen" | "thorax" | "clavicle_l" | "clavicle_r" => self.trunk,
                 "head" => self.head,
@@ -68,7 +68,8 @@ impl Dimensions {
                 _ => self.right_leg,
             };
             self.scale * part * random.between(1.0 - self.random, 1.0 + self.random)
-        })
+        };
+        BODIES.iter().map(factor).collect()
     }
 
     /// What cannot be, as (key, what is expected, value).
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn random_factors_are_within_their_bounds_and_of_their_seed() {
         let of_seed = |seed| Dimensions { random: 0.2, seed, ..Dimensions::default() }.factors();
-        let bits = |seed| of_seed(seed).map(f64::to_bits);
+        let bits = |seed| of_seed(seed).into_iter().map(f64::to_bits).collect::<Vec<_>>();
         assert_eq!(bits(3), bits(3));
         assert_ne!(bits(3), bits(4));
         assert!(of_seed(3).iter().all(|factor| (0.8..1.2).contains(factor)));

@@ -2,15 +2,15 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{BODIES, BODY_COUNT};
-use crate::figure::FigureMotion;
+use super::{BODIES, BODY_COUNT, BodyModel, FigureMotion, Root};
+use crate::plant::Mechanism;
 
 /// A figure standing with its arms down, y up, facing z, whose pelvis and abdomen joints coincide and
 /// whose hands have no end, as in skeletons that occur.
 pub(crate) fn standing() -> FigureMotion {
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
-    let mut offset_m = [DVec3::ZERO; BODY_COUNT];
-    let mut segment_end_m = [DVec3::ZERO; BODY_COUNT];
+    let mut offset_m = vec![DVec3::ZERO; BODY_COUNT];
+    let mut segment_end_m = vec![DVec3::ZERO; BODY_COUNT];
     let (thorax, head, hand_l) = (2, 3, 7);
     offset_m[thorax] = at(0.0, 0.2, 0.0);
     offset_m[head] = at(0.0, 0.25, 0.01);
@@ -40,7 +40,7 @@ pub(crate) fn standing() -> FigureMotion {
         offset_m,
         segment_end_m,
         root_position_m: vec![DVec3::ZERO],
-        rotation: vec![[DQuat::IDENTITY; BODY_COUNT]],
+        rotation: vec![vec![DQuat::IDENTITY; BODY_COUNT]],
     }
 }
 
@@ -55,7 +55,12 @@ pub(crate) fn moving(name: &str, frames: u32) -> FigureMotion {
     FigureMotion {
         name: name.to_owned(),
         root_position_m: (0..frames).map(|f| DVec3::new(0.0, 1.0, 0.01 * f64::from(f))).collect(),
-        rotation: (0..frames).map(|f| std::array::from_fn(|body| turn(f, body))).collect(),
+        rotation: (0..frames).map(|f| (0..BODY_COUNT).map(|body| turn(f, body)).collect()).collect(),
         ..still
     }
+}
+
+/// The standing figure as a mechanism.
+pub(crate) fn mechanism() -> Mechanism {
+    BodyModel::from_motion(&standing()).expect("a figure").mechanism(Root::Driven)
 }

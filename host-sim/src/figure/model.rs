@@ -1,18 +1,15 @@
 //! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
 
-use std::array;
-
 use glam::{DMat3, DVec3};
-use sinew_core::{
-    Body as RigBody, Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError,
-};
+use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 use thiserror::Error;
 
-use super::body::{BODIES, BODY_COUNT, Root};
+use super::body::{BODIES, Root};
 use super::de_leva;
 use super::hanavan::{self, Subject};
 use super::placement::{Placement, Skeleton};
 use crate::figure::FigureMotion;
+use crate::plant::link;
 
 /// What a body weighs and how its mass is spread, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,9 +41,9 @@ impl MassProperties {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyModel {
     /// Position of joint `i` in the frame of body `i`'s parent, in metres; zero for the root.
-    pub offset_m: [DVec3; BODY_COUNT],
+    pub offset_m: Vec<DVec3>,
     /// Mass properties by body.
-    pub bodies: [MassProperties; BODY_COUNT],
+    pub bodies: Vec<MassProperties>,
 }
 
 /// Why a clip's skeleton cannot be given a body.
@@ -72,7 +69,7 @@ impl BodyModel {
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
     pub fn from_motion(motion: &FigureMotion) -> Result<Self, BodyModelError> {
         let placement = Placement::new(Skeleton::of(motion))?;
-        Ok(Self { offset_m: motion.offset_m, bodies: de_leva::bodies(&placement)? })
+        Ok(Self { offset_m: motion.offset_m.clone(), bodies: de_leva::bodies(&placement)? })
     }
 
     /// A measured subject on the joints of a clip: its masses and cross-sections, and lengths as said in
@@ -82,25 +79,26 @@ impl BodyModel {
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
     pub fn hanavan_kwon(motion: &FigureMotion, subject: &Subject) -> Result<Self, BodyModelError> {
         let placement = Placement::new(Skeleton::of(motion))?;
-        Ok(Self { offset_m: motion.offset_m, bodies: hanavan::bodies(&placement, subject)? })
+        Ok(Self { offset_m: motion.offset_m.clone(), bodies: hanavan::bodies(&placement, subject)? })
     }
 
     /// The same figure with all dimensions times `factor`, at the same density.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        self.scaled_by(&[factor; BODY_COUNT])
+        self.scaled_by(&[factor; BODIES.len()])
     }
 
     /// The same figure with every body in its own factor's dimensions, at the same density. A joint lies on
     /// its parent body and moves with that.
     #[must_use]
-    pub fn scaled_by(&self, factors: &[f64; BODY_COUNT]) -> Self {
+    pub fn scaled_by(&self, factors: &[f64]) -> Self {
+        let offset_m = |(body, offset_m): (usize, &DVec3)| {
+            *offset_m * factors[BODIES[body].parent.unwrap_or(body)]
+        };
+        let scaled = |(body, factor): (&MassProperties, &f64)| body.scaled(*factor);
         Self {
-            offset_m: array::from_fn(|body| {
-                let carrier = BODIES[body].parent.unwrap_or(body);
-                self.offset_m[body] * factors[carrier]
-            }),
-            bodies: array::from_fn(|body| self.bodies[body].scaled(factors[body])),
+            offset_m: self.offset_m.iter().enumerate().map(offset_m).collect(),
+            bodies: self.bodies.iter().zip(factors).map(scaled).collect(),
         }
     }
 
@@ -109,48 +107,22 @@ impl BodyModel {
         self.bodies.iter().map(|body| body.mass_kg).sum()
     }
 
-    /// The figure as the controller knows it, in f32: the root as given, all other joints spherical.
-    ///
-    /// # Errors
-    /// [`TreeError`] if the numbers do not survive f32.
-    pub fn tree(&self, root: Root) -> Result<Tree<BODY_COUNT>, TreeError> {
-        let root = match root {
-            Root::Driven => JointKind::Free,
-            Root::Fixed => JointKind::Fixed,
-        };
-        let mut tree = Tree::new();
-        for ((place, offset), body) in BODIES.iter().zip(&self.offset_m).zip(&self.bodies) {
-            let joint = if place.parent.is_none() { root } else { JointKind::Spherical };
-            tree.push(RigBody {
-                parent: place.parent,
-                joint,
-                placement: Transform::from_translation(offset.as_vec3()),
-                inertia: Inertia {
-                    mass_kg: narrow(body.mass_kg),
-                    center_of_mass_m: body.center_of_mass_m.as_vec3(),
-                    rotational_kg_m2: rotational_f32(&body.rotational_kg_m2),
-                },
-                rotor_inertia: 0.0,
-            })?;
-        }
-        Ok(tree)
-    }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-fn narrow(x: f64) -> f32 {
-    x as f32
-}
-
-fn rotational_f32(inertia: &DMat3) -> RotationalInertia {
-    let i = inertia.as_mat3();
-    RotationalInertia {
-        xx: i.x_axis.x,
-        xy: i.y_axis.x,
-        xz: i.z_axis.x,
-        yy: i.y_axis.y,
-        yz: i.z_axis.y,
-        zz: i.z_axis.z,
+    /// The figure as a mechanism: the root as given, all other joints spherical, without friction or ranges.
+    pub fn mechanism(&self, root: Root) -> Mechanism {
+        let bodies = BODIES.iter().zip(&self.offset_m).zip(&self.bodies);
+        let bodies = bodies.map(|((place, offset_m), mass)| {
+            let joint = match (place.parent, root) {
+                (Some(_), _) => Freedom::Spherical,
+                (None, Root::Driven) => Freedom::Free,
+                (None, Root::Fixed) => Freedom::Fixed,
+            };
+            Link {
+                name: place.name.to_owned(),
+                joint_name: place.name.to_owned(),
+                ..link(place.parent, joint, *offset_m, mass)
+            }
+        });
+        Mechanism { bodies: bodies.collect() }
     }
 }
 

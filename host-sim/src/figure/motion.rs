@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use sinew_core::Transform;
 use sinew_core::trajectory::interpolate_smoothly;
 
-use super::{BODIES, BODY_COUNT};
+use super::BODIES;
 
 /// A clip mapped on the figure, evenly sampled and filtered.
 ///
@@ -16,22 +16,22 @@ pub struct FigureMotion {
     /// Time from one frame to the next, in seconds.
     pub dt_s: f64,
     /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
-    pub offset_m: [DVec3; BODY_COUNT],
+    pub offset_m: Vec<DVec3>,
     /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head,
     /// hand or foot. It says to the body model how the segment lies. The pelvis ends up the trunk; in
     /// skeletons where the abdomen begins at the pelvis' own origin, both end at the thorax.
-    pub segment_end_m: [DVec3; BODY_COUNT],
+    pub segment_end_m: Vec<DVec3>,
     /// World position of the pelvis in each frame.
     pub root_position_m: Vec<DVec3>,
     /// Rotation from body `i` to its parent (the pelvis: to the world) in each frame, unit.
-    pub rotation: Vec<[DQuat; BODY_COUNT]>,
+    pub rotation: Vec<Vec<DQuat>>,
 }
 
 impl FigureMotion {
     /// World position of every joint in frame `frame`, in metres.
-    pub fn world_positions_m(&self, frame: usize) -> [DVec3; BODY_COUNT] {
-        let mut position_m = [self.root_position_m[frame]; BODY_COUNT];
-        let mut rotation = self.rotation[frame];
+    pub fn world_positions_m(&self, frame: usize) -> Vec<DVec3> {
+        let mut position_m = vec![self.root_position_m[frame]; BODIES.len()];
+        let mut rotation = self.rotation[frame].clone();
         for (i, body) in BODIES.iter().enumerate() {
             if let Some(parent) = body.parent {
                 position_m[i] = position_m[parent] + rotation[parent] * self.offset_m[i];
@@ -52,29 +52,36 @@ impl FigureMotion {
             let (from, fraction) = (step / factor, (step % factor) as f32 / factor as f32);
             let window = [from.saturating_sub(1), from, from + 1, from + 2];
             let window = window.map(|frame| &frames[frame.min(last)]);
-            let joints: [Transform; BODY_COUNT] = std::array::from_fn(|joint| {
-                interpolate_smoothly(window.map(|frame| &frame[joint]), fraction)
-            });
+            let joints: Vec<Transform> = (0..BODIES.len())
+                .map(|joint| interpolate_smoothly(window.map(|frame| &frame[joint]), fraction))
+                .collect();
             root_position_m.push(joints[0].translation_m.as_dvec3());
-            rotation.push(joints.map(|joint| joint.rotation.as_dquat().normalize()));
+            rotation.push(joints.iter().map(|joint| joint.rotation.as_dquat().normalize()).collect());
         }
         Self {
             name: self.name.clone(),
             dt_s: self.dt_s / factor as f64,
             root_position_m,
             rotation,
-            ..*self
+            offset_m: self.offset_m.clone(),
+            segment_end_m: self.segment_end_m.clone(),
         }
     }
 
     /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame, as
     /// the core takes them.
-    pub fn joint_poses(&self, frame: usize) -> [Transform; BODY_COUNT] {
+    pub fn joint_poses(&self, frame: usize) -> Vec<Transform> {
+        self.joints(frame)
+            .map(|(rotation, position_m)| Transform::new(rotation.as_quat(), position_m.as_vec3()))
+            .collect()
+    }
+
+    /// Rotations and positions of all joints in frame `frame` (the last one, beyond the end), each in its parent's
+    /// frame, the root's in the world; m.
+    pub fn joints(&self, frame: usize) -> impl Iterator<Item = (DQuat, DVec3)> + '_ {
         let frame = frame.min(self.rotation.len() - 1);
-        std::array::from_fn(|joint| {
-            let position_m =
-                if joint == 0 { self.root_position_m[frame] } else { self.offset_m[joint] };
-            Transform::new(self.rotation[frame][joint].as_quat(), position_m.as_vec3())
-        })
+        let root_m = self.root_position_m[frame];
+        let positions_m = std::iter::once(root_m).chain(self.offset_m.iter().skip(1).copied());
+        self.rotation[frame].iter().copied().zip(positions_m)
     }
 }

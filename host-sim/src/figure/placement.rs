@@ -10,7 +10,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::body::{BODIES, BODY_COUNT};
+use super::body::BODIES;
 use super::model::BodyModelError;
 use crate::figure::FigureMotion;
 
@@ -79,9 +79,9 @@ impl Part {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Skeleton<'a> {
     /// Position of joint `i` in the frame of body `i`'s parent, in metres.
-    pub offset_m: &'a [DVec3; BODY_COUNT],
+    pub offset_m: &'a [DVec3],
     /// End of each body's segment in its own frame, in metres.
-    pub segment_end_m: &'a [DVec3; BODY_COUNT],
+    pub segment_end_m: &'a [DVec3],
 }
 
 impl<'a> Skeleton<'a> {
@@ -204,11 +204,8 @@ impl<'a> Placement<'a> {
 }
 
 /// What `make` says of every body, or the first error.
-pub(super) fn each_body<T: Copy, E>(
-    make: impl FnMut(usize) -> Result<T, E>,
-) -> Result<[T; BODY_COUNT], E> {
-    let made = (0..BODY_COUNT).map(make).collect::<Result<Vec<_>, E>>()?;
-    Ok(core::array::from_fn(|body| made[body]))
+pub(super) fn each_body<T, E>(make: impl FnMut(usize) -> Result<T, E>) -> Result<Vec<T>, E> {
+    (0..BODIES.len()).map(make).collect()
 }
 
 /// The unit vector of `v` made perpendicular to the unit vector `axis`; any perpendicular one if `v` is

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use sinew_mocap::{JointSample, Recording};
 
 use crate::figure::mapping::Binding;
-use crate::figure::{BODIES, BODY_COUNT};
+use crate::figure::BODIES;
 
 /// Largest angle of a limb from where a T-pose has it. In the CMU data it is 0.14 to 0.31 rad in
 /// inserted T-poses, and 0.35 or more in every other first frame that is followed by a jump.
@@ -31,11 +31,11 @@ pub fn is_inserted(recording: &Recording, binding: &Binding) -> bool {
 }
 
 /// Whether the arms point level away from each other and the legs down.
-fn is_t(position_m: &[DVec3; BODY_COUNT]) -> bool {
+fn is_t(position_m: &[DVec3]) -> bool {
     limb_angles_rad(position_m).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
 }
 
-fn limb_angles_rad(position_m: &[DVec3; BODY_COUNT]) -> [f64; 8] {
+fn limb_angles_rad(position_m: &[DVec3]) -> [f64; 8] {
     let at = |name: &str| -> DVec3 {
         let named = BODIES.iter().zip(position_m).find(|(body, _)| body.name == name);
         named.map_or(DVec3::NAN, |(_, &position)| position)

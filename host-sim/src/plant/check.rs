@@ -1,12 +1,12 @@
 //! What can be simulated: numbers that a machine can have, in a tree.
 
 use ::nalgebra as na;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
-use super::{Mechanism, MovingPose, PlantBody};
+use super::{Freedom, Link, Mechanism, MovingPose};
 
-/// How far a start's quaternion may be from unit length.
+/// How far quaternions and axes may be from unit length.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// Rounding of an inertia, as a share of the largest moment: bodies come out of f32, too.
@@ -58,6 +58,14 @@ pub enum PlantError {
         /// What it is: of several numbers the first that cannot be.
         found: f64,
     },
+    /// The engine does not simulate such a joint.
+    #[error("body {body}: {what}, which the engine does not simulate; the plant `articulated` does")]
+    Engine {
+        /// The body.
+        body: usize,
+        /// What it does not.
+        what: &'static str,
+    },
     /// The principal axes found do not give the inertia back.
     #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
     Inertia {
@@ -68,56 +76,102 @@ pub enum PlantError {
     },
 }
 
-impl Mechanism {
-    /// Whether this is a tree of possible bodies with a possible state for each, and steps that go on.
-    pub(super) fn check(
-        &self,
-        start: &[MovingPose],
-        dt_s: f64,
-        substeps: usize,
-    ) -> Result<(), PlantError> {
-        if substeps == 0 {
-            return Err(PlantError::NoSubsteps);
-        }
-        if !(dt_s > 0.0 && dt_s.is_finite()) {
-            return Err(PlantError::TimeStep { found: dt_s });
-        }
-        if self.bodies.is_empty() {
-            return Err(PlantError::NoBodies);
-        }
-        if start.len() != self.bodies.len() {
-            return Err(PlantError::StateCount { bodies: self.bodies.len(), states: start.len() });
-        }
-        for (body, (of_body, of_start)) in self.bodies.iter().zip(start).enumerate() {
-            let parent = of_body.parent;
-            if !parent.map_or(body == 0, |parent| parent < body) {
-                return Err(PlantError::Parent { body, parent });
-            }
-            let fault = body_fault(of_body).or_else(|| state_fault(of_start));
-            if let Some((item, expected, found)) = fault {
-                return Err(PlantError::Body { body, item, expected, found });
-            }
-        }
-        Ok(())
+/// Whether this is a tree of possible bodies with a possible state for each, and steps that go on.
+pub(super) fn check(
+    mechanism: &Mechanism,
+    start: &[MovingPose],
+    dt_s: f64,
+    substeps: usize,
+) -> Result<(), PlantError> {
+    if substeps == 0 {
+        return Err(PlantError::NoSubsteps);
     }
+    if !(dt_s > 0.0 && dt_s.is_finite()) {
+        return Err(PlantError::TimeStep { found: dt_s });
+    }
+    let bodies = &mechanism.bodies;
+    if bodies.is_empty() {
+        return Err(PlantError::NoBodies);
+    }
+    if start.len() != bodies.len() {
+        return Err(PlantError::StateCount { bodies: bodies.len(), states: start.len() });
+    }
+    for (body, (of_body, of_start)) in bodies.iter().zip(start).enumerate() {
+        let parent = of_body.parent;
+        if !parent.map_or(body == 0, |parent| parent < body) {
+            return Err(PlantError::Parent { body, parent });
+        }
+        let fault =
+            body_fault(of_body).or_else(|| joint_fault(of_body)).or_else(|| state_fault(of_start));
+        if let Some((item, expected, found)) = fault {
+            return Err(PlantError::Body { body, item, expected, found });
+        }
+    }
+    Ok(())
 }
 
 /// A field, what it may be, and what it is.
 type Fault = (&'static str, &'static str, f64);
 
-fn body_fault(body: &PlantBody) -> Option<Fault> {
-    let mass = &body.mass;
-    vector_fault("offset_m", body.offset_m)
+fn body_fault(link: &Link) -> Option<Fault> {
+    vector_fault("position_m", link.position_m)
+        .or_else(|| rotation_fault("rotation", link.rotation))
         .or_else(|| {
-            let good = mass.mass_kg > 0.0 && mass.mass_kg.is_finite();
-            (!good).then_some(("mass_kg", "a finite mass above 0 kg", mass.mass_kg))
+            let good = link.mass_kg > 0.0 && link.mass_kg.is_finite();
+            (!good).then_some(("mass_kg", "a finite mass above 0 kg", link.mass_kg))
         })
-        .or_else(|| vector_fault("center_of_mass_m", mass.center_of_mass_m))
-        .or_else(|| inertia_fault(&mass.rotational_kg_m2))
+        .or_else(|| vector_fault("center_of_mass_m", link.center_of_mass_m))
+        .or_else(|| inertia_fault(&link.inertia_kg_m2))
+}
+
+fn joint_fault(link: &Link) -> Option<Fault> {
+    let axes: &[DVec3] = match &link.joint {
+        Freedom::Revolute(axis) | Freedom::Prismatic(axis) => std::slice::from_ref(axis),
+        Freedom::Universal(axes) => axes,
+        Freedom::Fixed | Freedom::Spherical | Freedom::Free => &[],
+    };
+    for axis in axes {
+        // Written so that NaN is a fault, here and below.
+        let unit = (axis.length() - 1.0).abs() <= UNIT_TOLERANCE;
+        if !unit {
+            return Some(("axis", "a vector of length 1", axis.length()));
+        }
+    }
+    if let &[first, second] = axes
+        && first.dot(second).abs() > UNIT_TOLERANCE
+    {
+        return Some(("axes", "a right angle between them, cosine 0", first.dot(second)));
+    }
+    for (item, value) in [
+        ("rotor_inertia", link.rotor_inertia),
+        ("friction", link.friction),
+        ("damping", link.damping),
+    ] {
+        let good = value >= 0.0 && value.is_finite();
+        if !good {
+            return Some((item, "a finite number from 0", value));
+        }
+    }
+    if let Freedom::Prismatic(_) | Freedom::Revolute(_) | Freedom::Universal(_) = link.joint {
+        let disordered = link.ranges.iter().find(|[least, most]| !(least <= most));
+        if let Some([least, _]) = disordered {
+            return Some(("ranges", "the least no more than the most", *least));
+        }
+    }
+    let most_ranges = match link.joint {
+        Freedom::Fixed | Freedom::Free => 0,
+        Freedom::Spherical => 1,
+        _ => axes.len(),
+    };
+    if link.ranges.len() > most_ranges {
+        let found = link.ranges.len() as f64;
+        return Some(("ranges", "one for each axis, or none", found));
+    }
+    None
 }
 
 fn inertia_fault(inertia: &DMat3) -> Option<Fault> {
-    let item = "rotational_kg_m2";
+    let item = "inertia_kg_m2";
     let elements = inertia.to_cols_array();
     if let Some(found) = elements.into_iter().find(|element| !element.is_finite()) {
         return Some((item, "finite numbers of kg m²", found));
@@ -140,15 +194,17 @@ fn inertia_fault(inertia: &DMat3) -> Option<Fault> {
 }
 
 fn state_fault(state: &MovingPose) -> Option<Fault> {
-    let length = state.pose.rotation.length();
-    vector_fault("position_m", state.pose.position_m)
-        .or_else(|| {
-            // Written so that NaN is a fault.
-            let unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
-            (!unit).then_some(("rotation", "a quaternion of length 1", length))
-        })
-        .or_else(|| vector_fault("angular_rad_s", state.angular_rad_s))
-        .or_else(|| vector_fault("linear_m_s", state.linear_m_s))
+    vector_fault("start position_m", state.pose.position_m)
+        .or_else(|| rotation_fault("start rotation", state.pose.rotation))
+        .or_else(|| vector_fault("start angular_rad_s", state.angular_rad_s))
+        .or_else(|| vector_fault("start linear_m_s", state.linear_m_s))
+}
+
+fn rotation_fault(item: &'static str, rotation: DQuat) -> Option<Fault> {
+    let length = rotation.length();
+    // Written so that NaN is a fault.
+    let unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
+    (!unit).then_some((item, "a quaternion of length 1", length))
 }
 
 fn vector_fault(item: &'static str, v: DVec3) -> Option<Fault> {

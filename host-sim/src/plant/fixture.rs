@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Drive, Mechanism, MovingPose, PlantBody, Pose, Root};
+use super::{Drive, Freedom, Link, Mechanism, MovingPose, Pose, link, pose_at};
 use crate::figure::MassProperties;
 use crate::random::{Random, Subject};
 
@@ -36,24 +36,24 @@ pub(super) fn tilted(moments: DMat3, rotation_vector: DVec3) -> DMat3 {
 pub(super) fn hung(mass: MassProperties) -> Mechanism {
     let block = solid(1.0, DVec3::ZERO, DMat3::IDENTITY);
     Mechanism {
-        root: Root::Fixed,
         bodies: vec![
-            PlantBody { parent: None, offset_m: DVec3::ZERO, mass: block },
-            PlantBody { parent: Some(0), offset_m: DVec3::ZERO, mass },
+            link(None, Freedom::Fixed, DVec3::ZERO, &block),
+            link(Some(0), Freedom::Spherical, DVec3::ZERO, &mass),
         ],
     }
 }
 
 /// No force, no torque.
 pub(super) fn passive(bodies: usize) -> Drive {
-    Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO; bodies] }
+    Drive::none(bodies)
 }
 
-/// A random tree of 18 bodies of 0.5 to 5 kg, turning at random against each other at up to 5 rad/s.
-pub(super) fn random_tree(root: Root, seed: u64) -> (Mechanism, Vec<MovingPose>) {
+/// A random tree of 18 bodies of 0.5 to 5 kg on ball joints, turning at random against each other at up to 5 rad/s;
+/// the root free or fixed.
+pub(super) fn random_tree(root: Freedom, seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let mut random = Random::new(seed, Subject::Masses);
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
-    let mut bodies: Vec<PlantBody> = Vec::new();
+    let mut bodies: Vec<Link> = Vec::new();
     let mut start: Vec<MovingPose> = Vec::new();
     for index in 0..18 {
         // Chains and forks: on the body before or one farther back.
@@ -76,9 +76,10 @@ pub(super) fn random_tree(root: Root, seed: u64) -> (Mechanism, Vec<MovingPose>)
                 }
             }
         });
-        bodies.push(PlantBody { parent, offset_m, mass });
+        let joint = if parent.is_some() { Freedom::Spherical } else { root };
+        bodies.push(link(parent, joint, offset_m, &mass));
     }
-    if root == Root::Fixed {
+    if root == Freedom::Fixed {
         // Seen from the root, which then does not move.
         let root = start[0];
         for body in &mut start {
@@ -87,7 +88,7 @@ pub(super) fn random_tree(root: Root, seed: u64) -> (Mechanism, Vec<MovingPose>)
             body.angular_rad_s -= root.angular_rad_s;
         }
     }
-    (Mechanism { root, bodies }, start)
+    (Mechanism { bodies }, start)
 }
 
 /// Torques of up to 0.5 N m on all joints, none on the root.
@@ -98,4 +99,60 @@ pub(super) fn random_torques(seed: u64) -> Drive {
         *torque = DVec3::from_array([(); 3].map(|()| random.between(-0.5, 0.5)));
     }
     drive
+}
+
+/// The same tree on joints of all kinds, turned in their parents and moving at random.
+pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>) {
+    let (mut mechanism, balls) = random_tree(Freedom::Free, seed);
+    let mut random = Random::new(seed, Subject::Dimensions);
+    let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
+    let mut start: Vec<MovingPose> = Vec::new();
+    for (index, (link, ball)) in mechanism.bodies.iter_mut().zip(&balls).enumerate() {
+        let Some(parent) = link.parent.map(|parent| start[parent]) else {
+            start.push(*ball);
+            continue;
+        };
+        let axis = vector(1.0).normalize();
+        let second = axis.any_orthonormal_vector();
+        link.joint = match index % 6 {
+            0 => Freedom::Fixed,
+            1 => Freedom::Revolute(axis),
+            2 => Freedom::Prismatic(axis),
+            3 => Freedom::Universal([axis, second]),
+            4 => Freedom::Spherical,
+            _ => Freedom::Free,
+        };
+        link.rotation = DQuat::from_scaled_axis(vector(1.5));
+        let (along, speeds) = (vector(1.0), vector(2.0));
+        let mut in_joint = pose_at(link.joint, [along.x, 0.3 * along.y]);
+        // Against the joint frame: angular velocity and velocity.
+        let (spin, slide) = match link.joint {
+            Freedom::Fixed => (DVec3::ZERO, DVec3::ZERO),
+            Freedom::Revolute(axis) => (axis * speeds.x, DVec3::ZERO),
+            Freedom::Prismatic(axis) => (DVec3::ZERO, axis * speeds.x),
+            Freedom::Universal([first, second]) => {
+                let turned = DQuat::from_axis_angle(first, along.x) * second;
+                (first * speeds.x + turned * speeds.y, DVec3::ZERO)
+            }
+            Freedom::Spherical => {
+                in_joint.rotation = DQuat::from_scaled_axis(along);
+                (speeds, DVec3::ZERO)
+            }
+            Freedom::Free => {
+                in_joint = Pose { rotation: DQuat::from_scaled_axis(along), position_m: 0.2 * along };
+                (speeds, vector(1.0))
+            }
+        };
+        let joint = parent.pose.child(link.position_m, link.rotation);
+        let pose = joint.child(in_joint.position_m, in_joint.rotation);
+        let arm_m = pose.position_m - parent.pose.position_m;
+        start.push(MovingPose {
+            pose,
+            angular_rad_s: parent.angular_rad_s + joint.rotation * spin,
+            linear_m_s: parent.linear_m_s
+                + parent.angular_rad_s.cross(arm_m)
+                + joint.rotation * slide,
+        });
+    }
+    (mechanism, start)
 }

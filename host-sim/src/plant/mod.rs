@@ -1,9 +1,10 @@
-//! What is controlled: a simulated figure behind one trait.
+//! What is controlled: a simulated mechanism behind one trait.
 
 mod articulated;
 mod check;
 #[cfg(test)]
 mod fixture;
+mod freedom;
 mod rapier;
 #[cfg(test)]
 mod tests;
@@ -15,10 +16,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::figure::MassProperties;
 
-pub use crate::figure::Root;
 pub use articulated::{Accelerations, ArticulatedPlant};
 pub use check::PlantError;
+pub(crate) use freedom::{coordinates, pose_at};
 pub use rapier::{EngineSettings, RapierPlant};
+pub use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 
 /// Acceleration of gravity in m/s², world axes; the controller's.
 const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
@@ -52,15 +54,6 @@ pub enum PlantKind {
     RapierDefaults,
     /// Exact dynamics in reduced coordinates: joints that cannot drift.
     Articulated,
-}
-
-/// A mechanism in regular numbering.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mechanism {
-    /// How body 0 is held.
-    pub root: Root,
-    /// The bodies, parents before children.
-    pub bodies: Vec<PlantBody>,
 }
 
 impl PlantSettings {
@@ -112,6 +105,24 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// That of the world.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+
+    /// A pose of the world in this body's frame.
+    #[must_use]
+    pub fn inside(&self, other: &Self) -> Self {
+        Self {
+            rotation: self.rotation.conjugate() * other.rotation,
+            position_m: self.to_local(other.position_m),
+        }
+    }
+
+    /// A point of the world in this body's frame, m.
+    #[must_use]
+    pub fn to_local(&self, point_m: DVec3) -> DVec3 {
+        self.rotation.conjugate() * (point_m - self.position_m)
+    }
+
     /// Pose of a body at `rotation` and `offset_m` in this body's frame.
     #[must_use]
     pub fn child(&self, offset_m: DVec3, rotation: DQuat) -> Self {
@@ -133,25 +144,57 @@ pub struct MovingPose {
     pub linear_m_s: DVec3,
 }
 
-/// One body of a mechanism: body 0 as [`Root`] says, every other one on a spherical joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlantBody {
-    /// Index of the parent body; `None` for body 0.
-    pub parent: Option<usize>,
-    /// Position of the joint in the parent's frame, in metres.
-    pub offset_m: DVec3,
-    /// Mass properties in the body frame.
-    pub mass: MassProperties,
+/// A body without a name on a joint in its parent's axes, at `position_m` in its parent's frame: without friction,
+/// ranges, limits or rotor.
+pub fn link(
+    parent: Option<usize>,
+    joint: Freedom,
+    position_m: DVec3,
+    mass: &MassProperties,
+) -> Link {
+    let coordinates = joint.kind().coordinate_count();
+    let mut home = vec![0.0; coordinates];
+    if let Freedom::Spherical | Freedom::Free = joint {
+        // The identity.
+        home[3] = 1.0;
+    }
+    Link {
+        name: String::new(),
+        joint_name: String::new(),
+        parent,
+        joint,
+        position_m,
+        rotation: DQuat::IDENTITY,
+        mass_kg: mass.mass_kg,
+        center_of_mass_m: mass.center_of_mass_m,
+        inertia_kg_m2: mass.rotational_kg_m2,
+        rotor_inertia: 0.0,
+        friction: 0.0,
+        damping: 0.0,
+        ranges: Vec::new(),
+        home,
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        effort: f64::INFINITY,
+    }
 }
 
-/// What the drives do during one step, world axes.
+/// What the drives do during one step, world axes. What a joint cannot follow, its bearings carry: of a hinge the
+/// torque about its axis counts, of a slide the force along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Force on the root at the origin of its frame, in N.
-    pub root_force_n: DVec3,
     /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's comes from
     /// outside.
     pub torque_nm: Vec<DVec3>,
+    /// Force of joint `i` on body `i` at the origin of its frame, in N: of slides, and of a joint that leaves all free.
+    pub force_n: Vec<DVec3>,
+}
+
+impl Drive {
+    /// No force and no torque on so many bodies.
+    pub fn none(bodies: usize) -> Self {
+        Self { torque_nm: vec![DVec3::ZERO; bodies], force_n: vec![DVec3::ZERO; bodies] }
+    }
 }
 
 /// A simulated mechanism that is driven by torques and gives its poses, nothing else: velocities are for

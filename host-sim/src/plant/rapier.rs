@@ -9,17 +9,17 @@ mod settings;
 use ::nalgebra as na;
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d_f64::prelude::{
-    BroadPhaseBvh, CCDSolver, ColliderSet, ImpulseJointSet, IntegrationParameters, IslandManager,
-    MassProperties as EngineMass, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
+    BroadPhaseBvh, CCDSolver, ColliderSet, GenericJoint, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager,
+    JointAxesMask, JointAxis, MassProperties as EngineMass, MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
     RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType, Rotation, SoftBodySet,
     SphericalJointBuilder, Vector,
 };
 
+use super::check::check;
 use super::{
-    Drive, GRAVITY_M_S2, Mechanism, MovingPose, Plant, PlantBody, PlantError, Pose as BodyPose,
-    Root,
+    Drive, Freedom, GRAVITY_M_S2, Link as Given, Mechanism, MovingPose, Plant, PlantError,
+    Pose as BodyPose,
 };
-use crate::figure::MassProperties;
 pub use settings::EngineSettings;
 use settings::GyroscopicTerm;
 
@@ -45,6 +45,9 @@ pub struct RapierPlant {
 struct Link {
     handle: RigidBodyHandle,
     parent: Option<usize>,
+    joint: Freedom,
+    /// Rotation of the joint frame in the parent's.
+    placement: DQuat,
     /// About the centre of mass, body axes.
     rotational_kg_m2: DMat3,
 }
@@ -65,7 +68,7 @@ impl RapierPlant {
         substeps: usize,
         settings: EngineSettings,
     ) -> Result<Self, PlantError> {
-        mechanism.check(start, dt_s, substeps)?;
+        check(mechanism, start, dt_s, substeps)?;
         let bodies = &mechanism.bodies;
         let parameters = IntegrationParameters {
             dt: dt_s,
@@ -93,7 +96,7 @@ impl RapierPlant {
         for (index, (body, start)) in bodies.iter().zip(start).enumerate() {
             plant.insert(index, body, start)?;
         }
-        if mechanism.root == Root::Fixed
+        if mechanism.bodies[0].joint == Freedom::Fixed
             && let Some(root) = plant.links.first()
         {
             plant.bodies[root.handle].set_body_type(RigidBodyType::Fixed, true);
@@ -105,16 +108,19 @@ impl RapierPlant {
     fn insert(
         &mut self,
         index: usize,
-        body: &PlantBody,
+        body: &Given,
         start: &MovingPose,
     ) -> Result<(), PlantError> {
-        let mass = mass_properties(&body.mass);
-        let relative = inertia_difference(&mass, &body.mass.rotational_kg_m2);
+        if let Some(what) = not_simulated(body) {
+            return Err(PlantError::Engine { body: index, what });
+        }
+        let mass = mass_properties(body);
+        let relative = inertia_difference(&mass, &body.inertia_kg_m2);
         if relative > 1e-12 {
             return Err(PlantError::Inertia { body: index, relative });
         }
         // The engine's velocity is that of the centre of mass.
-        let arm = start.pose.rotation * body.mass.center_of_mass_m;
+        let arm = start.pose.rotation * body.center_of_mass_m;
         let center_velocity = start.linear_m_s + start.angular_rad_s.cross(arm);
         let rigid_body = RigidBodyBuilder::dynamic()
             .pose(Pose::from_parts(vector(start.pose.position_m), rotation(start.pose.rotation)))
@@ -130,16 +136,16 @@ impl RapierPlant {
         // Until the first step the engine has no mass and no centre of mass, but the first force acts before.
         self.bodies[handle].recompute_mass_properties_from_colliders(&self.colliders);
         if let Some(parent) = body.parent {
-            let joint = SphericalJointBuilder::new()
-                .local_anchor1(vector(body.offset_m))
-                .local_anchor2(Vector::ZERO)
-                .contacts_enabled(false);
-            self.joints.insert(self.links[parent].handle, handle, joint, true);
+            if let Some(joint) = engine_joint(body) {
+                self.joints.insert(self.links[parent].handle, handle, joint, true);
+            }
         }
         self.links.push(Link {
             handle,
             parent: body.parent,
-            rotational_kg_m2: body.mass.rotational_kg_m2,
+            joint: body.joint,
+            placement: body.rotation,
+            rotational_kg_m2: body.inertia_kg_m2,
         });
         Ok(())
     }
@@ -165,9 +171,11 @@ impl Plant for RapierPlant {
             body.reset_forces(true);
             body.reset_torques(true);
         }
-        for (index, (link, torque_nm)) in self.links.iter().zip(&drive.torque_nm).enumerate() {
+        let drives = drive.torque_nm.iter().zip(&drive.force_n);
+        for (index, (link, (torque_nm, force_n))) in self.links.iter().zip(drives).enumerate() {
+            let (torque_nm, force_n) = link.followed(*torque_nm, *force_n, &self.poses);
             let body = &mut self.bodies[link.handle];
-            body.add_torque(vector(*torque_nm), true);
+            body.add_torque(vector(torque_nm), true);
             if self.settings.gyroscopic_term == GyroscopicTerm::Plant {
                 let spin = DVec3::from_array(body.angvel().to_array());
                 let axes = DMat3::from_quat(self.poses[index].rotation);
@@ -176,10 +184,15 @@ impl Plant for RapierPlant {
             }
             if let Some(parent) = link.parent {
                 let parent = self.links[parent].handle;
-                self.bodies[parent].add_torque(vector(-*torque_nm), true);
+                self.bodies[parent].add_torque(vector(-torque_nm), true);
+                if force_n != DVec3::ZERO {
+                    let origin = self.bodies[link.handle].translation();
+                    self.bodies[link.handle].add_force_at_point(vector(force_n), origin, true);
+                    self.bodies[parent].add_force_at_point(vector(-force_n), origin, true);
+                }
             } else {
                 let origin = body.translation();
-                body.add_force_at_point(vector(drive.root_force_n), origin, true);
+                body.add_force_at_point(vector(force_n), origin, true);
             }
         }
         self.pipeline.step(
@@ -205,6 +218,98 @@ impl Plant for RapierPlant {
     }
 }
 
+impl Link {
+    /// What of a torque and a force in world axes the joint can follow; a bolted root takes all of it.
+    fn followed(&self, torque_nm: DVec3, force_n: DVec3, poses: &[BodyPose]) -> (DVec3, DVec3) {
+        let Some(parent) = self.parent.map(|parent| poses[parent].rotation) else {
+            return (torque_nm, force_n);
+        };
+        let along = |axis: DVec3, v: DVec3| {
+            let axis = parent * (self.placement * axis);
+            axis * axis.dot(v)
+        };
+        match self.joint {
+            Freedom::Revolute(axis) => (along(axis, torque_nm), DVec3::ZERO),
+            Freedom::Prismatic(axis) => (DVec3::ZERO, along(axis, force_n)),
+            Freedom::Fixed => (DVec3::ZERO, DVec3::ZERO),
+            // Universal joints are refused.
+            Freedom::Spherical | Freedom::Universal(_) => (torque_nm, DVec3::ZERO),
+            Freedom::Free => (torque_nm, force_n),
+        }
+    }
+}
+
+/// What of a joint the engine does not simulate.
+fn not_simulated(body: &Given) -> Option<&'static str> {
+    let held = body.friction > 0.0 || body.damping > 0.0 || !body.ranges.is_empty();
+    if body.rotor_inertia > 0.0 {
+        // In maximal coordinates there is none that the rotor's turns are of.
+        return Some("a rotor has inertia");
+    }
+    match (body.joint, body.parent) {
+        (Freedom::Universal(_), _) => Some("a universal joint"),
+        (Freedom::Fixed | Freedom::Free, None) => None,
+        (_, None) => Some("a root that is neither bolted nor free"),
+        (Freedom::Spherical | Freedom::Free, _) if held => {
+            Some("friction or a range of a joint of more than one axis")
+        }
+        (Freedom::Revolute(_) | Freedom::Prismatic(_), _)
+            if body.friction > 0.0 && body.damping > 0.0 =>
+        {
+            Some("a joint has both kinds of friction")
+        }
+        _ => None,
+    }
+}
+
+/// The joint of a body as the engine has it: ranges are its limits, and friction its motor, which tries to keep still with
+/// a bounded force or one in proportion to the speed.
+fn engine_joint(body: &Given) -> Option<GenericJoint> {
+    let at = vector(body.position_m);
+    let (axis, locked, free) = match body.joint {
+        Freedom::Free => return None,
+        Freedom::Spherical | Freedom::Universal(_) => {
+            let joint = SphericalJointBuilder::new()
+                .local_anchor1(at)
+                .local_anchor2(Vector::ZERO)
+                .contacts_enabled(false);
+            return Some(joint.build().into());
+        }
+        Freedom::Fixed => (DVec3::X, JointAxesMask::LOCKED_FIXED_AXES, None),
+        Freedom::Revolute(axis) => {
+            (axis, JointAxesMask::LOCKED_REVOLUTE_AXES, Some(JointAxis::AngX))
+        }
+        Freedom::Prismatic(axis) => {
+            (axis, JointAxesMask::LOCKED_PRISMATIC_AXES, Some(JointAxis::LinX))
+        }
+    };
+    // The engine's axis is the x axis of a frame of the joint.
+    let frame = DQuat::from_rotation_arc(DVec3::X, axis);
+    let mut joint = GenericJointBuilder::new(locked)
+        .local_frame1(Pose::from_parts(at, rotation(body.rotation * frame)))
+        .local_frame2(Pose::from_parts(Vector::ZERO, rotation(frame)))
+        .contacts_enabled(false);
+    if let Some(free) = free {
+        if let Some([least, most]) = body.ranges.first() {
+            joint = joint.limits(free, [*least, *most]);
+        }
+        if body.friction > 0.0 {
+            joint = joint
+                .motor_model(free, MotorModel::ForceBased)
+                .motor_velocity(free, 0.0, STIFF)
+                .motor_max_force(free, body.friction);
+        } else if body.damping > 0.0 {
+            joint = joint
+                .motor_model(free, MotorModel::ForceBased)
+                .motor_velocity(free, 0.0, body.damping);
+        }
+    }
+    Some(joint.build())
+}
+
+/// So much friction for each rad/s or m/s that a motor with a bounded force is at its bound: N m s, or N s/m.
+const STIFF: f64 = 1e6;
+
 /// The engine has its own version of glam: arrays lead from one to the other.
 fn vector(v: DVec3) -> Vector {
     Vector::from_array(v.to_array())
@@ -216,8 +321,8 @@ fn rotation(q: DQuat) -> Rotation {
 
 /// Mass properties by an eigen-decomposition of our own: the engine's conversion of an inertia matrix is
 /// wrong for tilted bodies whose smaller principal moments are equal.
-fn mass_properties(body: &MassProperties) -> EngineMass {
-    let matrix = na::Matrix3::from_fn(|row, column| body.rotational_kg_m2.col(column)[row]);
+fn mass_properties(body: &Given) -> EngineMass {
+    let matrix = na::Matrix3::from_fn(|row, column| body.inertia_kg_m2.col(column)[row]);
     let mut axes = matrix.symmetric_eigen().eigenvectors;
     if axes.determinant() < 0.0 {
         axes.swap_columns(0, 1);

@@ -1,6 +1,8 @@
 use clap::ValueEnum;
 
-use super::fixture::{at_rest, diagonal, hung, passive, random_torques, random_tree, solid};
+use super::fixture::{
+    at_rest, diagonal, hung, passive, random_torques, random_tree, random_tree_of_all_kinds, solid,
+};
 use super::*;
 
 fn build(
@@ -27,8 +29,8 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
     };
     let start = [root, at_rest(DVec3::ZERO, DQuat::from_rotation_z(angle))];
     let drive = Drive {
-        root_force_n: DVec3::new(50.0, -20.0, 10.0),
         torque_nm: vec![DVec3::new(5.0, 3.0, -4.0), DVec3::ZERO],
+        force_n: vec![DVec3::new(50.0, -20.0, 10.0), DVec3::ZERO],
     };
     for kind in PlantKind::value_variants() {
         let dt_s = 0.001;
@@ -49,7 +51,7 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
 
 /// Largest distance of a body from where the exact plant has it, after 0.1 s.
 fn distance_from_exact(kind: PlantKind, steps: u32) -> f64 {
-    let (mechanism, start) = random_tree(Root::Driven, 11);
+    let (mechanism, start) = random_tree(Freedom::Free, 11);
     let drive = random_torques(11);
     let [exact, plant] = [(PlantKind::Articulated, 5000), (kind, steps)].map(|(kind, steps)| {
         let mut plant = build(kind, &mechanism, &start, 0.1 / f64::from(steps));
@@ -73,14 +75,14 @@ fn all_plants_go_to_the_same_motion_with_the_step() {
 
 #[test]
 fn what_is_no_tree_is_refused() {
-    let (tree, start) = random_tree(Root::Driven, 12);
+    let (tree, start) = random_tree(Freedom::Free, 12);
     let refused = |mechanism: &Mechanism, start: &[MovingPose], expected: PlantError| {
         for kind in PlantKind::value_variants() {
             let settings = PlantSettings { kind: *kind, substeps: 1 };
             assert_eq!(settings.build(mechanism, start, 0.01).err(), Some(expected));
         }
     };
-    refused(&Mechanism { bodies: vec![], ..tree.clone() }, &[], PlantError::NoBodies);
+    refused(&Mechanism { bodies: vec![] }, &[], PlantError::NoBodies);
     refused(&tree, &start[1..], PlantError::StateCount { bodies: 18, states: 17 });
     for (body, parent) in [(0, Some(0)), (3, None), (3, Some(3)), (3, Some(4))] {
         let mut wrong = tree.clone();
@@ -91,7 +93,7 @@ fn what_is_no_tree_is_refused() {
 
 #[test]
 fn no_plant_cuts_a_step_in_no_parts() {
-    let (mechanism, start) = random_tree(Root::Driven, 13);
+    let (mechanism, start) = random_tree(Freedom::Free, 13);
     for kind in PlantKind::value_variants() {
         let settings = PlantSettings { kind: *kind, substeps: 0 };
         assert_eq!(settings.build(&mechanism, &start, 0.01).err(), Some(PlantError::NoSubsteps));
@@ -101,20 +103,21 @@ fn no_plant_cuts_a_step_in_no_parts() {
 #[test]
 fn numbers_that_no_machine_has_are_refused_by_name() {
     type Change = fn(&mut Mechanism, &mut [MovingPose], f64);
-    let (tree, start) = random_tree(Root::Driven, 13);
-    let changes: [(&str, Change, &[f64]); 8] = [
-        ("offset_m", |tree, _, x| tree.bodies[3].offset_m.y = x, &[]),
-        ("mass_kg", |tree, _, x| tree.bodies[3].mass.mass_kg = x, &[0.0, -1.0]),
-        ("center_of_mass_m", |tree, _, x| tree.bodies[3].mass.center_of_mass_m.z = x, &[]),
-        (
-            "rotational_kg_m2",
-            |tree, _, x| tree.bodies[3].mass.rotational_kg_m2.x_axis.x = x,
-            &[0.0, -1.0, 1e9],
-        ),
-        ("position_m", |_, start, x| start[3].pose.position_m.x = x, &[]),
-        ("rotation", |_, start, x| start[3].pose.rotation.w = x, &[3.0, -2.0]),
-        ("angular_rad_s", |_, start, x| start[3].angular_rad_s.x = x, &[]),
-        ("linear_m_s", |_, start, x| start[3].linear_m_s.x = x, &[]),
+    let (tree, start) = random_tree(Freedom::Free, 13);
+    let changes: [(&str, Change, &[f64]); 13] = [
+        ("position_m", |tree, _, x| tree.bodies[3].position_m.y = x, &[]),
+        ("rotation", |tree, _, x| tree.bodies[3].rotation.w = x, &[3.0, -2.0]),
+        ("mass_kg", |tree, _, x| tree.bodies[3].mass_kg = x, &[0.0, -1.0]),
+        ("center_of_mass_m", |tree, _, x| tree.bodies[3].center_of_mass_m.z = x, &[]),
+        ("inertia_kg_m2", |tree, _, x| tree.bodies[3].inertia_kg_m2.x_axis.x = x, &[0.0, -1.0, 1e9]),
+        ("axis", |tree, _, x| tree.bodies[3].joint = Freedom::Revolute(DVec3::X * x), &[0.0, 2.0]),
+        ("rotor_inertia", |tree, _, x| tree.bodies[3].rotor_inertia = x, &[-1.0]),
+        ("friction", |tree, _, x| tree.bodies[3].friction = x, &[-1.0]),
+        ("damping", |tree, _, x| tree.bodies[3].damping = x, &[-1.0]),
+        ("start position_m", |_, start, x| start[3].pose.position_m.x = x, &[]),
+        ("start rotation", |_, start, x| start[3].pose.rotation.w = x, &[3.0, -2.0]),
+        ("start angular_rad_s", |_, start, x| start[3].angular_rad_s.x = x, &[]),
+        ("start linear_m_s", |_, start, x| start[3].linear_m_s.x = x, &[]),
     ];
     for kind in PlantKind::value_variants() {
         let settings = PlantSettings { kind: *kind, substeps: 1 };
@@ -153,7 +156,7 @@ fn descriptions_tell_what_runs() {
 
 #[test]
 fn a_passive_step_is_the_same_again() {
-    let (mechanism, start) = random_tree(Root::Driven, 14);
+    let (mechanism, start) = random_tree(Freedom::Free, 14);
     for kind in PlantKind::value_variants() {
         let [one, two] = [(); 2].map(|()| {
             let mut plant = build(*kind, &mechanism, &start, 0.01);
@@ -161,5 +164,90 @@ fn a_passive_step_is_the_same_again() {
             plant.poses().to_vec()
         });
         assert_eq!(one, two, "{kind:?}");
+    }
+}
+
+/// Hinges, slides, balls and rigid joints, turned in their parents.
+fn mixed(seed: u64) -> (Mechanism, Vec<MovingPose>) {
+    let (mut mechanism, mut start) = random_tree_of_all_kinds(seed);
+    // A universal joint is no more than a hinge about its first axis here.
+    for link in &mut mechanism.bodies {
+        if let Freedom::Universal([first, _]) = link.joint {
+            link.joint = Freedom::Revolute(first);
+        }
+    }
+    for state in &mut start {
+        (state.angular_rad_s, state.linear_m_s) = (DVec3::ZERO, DVec3::ZERO);
+    }
+    // The exact plant puts every body where its joint has it.
+    let exact = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
+    let start = exact.motions();
+    (mechanism, start)
+}
+
+#[test]
+fn the_engine_goes_to_the_exact_motion_of_hinges_and_slides() {
+    let (mechanism, start) = mixed(21);
+    let mut drive = random_torques(21);
+    drive.force_n[1..].fill(DVec3::new(0.5, -0.3, 0.4));
+    let distance = |steps: u32| {
+        let [exact, engine] =
+            [(PlantKind::Articulated, 5000), (PlantKind::Rapier, steps)].map(|(kind, steps)| {
+                let mut plant = build(kind, &mechanism, &start, 0.1 / f64::from(steps));
+                for _ in 0..steps {
+                    plant.step(&drive);
+                }
+                plant.poses().to_vec()
+            });
+        let pairs = exact.iter().zip(&engine);
+        pairs.fold(0.0, |d, (a, b)| f64::max(d, a.position_m.distance(b.position_m)))
+    };
+    let [coarse, fine] = [100, 400].map(distance);
+    assert!(fine < 1e-3 && fine < 0.5 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn the_engine_sticks_and_stops() {
+    let bob = solid(2.0, DVec3::new(0.0, -0.3, 0.0), diagonal(0.04, 0.02, 0.05));
+    let mut mechanism = hung(bob);
+    let hinge = &mut mechanism.bodies[1];
+    hinge.joint = Freedom::Revolute(DVec3::Z);
+    hinge.friction = 1.0;
+    hinge.ranges = vec![[-0.2, 0.3]];
+    let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 2];
+    let mut plant = build(PlantKind::Rapier, &mechanism, &start, 0.001);
+    let after = |plant: &mut Box<dyn Plant>, torque_nm: f64| {
+        let torque_nm = vec![DVec3::ZERO, DVec3::Z * torque_nm];
+        for _ in 0..1000 {
+            plant.step(&Drive { torque_nm: torque_nm.clone(), ..Drive::none(2) });
+        }
+        plant.poses()[1].rotation.to_scaled_axis().z
+    };
+    // As well as a solver with springs does it.
+    let stuck = after(&mut plant, 0.9);
+    assert!(stuck.abs() < 1e-3, "{stuck}");
+    let stopped = after(&mut plant, 10.0);
+    assert!((stopped - 0.3).abs() < 0.01, "{stopped}");
+}
+
+#[test]
+fn what_the_engine_does_not_simulate_is_refused_in_words() {
+    type Change = fn(&mut Link);
+    let changes: [(&str, Change); 4] = [
+        ("rotor", |link| link.rotor_inertia = 0.01),
+        ("universal", |link| link.joint = Freedom::Universal([DVec3::X, DVec3::Y])),
+        ("more than one axis", |link| link.friction = 0.1),
+        ("both kinds", |link| {
+            link.joint = Freedom::Revolute(DVec3::X);
+            (link.friction, link.damping) = (0.1, 0.1);
+        }),
+    ];
+    for (word, change) in changes {
+        let (mut mechanism, start) = random_tree(Freedom::Free, 15);
+        change(&mut mechanism.bodies[3]);
+        let refused = |kind| PlantSettings { kind, substeps: 1 }.build(&mechanism, &start, 0.01).err();
+        let message = refused(PlantKind::Rapier).expect("it is refused").to_string();
+        assert!(message.starts_with("body 3: ") && message.contains(word), "{message}");
+        assert_eq!(refused(PlantKind::Articulated), None);
     }
 }

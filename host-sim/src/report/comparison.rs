@@ -8,7 +8,7 @@ use super::scene::{
     Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, reach_m, side_view_rad,
 };
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
-use crate::figure::{BODY_COUNT, FigureMotion};
+use crate::figure::FigureMotion;
 use crate::plant::Pose;
 
 /// Time that the posture is held, in seconds: some 40 time constants of the controller.
@@ -217,7 +217,7 @@ fn describe(held: &Held) -> String {
     format!("{}: hands and feet miss by: {}", held.method.label(), misses.join(", "))
 }
 
-fn miss_cm(desired: &[Pose; BODY_COUNT], measured: &[Pose], body: usize) -> f64 {
+fn miss_cm(desired: &[Pose], measured: &[Pose], body: usize) -> f64 {
     (desired[body].position_m - measured[body].position_m).length() * 100.0
 }
 
@@ -238,7 +238,7 @@ fn held(motion: &FigureMotion, frame: usize) -> FigureMotion {
     let frames = (HELD_S / motion.dt_s).ceil() as usize + 3;
     FigureMotion {
         root_position_m: vec![motion.root_position_m[frame]; frames],
-        rotation: vec![motion.rotation[frame]; frames],
+        rotation: vec![motion.rotation[frame].clone(); frames],
         ..motion.clone()
     }
 }

@@ -76,9 +76,13 @@ impl SweepFile {
                 for ((key, _), value) in axes.iter().zip(&values) {
                     insert(&mut table, key, (*value).clone()).map_err(grid_error)?;
                 }
-                let setup = Setup::from_table(table).map_err(|source| {
+                let read = |table| {
+                    let setup = Setup::from_table(table)?;
+                    setup.check_figure().map(|()| setup)
+                };
+                let setup = read(table).map_err(|source| {
                     // What is wrong without the grid's values too is not their fault.
-                    let common = Setup::from_table(content.setup.clone());
+                    let common = read(content.setup.clone());
                     let place = if common.as_ref() == Err(&source) {
                         "[setup]".to_owned()
                     } else {

@@ -17,8 +17,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use crate::evaluate::{Errors, run, step_count};
-use crate::figure::FigureMotion;
+use crate::evaluate::{Errors, Take, run, step_count};
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
@@ -47,7 +46,7 @@ pub struct Summary {
 }
 
 /// Steps of the units that the journal lacks, for a progress bar.
-pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[FigureMotion]) -> usize {
+pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[impl Take]) -> usize {
     let missing = plan.units().filter(|unit| !journal.has(*unit));
     missing.map(|unit| step_count(&motions[unit.clip], plan.seconds)).sum()
 }
@@ -60,7 +59,7 @@ pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[FigureMotion]) -> u
 pub fn sweep(
     plan: &Plan,
     journal: Journal,
-    motions: &[FigureMotion],
+    motions: &[impl Take],
     progress: impl Fn(usize) + Sync,
 ) -> Result<Summary, SweepError> {
     let missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();

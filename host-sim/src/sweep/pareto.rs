@@ -75,8 +75,8 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::evaluate::Levers;
-    use crate::figure::{BODY_COUNT, Dimensions, Root};
+    use crate::evaluate::{Levers, Rig};
+    use crate::figure::{Dimensions, Root, fixture};
     use crate::plant::Pose;
 
     fn errors(angle_rad: f64, distance_m: f64) -> Errors {
@@ -85,8 +85,12 @@ mod tests {
             position_m: DVec3::new(x, 0.0, 0.0),
         };
         let mut errors = Errors::default();
-        let [desired, measured] = [pose(0.0, 0.0), pose(angle_rad, distance_m)];
-        errors.add(&[desired; BODY_COUNT], &[measured; BODY_COUNT], &Levers::NONE);
+        let mechanism = fixture::mechanism();
+        let levers = Levers::none(&mechanism);
+        let rig = Rig::with_levers(mechanism, levers);
+        let [desired, measured] = [pose(0.0, 0.0), pose(angle_rad, distance_m)]
+            .map(|pose| vec![pose; rig.links().len()]);
+        errors.add(&desired, &measured, &rig);
         errors
     }
 

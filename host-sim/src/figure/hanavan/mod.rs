@@ -139,7 +139,8 @@ impl Subject {
     pub fn figure(&self) -> Result<BodyModel, BodyModelError> {
         let own = model::OwnSkeleton::of(self);
         let placement = Placement::new(own.skeleton())?;
-        Ok(BodyModel { offset_m: own.offset_m, bodies: bodies(&placement, self)? })
+        let bodies = bodies(&placement, self)?;
+        Ok(BodyModel { offset_m: own.offset_m, bodies })
     }
 }
 

@@ -5,13 +5,13 @@ use glam::DVec3;
 use super::Subject;
 use crate::figure::model::{BodyModelError, MassProperties};
 use crate::figure::placement::{self, Part, Placement, Skeleton, named};
-use crate::figure::{BODIES, BODY_COUNT};
+use crate::figure::BODIES;
 
 /// The solids laid on a skeleton.
 pub(in crate::figure) fn bodies(
     placement: &Placement<'_>,
     subject: &Subject,
-) -> Result<[MassProperties; BODY_COUNT], BodyModelError> {
+) -> Result<Vec<MassProperties>, BodyModelError> {
     let scale = placement.leg_m / subject.inputs().leg_m();
     let [thorax] = named(["thorax"]);
     placement::each_body(|body| {
@@ -53,8 +53,8 @@ fn side(body: usize) -> f64 {
 /// are on its axis; a shoulder joint is on the side of the upper trunk, level with its top, where head and
 /// clavicles are joined too.
 pub(super) struct OwnSkeleton {
-    pub offset_m: [DVec3; BODY_COUNT],
-    pub segment_end_m: [DVec3; BODY_COUNT],
+    pub offset_m: Vec<DVec3>,
+    pub segment_end_m: Vec<DVec3>,
 }
 
 impl OwnSkeleton {
@@ -62,7 +62,7 @@ impl OwnSkeleton {
         let inputs = subject.inputs();
         let half_breadth_m = 0.25 * (inputs.chest_breadth_m.get() + inputs.xyphion_breadth_m.get());
         let hip_m = 0.25 * inputs.hip_breadth_m.get();
-        let segment_end_m = core::array::from_fn(|body| {
+        let segment_end = |body| {
             let length_m = subject.segment(body).length_m;
             match Part::of(body) {
                 Part::LowerTrunk | Part::MidTrunk | Part::Thorax | Part::Head => {
@@ -74,13 +74,14 @@ impl OwnSkeleton {
                 }
                 Part::Foot => DVec3::Z * ((1.0 - placement::HEEL_TO_ANKLE) * length_m),
             }
-        });
-        let offset_m = core::array::from_fn(|body| match (Part::of(body), BODIES[body].parent) {
+        };
+        let segment_end_m: Vec<DVec3> = (0..BODIES.len()).map(segment_end).collect();
+        let offset = |body| match (Part::of(body), BODIES[body].parent) {
             (_, None) => DVec3::ZERO,
             (Part::Thigh, _) => DVec3::new(side(body) * hip_m, 0.0, 0.0),
             (_, Some(parent)) => segment_end_m[parent],
-        });
-        Self { offset_m, segment_end_m }
+        };
+        Self { offset_m: (0..BODIES.len()).map(offset).collect(), segment_end_m }
     }
 
     pub(super) fn skeleton(&self) -> Skeleton<'_> {

@@ -103,7 +103,7 @@ pub struct Mapping {
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, in the figure's order.
-    pub parts: [Part; BODY_COUNT],
+    pub parts: Vec<Part>,
 }
 
 impl Mapping {

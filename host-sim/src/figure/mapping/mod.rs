@@ -14,7 +14,7 @@ use sinew_mocap::skeleton_map::NoEnd;
 use sinew_mocap::{Clip, JointSample, Recording, Skeleton, forward_kinematics};
 
 use super::motion::FigureMotion;
-use super::{BODIES, BODY_COUNT};
+use super::BODIES;
 
 pub use file::{Error, Mapping};
 
@@ -121,13 +121,13 @@ impl Mapping {
 #[derive(Debug, Clone)]
 pub struct Binding {
     /// The joint at the origin of each body.
-    origin: [usize; BODY_COUNT],
+    origin: Vec<usize>,
     /// The joint whose frame each body has.
-    rotation: [usize; BODY_COUNT],
+    rotation: Vec<usize>,
     /// Position of each body's origin in its parent's frame, in metres; zero for the pelvis.
-    offset_m: [DVec3; BODY_COUNT],
+    offset_m: Vec<DVec3>,
     /// End of each body's segment in its own frame, in metres.
-    segment_end_m: [DVec3; BODY_COUNT],
+    segment_end_m: Vec<DVec3>,
 }
 
 impl Binding {
@@ -138,10 +138,10 @@ impl Binding {
     pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
         let rest_m = skeleton.rest_positions_m();
         let mut binding = Self {
-            origin: [0; BODY_COUNT],
-            rotation: [0; BODY_COUNT],
-            offset_m: [DVec3::ZERO; BODY_COUNT],
-            segment_end_m: [DVec3::ZERO; BODY_COUNT],
+            origin: vec![0; BODIES.len()],
+            rotation: vec![0; BODIES.len()],
+            offset_m: vec![DVec3::ZERO; BODIES.len()],
+            segment_end_m: vec![DVec3::ZERO; BODIES.len()],
         };
         for (i, body) in BODIES.iter().enumerate() {
             let part = &mapping.parts[i];
@@ -189,20 +189,20 @@ impl Binding {
         let mut motion = FigureMotion {
             name: clip.name.clone(),
             dt_s: clip.frame_time_s,
-            offset_m: self.offset_m,
-            segment_end_m: self.segment_end_m,
+            offset_m: self.offset_m.clone(),
+            segment_end_m: self.segment_end_m.clone(),
             root_position_m: Vec::with_capacity(clip.frames.len()),
             rotation: Vec::with_capacity(clip.frames.len()),
         };
         for frame in 0..clip.frames.len() {
             let world = clip.world_poses(frame);
             motion.root_position_m.push(world[self.origin[0]].position_m);
-            motion.rotation.push(std::array::from_fn(|i| {
-                let body = world[self.rotation[i]].rotation;
-                let parent =
-                    BODIES[i].parent.map_or(DQuat::IDENTITY, |p| world[self.rotation[p]].rotation);
-                (parent.inverse() * body).normalize()
-            }));
+            let turned = |body: usize| world[self.rotation[body]].rotation;
+            let in_parent = BODIES.iter().enumerate().map(|(body, place)| {
+                let parent = place.parent.map_or(DQuat::IDENTITY, turned);
+                (parent.inverse() * turned(body)).normalize()
+            });
+            motion.rotation.push(in_parent.collect());
         }
         motion
     }
@@ -222,7 +222,7 @@ impl Binding {
 
     /// How tall the figure stands upright, from the ankle to the crown, in metres.
     pub(crate) fn height_m(&self) -> f64 {
-        let of = |name: &str, vectors: &[DVec3; BODY_COUNT]| {
+        let of = |name: &str, vectors: &[DVec3]| {
             let body = BODIES.iter().position(|body| body.name == name);
             body.map_or(0.0, |body| vectors[body].length())
         };
@@ -237,19 +237,19 @@ impl Binding {
         &self,
         skeleton: &Skeleton,
         frame: &[JointSample],
-    ) -> [DVec3; BODY_COUNT] {
+    ) -> Vec<DVec3> {
         let world = forward_kinematics(skeleton, frame);
-        self.origin.map(|joint| world[joint].position_m)
+        self.origin.iter().map(|joint| world[*joint].position_m).collect()
     }
 
     /// The largest distance over `clip` between each body's origin in `motion` and the joint of the
     /// recording that it stands for, in metres: what the figure's stiff trunk and neck cost.
-    pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> [f64; BODY_COUNT] {
-        let mut worst_m = [0.0; BODY_COUNT];
+    pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> Vec<f64> {
+        let mut worst_m = vec![0.0; BODIES.len()];
         for (f, frame) in clip.frames.iter().enumerate() {
             let recorded = self.joint_positions_m(&clip.skeleton, frame);
             let mapped = motion.world_positions_m(f);
-            for i in 0..BODY_COUNT {
+            for i in 0..BODIES.len() {
                 worst_m[i] = f64::max(worst_m[i], recorded[i].distance(mapped[i]));
             }
         }

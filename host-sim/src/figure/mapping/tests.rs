@@ -176,11 +176,11 @@ fn folds_the_joints_between_two_bodies() {
     };
     let binding = Binding::new(&Mapping::parse(&text).unwrap(), &clip.skeleton).unwrap();
     let motion = binding.map(&clip);
-    let angles = motion.rotation[0].map(|rotation| {
+    let angles = motion.rotation[0].iter().map(|rotation| {
         let (axis, angle) = rotation.to_axis_angle();
         axis.x * angle
     });
-    for (i, angle) in angles.into_iter().enumerate() {
+    for (i, angle) in angles.enumerate() {
         let expected = match BODIES[i].parent {
             None => 0.1,
             Some(0) => 0.6,
@@ -189,7 +189,7 @@ fn folds_the_joints_between_two_bodies() {
         assert!((angle - expected).abs() < 1e-12, "{} {angle}", BODIES[i].name);
     }
     let worst_m = binding.worst_distance_m(&clip, &motion);
-    assert!(worst_m.into_iter().all(|worst_m| worst_m < 1e-15), "{worst_m:?}");
+    assert!(worst_m.iter().all(|worst_m| *worst_m < 1e-15), "{worst_m:?}");
 }
 
 #[test]

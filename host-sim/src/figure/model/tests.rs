@@ -27,7 +27,7 @@ fn every_inertia_is_one_that_a_body_can_have() {
     for model in both(&standing()) {
         for scale in [0.1, 1.0, 1.1, 10.0] {
             // The tree refuses impossible ones in f32; here in f64, and with a margin.
-            model.scaled(scale).tree(Root::Driven).unwrap();
+            model.scaled(scale).mechanism(Root::Driven).tree::<18>().unwrap();
         }
         for (place, body) in BODIES.iter().zip(&model.bodies) {
             let matrix: nalgebra::Matrix3<f64> =
@@ -61,8 +61,8 @@ fn the_body_does_not_depend_on_how_frames_lie() {
     let straight = standing();
     let turn = DQuat::from_euler(EulerRot::XYZ, 0.4, -1.0, 2.0);
     let turned = FigureMotion {
-        offset_m: straight.offset_m.map(|v| turn * v),
-        segment_end_m: straight.segment_end_m.map(|v| turn * v),
+        offset_m: straight.offset_m.iter().map(|v| turn * *v).collect(),
+        segment_end_m: straight.segment_end_m.iter().map(|v| turn * *v).collect(),
         ..straight.clone()
     };
     let matrix = DMat3::from_quat(turn);

@@ -1,18 +1,24 @@
 //! The exact plant: reduced coordinates, so that joints cannot drift apart, and forward dynamics of our own
 //! in f64. It is the judge of the others.
 
+mod bounds;
 mod dynamics;
+mod joint;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 use glam::DVec3;
 
+use super::check::check;
 use super::{Description, Drive, Mechanism, MovingPose, Plant, PlantError, Pose, Settings};
 use tree::Tree;
 
-/// A mechanism in reduced coordinates: a rotation and an angular velocity for each joint, a position and a
-/// velocity for the root.
+/// A mechanism in reduced coordinates: a position and a velocity for each way that a joint leaves free.
+///
+/// Takes any tree of joints, with what their rotors add to their inertia, viscous and Coulomb friction, and ranges.
+/// Viscous friction is implicit, Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three
+/// are stable at any step.
 ///
 /// Each substep is one of semi-implicit Euler, the velocities first. The torques are held over the substeps
 /// in the axes of the bodies that they act on, as motors do, the root's force in the root's.
@@ -29,16 +35,17 @@ pub struct ArticulatedPlant {
 pub struct Accelerations {
     /// Classical acceleration of the root's origin in m/s², world axes.
     pub root_m_s2: DVec3,
-    /// By joint, in rad/s²: the derivative of the components in body axes of its body's angular velocity
-    /// against the parent, the root's against the world.
+    /// By joint, in rad/s², along the turns that it leaves free: the derivative of the components in body axes of its
+    /// body's angular velocity against the parent, the root's against the world.
     pub joints_rad_s2: Vec<DVec3>,
+    /// By joint, in m/s², along the slides that it leaves free, body axes; the root's are above.
+    pub slides_m_s2: Vec<DVec3>,
 }
 
 impl ArticulatedPlant {
     /// Builds the mechanism in the given state, one of `start` per body.
     ///
-    /// The joints take their rotations and velocities from it; of the positions and linear velocities only
-    /// the root's count. A bolted root has no velocity.
+    /// The joints take their positions and velocities along what they leave free from it. A bolted root has no velocity.
     ///
     /// # Errors
     /// [`PlantError`] if this is no tree with a state for each body, or a number is one that no machine has.
@@ -48,7 +55,7 @@ impl ArticulatedPlant {
         dt_s: f64,
         substeps: usize,
     ) -> Result<Self, PlantError> {
-        mechanism.check(start, dt_s, substeps)?;
+        check(mechanism, start, dt_s, substeps)?;
         let tree = Tree::new(mechanism, start);
         let mut poses = Vec::with_capacity(start.len());
         tree.poses(&mut poses);
@@ -80,10 +87,11 @@ impl ArticulatedPlant {
     /// Forward dynamics: the accelerations that the drives make in the present state.
     pub fn accelerations(&mut self, drive: &Drive) -> Accelerations {
         self.tree.set_drive(drive);
-        self.tree.accelerate();
+        self.tree.accelerate(self.dt_s / self.substeps as f64);
         Accelerations {
             root_m_s2: self.tree.root_acceleration_m_s2,
             joints_rad_s2: self.tree.links.iter().map(|link| link.spin_rate_rad_s2).collect(),
+            slides_m_s2: self.tree.links.iter().map(|link| link.slide_rate_m_s2).collect(),
         }
     }
 
@@ -96,9 +104,10 @@ impl ArticulatedPlant {
 impl Plant for ArticulatedPlant {
     fn step(&mut self, drive: &Drive) {
         self.tree.set_drive(drive);
+        let h = self.dt_s / self.substeps as f64;
         for _ in 0..self.substeps {
-            self.tree.accelerate();
-            self.tree.advance(self.dt_s / self.substeps as f64);
+            self.tree.accelerate(h);
+            self.tree.advance(h);
         }
         self.tree.poses(&mut self.poses);
     }

@@ -2,13 +2,14 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::dynamics::{Articulated, skew};
-use crate::plant::{Drive, GRAVITY_M_S2, Mechanism, MovingPose, PlantBody, Pose, Root};
+use super::dynamics::{Answer, Articulated, skew};
+use super::joint::{InParent, Joint};
+use crate::plant::{Drive, Freedom, GRAVITY_M_S2, Link as Given, Mechanism, MovingPose, Pose};
 
 /// A tree of bodies in reduced coordinates; parents come before children.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
-    pub(super) root: Root,
+    pub(super) root: Held,
     pub(super) gravity_m_s2: DVec3,
     /// Of the root's origin, in the world.
     root_position_m: DVec3,
@@ -21,29 +22,40 @@ pub(super) struct Tree {
     pub(super) links: Vec<Link>,
 }
 
-/// A body and the joint that it turns on; the root turns against the world.
+/// How the root is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Held {
+    /// It is bolted to the world where it starts.
+    Fixed,
+    /// It moves freely, driven by a force and a torque from outside.
+    Driven,
+    /// It hangs on the world by a joint like any other.
+    ByJoint,
+}
+
+/// A body and the joint that it moves on; the root moves against the world.
 #[derive(Debug, Clone)]
 pub(super) struct Link {
     pub(super) parent: Option<usize>,
-    /// Position of the joint in the parent's frame.
-    offset_m: DVec3,
     pub(super) mass_kg: f64,
     /// Mass times centre of mass, body axes.
     pub(super) first_moment_kg_m: DVec3,
     /// Rotational inertia about the joint, body axes.
     pub(super) rotational_kg_m2: DMat3,
 
-    /// Rotation from the body to its parent, unit.
-    rotation: DQuat,
-    /// Angular velocity against the parent, body axes.
-    spin_rad_s: DVec3,
-    /// Derivative of the components of `spin_rad_s`.
+    pub(super) in_parent: InParent,
+    /// Of the spin, along what the joint leaves free: body axes.
     pub(super) spin_rate_rad_s2: DVec3,
+    /// Of the slide, along what the joint leaves free: body axes.
+    pub(super) slide_rate_m_s2: DVec3,
     /// Torque of the joint on the body, body axes.
     pub(super) torque_nm: DVec3,
+    /// What the joint is, if it is no ball joint that turns freely.
+    pub(super) joint: Option<Joint>,
 
     pub(super) world: World,
     pub(super) articulated: Articulated,
+    pub(super) answer: Answer,
 }
 
 /// Where a body is and how it turns, world axes: what follows from the joints.
@@ -55,32 +67,69 @@ pub(super) struct World {
     /// From the parent's joint to this one.
     pub(super) arm_m: DVec3,
     pub(super) angular_rad_s: DVec3,
+    /// Velocity of the joint less that of the parent there.
+    slide_m_s: DVec3,
     /// Angular acceleration less the parent's, if the components of the spin stay.
     pub(super) angular_bias_rad_s2: DVec3,
     /// Acceleration of the joint less the parent's, if the parent turns steadily.
     pub(super) linear_bias_m_s2: DVec3,
+    /// Angular velocity against the parent, body axes.
+    pub(super) spin_rad_s: DVec3,
 }
 
 impl Link {
     /// The body on its joint, in the state that the body and its parent are in.
-    fn new(body: &PlantBody, state: &MovingPose, parent: Option<&MovingPose>) -> Self {
+    fn new(body: &Given, state: &MovingPose, parent: Option<&MovingPose>) -> Self {
         let (rotation, angular) = parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |parent| {
             (parent.pose.rotation, parent.angular_rad_s)
         });
-        let first_moment = body.mass.mass_kg * body.mass.center_of_mass_m;
-        let about_joint = skew(first_moment) * skew(body.mass.center_of_mass_m).transpose();
+        let first_moment = body.mass_kg * body.center_of_mass_m;
+        let about_joint = skew(first_moment) * skew(body.center_of_mass_m).transpose();
+        let still = MovingPose {
+            pose: Pose::IDENTITY,
+            angular_rad_s: DVec3::ZERO,
+            linear_m_s: DVec3::ZERO,
+        };
+        let from = parent.unwrap_or(&still);
+        let arm_m = state.pose.position_m - from.pose.position_m;
+        let slide_m_s = state.linear_m_s - from.linear_m_s - from.angular_rad_s.cross(arm_m);
+        let mut in_parent = InParent {
+            pose: Pose {
+                rotation: (rotation.conjugate() * state.pose.rotation).normalize(),
+                position_m: from.pose.to_local(state.pose.position_m),
+            },
+            spin_rad_s: state.pose.rotation.conjugate() * (state.angular_rad_s - angular),
+            slide_m_s: rotation.conjugate() * slide_m_s,
+        };
+        let joint = Joint::new(body, &in_parent);
+        match body.joint {
+            Freedom::Free => {}
+            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                if let Some(joint) = &joint {
+                    in_parent = joint.in_parent();
+                }
+            }
+            Freedom::Fixed if parent.is_some() => {
+                in_parent.pose = Pose { rotation: body.rotation, position_m: body.position_m };
+                (in_parent.spin_rad_s, in_parent.slide_m_s) = (DVec3::ZERO, DVec3::ZERO);
+            }
+            Freedom::Fixed | Freedom::Spherical => {
+                (in_parent.pose.position_m, in_parent.slide_m_s) = (body.position_m, DVec3::ZERO);
+            }
+        }
         Self {
             parent: body.parent,
-            offset_m: body.offset_m,
-            mass_kg: body.mass.mass_kg,
+            mass_kg: body.mass_kg,
             first_moment_kg_m: first_moment,
-            rotational_kg_m2: body.mass.rotational_kg_m2 + about_joint,
-            rotation: (rotation.conjugate() * state.pose.rotation).normalize(),
-            spin_rad_s: state.pose.rotation.conjugate() * (state.angular_rad_s - angular),
+            rotational_kg_m2: body.inertia_kg_m2 + about_joint,
+            in_parent,
             spin_rate_rad_s2: DVec3::ZERO,
+            slide_rate_m_s2: DVec3::ZERO,
             torque_nm: DVec3::ZERO,
+            joint,
             world: World::default(),
             articulated: Articulated::default(),
+            answer: Answer::default(),
         }
     }
 }
@@ -89,21 +138,34 @@ impl Tree {
     /// The mechanism in the given state, one of `start` per body.
     pub(super) fn new(mechanism: &Mechanism, start: &[MovingPose]) -> Self {
         let mut start = start.to_vec();
-        if mechanism.root == Root::Fixed {
+        let root = match mechanism.bodies[0].joint {
+            Freedom::Fixed => Held::Fixed,
+            Freedom::Free => Held::Driven,
+            _ => Held::ByJoint,
+        };
+        if root == Held::Fixed {
             (start[0].angular_rad_s, start[0].linear_m_s) = (DVec3::ZERO, DVec3::ZERO);
         }
         let links = mechanism.bodies.iter().zip(&start).map(|(body, state)| {
             let parent = body.parent.map(|parent| &start[parent]);
             Link::new(body, state, parent)
         });
+        let mut links: Vec<Link> = links.collect();
+        let (root_position_m, root_velocity_m_s) = if root == Held::ByJoint {
+            let InParent { pose, slide_m_s, .. } = links[0].in_parent;
+            (pose.position_m, slide_m_s)
+        } else {
+            links[0].joint = None;
+            (start[0].pose.position_m, start[0].linear_m_s)
+        };
         let mut tree = Self {
-            root: mechanism.root,
+            root,
             gravity_m_s2: GRAVITY_M_S2,
-            root_position_m: start[0].pose.position_m,
-            root_velocity_m_s: start[0].linear_m_s,
+            root_position_m,
+            root_velocity_m_s,
             root_acceleration_m_s2: DVec3::ZERO,
             root_force_n: DVec3::ZERO,
-            links: links.collect(),
+            links,
         };
         tree.update_world();
         tree
@@ -111,22 +173,39 @@ impl Tree {
 
     /// Takes the drives to the axes of the bodies that they act on.
     pub(super) fn set_drive(&mut self, drive: &Drive) {
-        for (link, torque_nm) in self.links.iter_mut().zip(&drive.torque_nm) {
+        let drives = drive.torque_nm.iter().zip(&drive.force_n);
+        for (link, (torque_nm, force_n)) in self.links.iter_mut().zip(drives) {
             link.torque_nm = link.world.axes.transpose() * *torque_nm;
+            if let Some(joint) = &mut link.joint {
+                joint.force_n = link.world.axes.transpose() * *force_n;
+            }
         }
-        self.root_force_n = self.links[0].world.axes.transpose() * drive.root_force_n;
+        self.root_force_n = self.links[0].world.axes.transpose() * drive.force_n[0];
     }
 
     /// Semi-implicit Euler over `h` seconds: the velocities first, then the rotations by the exponential map
     /// of the new ones.
     pub(super) fn advance(&mut self, h: f64) {
         for link in &mut self.links {
-            link.spin_rad_s += h * link.spin_rate_rad_s2;
-            let turn = DQuat::from_scaled_axis(h * link.spin_rad_s);
-            link.rotation = (link.rotation * turn).normalize();
+            if let Some(joint) = &mut link.joint {
+                joint.advance(h, &mut link.in_parent);
+                continue;
+            }
+            let at = &mut link.in_parent;
+            at.spin_rad_s += h * link.spin_rate_rad_s2;
+            let turn = DQuat::from_scaled_axis(h * at.spin_rad_s);
+            at.pose.rotation = (at.pose.rotation * turn).normalize();
         }
-        self.root_velocity_m_s += h * self.root_acceleration_m_s2;
-        self.root_position_m += h * self.root_velocity_m_s;
+        match self.root {
+            Held::ByJoint => {
+                let InParent { pose, slide_m_s, .. } = self.links[0].in_parent;
+                (self.root_position_m, self.root_velocity_m_s) = (pose.position_m, slide_m_s);
+            }
+            Held::Fixed | Held::Driven => {
+                self.root_velocity_m_s += h * self.root_acceleration_m_s2;
+                self.root_position_m += h * self.root_velocity_m_s;
+            }
+        }
         self.update_world();
     }
 
@@ -136,6 +215,11 @@ impl Tree {
             let link = &mut below[0];
             let parent = link.parent.map(|parent| &above[parent].world);
             link.world = link.in_world(parent);
+            if let Some(joint) = &mut link.joint {
+                let still = World { axes: DMat3::IDENTITY, ..World::default() };
+                joint.update_ways(&link.in_parent.pose, parent.unwrap_or(&still), &link.world);
+                link.world.angular_bias_rad_s2 += joint.bias_rad_s2();
+            }
         }
     }
 
@@ -157,7 +241,7 @@ impl Tree {
         for (Link { parent, world, .. }, pose) in self.links.iter().zip(poses) {
             let linear_m_s = parent.map_or(self.root_velocity_m_s, |parent| {
                 let parent = &motions[parent];
-                parent.linear_m_s + parent.angular_rad_s.cross(world.arm_m)
+                parent.linear_m_s + parent.angular_rad_s.cross(world.arm_m) + world.slide_m_s
             });
             motions.push(MovingPose {
                 pose: *pose,
@@ -171,22 +255,31 @@ impl Tree {
 
 impl Link {
     fn in_world(&self, parent: Option<&World>) -> World {
+        let InParent { pose, spin_rad_s, slide_m_s } = self.in_parent;
         let Some(parent) = parent else {
-            let axes = DMat3::from_quat(self.rotation);
-            let angular_rad_s = axes * self.spin_rad_s;
-            return World { rotation: self.rotation, axes, angular_rad_s, ..World::default() };
+            let axes = DMat3::from_quat(pose.rotation);
+            let angular_rad_s = axes * spin_rad_s;
+            let rotation = pose.rotation;
+            return World { rotation, axes, angular_rad_s, spin_rad_s, ..World::default() };
         };
-        let rotation = parent.rotation * self.rotation;
+        let rotation = parent.rotation * pose.rotation;
         let axes = DMat3::from_quat(rotation);
-        let arm_m = parent.axes * self.offset_m;
-        let spin = axes * self.spin_rad_s;
-        World {
+        let arm_m = parent.axes * pose.position_m;
+        let spin = axes * spin_rad_s;
+        let mut world = World {
             rotation,
             axes,
             arm_m,
             angular_rad_s: parent.angular_rad_s + spin,
+            slide_m_s: DVec3::ZERO,
             angular_bias_rad_s2: parent.angular_rad_s.cross(spin),
             linear_bias_m_s2: parent.angular_rad_s.cross(parent.angular_rad_s.cross(arm_m)),
+            spin_rad_s,
+        };
+        if self.joint.is_some() {
+            world.slide_m_s = parent.axes * slide_m_s;
+            world.linear_bias_m_s2 += 2.0 * parent.angular_rad_s.cross(world.slide_m_s);
         }
+        world
     }
 }

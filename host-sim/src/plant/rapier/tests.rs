@@ -1,10 +1,20 @@
 use super::*;
+use crate::figure::MassProperties;
 use crate::plant::fixture::{at_rest, diagonal, solid, tilted};
+use crate::plant::link;
 
 const DT_S: f64 = 0.01;
 
-fn driven(bodies: &[PlantBody]) -> Mechanism {
-    Mechanism { root: Root::Driven, bodies: bodies.to_vec() }
+/// A free body, and others on ball joints at its origin.
+fn driven(masses: &[MassProperties]) -> Mechanism {
+    let body = |(index, mass): (usize, &MassProperties)| {
+        let (parent, joint) = match index {
+            0 => (None, Freedom::Free),
+            _ => (Some(0), Freedom::Spherical),
+        };
+        link(parent, joint, DVec3::ZERO, mass)
+    };
+    Mechanism { bodies: masses.iter().enumerate().map(body).collect() }
 }
 
 fn plant(mechanism: &Mechanism, start: &[MovingPose], dt_s: f64) -> RapierPlant {
@@ -23,7 +33,8 @@ fn the_engine_holds_the_inertia_it_was_given() {
         diagonal(0.01, 0.02, 0.025),
     ] {
         let given = tilted(moments, turn);
-        let held = mass_properties(&solid(1.0, DVec3::ZERO, given));
+        let body = solid(1.0, DVec3::ZERO, given);
+        let held = mass_properties(&link(None, Freedom::Free, DVec3::ZERO, &body));
         // A few roundings of f64.
         assert!(inertia_difference(&held, &given) < 1e-14, "{moments}");
     }
@@ -41,20 +52,14 @@ fn a_pendulum_swings_as_the_equation_says() {
         DVec3::new(0.0, -0.5 * length, 0.0),
         diagonal(about_center, 1e-3, about_center),
     );
-    let bodies = [
-        PlantBody { parent: None, offset_m: DVec3::ZERO, mass: block },
-        PlantBody { parent: Some(0), offset_m: DVec3::ZERO, mass: rod },
-    ];
     let angle = 0.05;
     let start = [
         at_rest(DVec3::ZERO, DQuat::IDENTITY),
         at_rest(DVec3::ZERO, DQuat::from_rotation_z(angle)),
     ];
-    let mut plant = plant(&driven(&bodies), &start, DT_S);
-    let drive = Drive {
-        root_force_n: -GRAVITY_M_S2 * (block_kg + mass_kg),
-        torque_nm: vec![DVec3::ZERO; 2],
-    };
+    let mut plant = plant(&driven(&[block, rod]), &start, DT_S);
+    let mut drive = Drive::none(2);
+    drive.force_n[0] = -GRAVITY_M_S2 * (block_kg + mass_kg);
     let about_joint = about_center + mass_kg * 0.25 * length * length;
     let rate = (mass_kg * 9.81 * 0.5 * length / about_joint).sqrt();
     let mut worst = 0.0f64;
@@ -75,16 +80,12 @@ fn a_pendulum_swings_as_the_equation_says() {
 fn a_free_body_keeps_its_angular_momentum() {
     // A tumbling block without torque or force: the gyroscopic term is all that acts on its rotation.
     let inertia = tilted(diagonal(0.02, 0.05, 0.06), DVec3::new(0.3, 0.2, -0.6));
-    let body = PlantBody {
-        parent: None,
-        offset_m: DVec3::ZERO,
-        mass: solid(1.0, DVec3::new(0.02, 0.0, -0.01), inertia),
-    };
+    let body = solid(1.0, DVec3::new(0.02, 0.0, -0.01), inertia);
     let spin = DVec3::new(3.0, 2.0, -1.0);
     let start = MovingPose { angular_rad_s: spin, ..at_rest(DVec3::ZERO, DQuat::IDENTITY) };
     let dt_s = 0.001;
     let mut plant = plant(&driven(&[body]), &[start], dt_s);
-    let drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO] };
+    let drive = Drive::none(1);
     let momentum = |plant: &RapierPlant| {
         let axes = DMat3::from_quat(plant.poses[0].rotation);
         let body = &plant.bodies[plant.links[0].handle];
@@ -107,14 +108,11 @@ fn a_free_body_keeps_its_angular_momentum() {
 #[test]
 fn a_torque_acts_on_the_body_and_back_on_its_parent() {
     let unit = solid(1.0, DVec3::ZERO, diagonal(0.1, 0.1, 0.1));
-    let bodies = [
-        PlantBody { parent: None, offset_m: DVec3::ZERO, mass: unit },
-        PlantBody { parent: Some(0), offset_m: DVec3::ZERO, mass: unit },
-    ];
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 2];
-    let mut plant = plant(&driven(&bodies), &start, DT_S);
+    let mut plant = plant(&driven(&[unit, unit]), &start, DT_S);
     let torque = DVec3::new(0.0, 0.3, 0.0);
-    plant.step(&Drive { root_force_n: -GRAVITY_M_S2 * 2.0, torque_nm: vec![DVec3::ZERO, torque] });
+    let torque_nm = vec![DVec3::ZERO, torque];
+    plant.step(&Drive { torque_nm, force_n: vec![-GRAVITY_M_S2 * 2.0, DVec3::ZERO] });
     // h² τ / I; a rotation of 3e-4 rad is its sine to 1e-8.
     let expected = DT_S * DT_S * 0.3 / 0.1;
     for (pose, sign) in plant.poses().iter().zip([-1.0, 1.0]) {

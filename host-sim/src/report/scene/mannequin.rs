@@ -115,7 +115,7 @@ impl Mannequin {
     }
 
     /// Every body in its own factor's dimensions, and as thick as they are on average.
-    pub(in crate::report) fn scaled_by(&self, factors: &[f64; BODY_COUNT]) -> Self {
+    pub(in crate::report) fn scaled_by(&self, factors: &[f64]) -> Self {
         let mean = factors.iter().sum::<f64>() / BODY_COUNT as f64;
         Self {
             ends_m: array::from_fn(|end| self.ends_m[end] * factors[ENDS[end]]),

@@ -1,10 +1,12 @@
 //! Forward dynamics of the articulated plant, in f64: the accelerations that the files' torques make.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 
 use super::{Case, State};
 use crate::figure::MassProperties;
-use crate::plant::{self, ArticulatedPlant, Drive, Mechanism, MovingPose, PlantBody, Pose};
+use crate::plant::{
+    ArticulatedPlant, Drive, Freedom, Link, Mechanism, MovingPose, Pose, link,
+};
 use crate::verify::figure::{Root, parent};
 use crate::verify::golden::largest;
 use crate::verify::tally::{Quantity, Tallies};
@@ -19,7 +21,7 @@ pub(super) fn check(
     // A plant's root is free or bolted: one that turns about a point hangs on a bolted body.
     let hung = case.root == Root::Spherical;
     let still = MovingPose {
-        pose: Pose { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO },
+        pose: Pose::IDENTITY,
         angular_rad_s: DVec3::ZERO,
         linear_m_s: DVec3::ZERO,
     };
@@ -35,8 +37,12 @@ pub(super) fn check(
             Some(parent) => Some(parent + usize::from(hung)),
             None => hung.then_some(0),
         };
-        let mass = golden.mass_properties();
-        bodies.push(PlantBody { parent, offset_m: golden.offset.0, mass });
+        let joint = match (parent, case.root) {
+            (Some(_), _) => Freedom::Spherical,
+            (None, Root::Free) => Freedom::Free,
+            (None, _) => Freedom::Fixed,
+        };
+        bodies.push(link(parent, joint, golden.offset.0, &golden.mass_properties()));
 
         let before = parent.map_or(still, |parent: usize| start[parent]);
         let pose = before.pose.child(golden.offset.0, golden.rot.0 * state.quat[index].0);
@@ -44,9 +50,9 @@ pub(super) fn check(
         start.push(MovingPose { pose, angular_rad_s, linear_m_s: DVec3::ZERO });
         torque_nm.push(pose.rotation * state.tau[index].0);
     }
-    let root = if case.root == Root::Free { plant::Root::Driven } else { plant::Root::Fixed };
-    let drive = Drive { root_force_n: state.root_wrench.force_world.0, torque_nm };
-    let got = ArticulatedPlant::new(&Mechanism { root, bodies }, &start, 0.01, 1)
+    let mut drive = Drive { torque_nm, ..Drive::none(bodies.len()) };
+    drive.force_n[0] = state.root_wrench.force_world.0;
+    let got = ArticulatedPlant::new(&Mechanism { bodies }, &start, 0.01, 1)
         .map_err(|error| CaseError::new("bodies", error))?
         .with_gravity(case.gravity.0)
         .accelerations(&drive);
@@ -68,11 +74,11 @@ pub(super) fn check(
 }
 
 /// A body that does not move; its mass is of no account.
-fn bolted() -> PlantBody {
+fn bolted() -> Link {
     let mass = MassProperties {
         mass_kg: 1.0,
         center_of_mass_m: DVec3::ZERO,
         rotational_kg_m2: DMat3::IDENTITY,
     };
-    PlantBody { parent: None, offset_m: DVec3::ZERO, mass }
+    link(None, Freedom::Fixed, DVec3::ZERO, &mass)
 }

@@ -1,12 +1,15 @@
+mod joints;
+
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DQuat;
 
 use super::*;
 use crate::plant::fixture::{
-    at_rest, diagonal, hung, passive, random_torques, random_tree, solid, tilted,
+    at_rest, diagonal, hung, passive, random_torques, random_tree, random_tree_of_all_kinds, solid,
+    tilted,
 };
-use crate::plant::{GRAVITY_M_S2, PlantBody, Root};
+use crate::plant::{Freedom, GRAVITY_M_S2, Link};
 
 /// Runs for 0.2 s in steps of `h`, a part of that. `before_step` sees the plant before each step.
 fn run(
@@ -40,20 +43,20 @@ fn vanishes_with_the_step(scale: f64, error: impl Fn(f64) -> f64) {
 fn solids<'a>(
     mechanism: &'a Mechanism,
     plant: &ArticulatedPlant,
-) -> impl Iterator<Item = (&'a PlantBody, MovingPose)> {
+) -> impl Iterator<Item = (&'a Link, MovingPose)> {
     mechanism.bodies.iter().zip(plant.motions())
 }
 
 /// Kinetic and potential energy of all bodies, J.
 fn energy(mechanism: &Mechanism, plant: &ArticulatedPlant) -> f64 {
-    let of_body = |(body, motion): (&PlantBody, MovingPose)| {
+    let of_body = |(body, motion): (&Link, MovingPose)| {
         let to_body = motion.pose.rotation.conjugate();
         let spin = to_body * motion.angular_rad_s;
-        let arm = motion.pose.rotation * body.mass.center_of_mass_m;
+        let arm = motion.pose.rotation * body.center_of_mass_m;
         let velocity = motion.linear_m_s + motion.angular_rad_s.cross(arm);
         let height = -(motion.pose.position_m + arm).dot(plant.tree.gravity_m_s2);
-        0.5 * spin.dot(body.mass.rotational_kg_m2 * spin)
-            + body.mass.mass_kg * (0.5 * velocity.length_squared() + height)
+        0.5 * spin.dot(body.inertia_kg_m2 * spin)
+            + body.mass_kg * (0.5 * velocity.length_squared() + height)
     };
     solids(mechanism, plant).map(of_body).sum()
 }
@@ -69,20 +72,20 @@ fn momentum(mechanism: &Mechanism, plant: &ArticulatedPlant) -> [DVec3; 2] {
     let mut sum = [DVec3::ZERO; 2];
     for (body, motion) in solids(mechanism, plant) {
         let to_world = motion.pose.rotation;
-        let arm = to_world * body.mass.center_of_mass_m;
+        let arm = to_world * body.center_of_mass_m;
         let velocity = motion.linear_m_s + motion.angular_rad_s.cross(arm);
-        let linear = body.mass.mass_kg * velocity;
+        let linear = body.mass_kg * velocity;
         let spin = to_world.conjugate() * motion.angular_rad_s;
         sum[0] += linear;
         sum[1] += (motion.pose.position_m + arm).cross(linear)
-            + to_world * (body.mass.rotational_kg_m2 * spin);
+            + to_world * (body.inertia_kg_m2 * spin);
     }
     sum
 }
 
 #[test]
 fn a_passive_tree_keeps_its_energy() {
-    for (root, seed) in [(Root::Driven, 1), (Root::Driven, 2), (Root::Fixed, 3)] {
+    for (root, seed) in [(Freedom::Free, 1), (Freedom::Free, 2), (Freedom::Fixed, 3)] {
         let (mechanism, start) = random_tree(root, seed);
         let plant = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
         let before = energy(&mechanism, &plant);
@@ -94,20 +97,20 @@ fn a_passive_tree_keeps_its_energy() {
 
 #[test]
 fn drives_give_the_energy_of_their_power() {
-    for (root, seed) in [(Root::Driven, 4), (Root::Fixed, 5)] {
+    for (root, seed) in [(Freedom::Free, 4), (Freedom::Fixed, 5)] {
         let (mechanism, start) = random_tree(root, seed);
         let plant = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
         let mut drive = random_torques(seed);
-        drive.root_force_n = -GRAVITY_M_S2;
+        drive.force_n[0] = -GRAVITY_M_S2;
         drive.torque_nm[0] = DVec3::new(0.3, -0.2, 0.1);
         let power = |plant: &ArticulatedPlant| {
             let motions = plant.motions();
-            let of_joint = |(index, body): (usize, &PlantBody)| {
+            let of_joint = |(index, body): (usize, &Link)| {
                 let parent = body.parent.map_or(DVec3::ZERO, |p| motions[p].angular_rad_s);
                 drive.torque_nm[index].dot(motions[index].angular_rad_s - parent)
             };
             mechanism.bodies.iter().enumerate().map(of_joint).sum::<f64>()
-                + drive.root_force_n.dot(motions[0].linear_m_s)
+                + drive.force_n[0].dot(motions[0].linear_m_s)
         };
         let before = energy(&mechanism, &plant);
         vanishes_with_the_step(kinetic(&mechanism, &start), |h| {
@@ -122,7 +125,7 @@ fn drives_give_the_energy_of_their_power() {
 #[test]
 fn a_floating_tree_keeps_its_momentum() {
     for seed in [6, 7] {
-        let (mechanism, start) = random_tree(Root::Driven, seed);
+        let (mechanism, start) = random_tree(Freedom::Free, seed);
         let plant =
             ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap().with_gravity(DVec3::ZERO);
         // Torques between bodies, which have no say in it.
@@ -183,7 +186,7 @@ fn a_pendulum_swings_as_its_equation_says() {
 
 #[test]
 fn substeps_are_steps_of_a_passive_tree() {
-    let (mechanism, start) = random_tree(Root::Driven, 8);
+    let (mechanism, start) = random_tree(Freedom::Free, 8);
     let mut whole = ArticulatedPlant::new(&mechanism, &start, 0.01, 4).unwrap();
     let mut parts = ArticulatedPlant::new(&mechanism, &start, 0.0025, 1).unwrap();
     whole.step(&passive(18));
@@ -204,7 +207,7 @@ fn a_torque_turns_with_its_body_over_the_substeps() {
         MovingPose { angular_rad_s: spin, ..at_rest(DVec3::ZERO, DQuat::IDENTITY) },
     ];
     let torque = DVec3::new(1e-3, 0.0, 0.0);
-    let drive = Drive { root_force_n: DVec3::ZERO, torque_nm: vec![DVec3::ZERO, torque] };
+    let drive = Drive { torque_nm: vec![DVec3::ZERO, torque], ..Drive::none(2) };
     let mut plant = ArticulatedPlant::new(&hung(ball), &start, 1.0, 10_000).unwrap();
     plant.step(&drive);
     // Held in the world it would have become τ t / I = 0.01 rad/s; a part in 1e4 of a turn is off.

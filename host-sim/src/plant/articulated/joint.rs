@@ -1,0 +1,228 @@
+//! Joints of any kind in reduced coordinates: their state, the ways that they leave free, and how these go on.
+//!
+//! A ball joint without rotor, friction and range needs none of this: see `dynamics.rs`.
+
+use glam::{DQuat, DVec3};
+
+use super::bounds::{Bounds, Mode};
+use super::tree::World;
+use crate::plant::{Freedom, Link as Given, Pose, coordinates, pose_at};
+
+/// Ways that a joint may leave free, at most.
+pub(super) const WAYS: usize = 6;
+
+/// A way that a joint leaves free: what its unit speed adds to the body's velocity, world axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Way {
+    pub(super) angular: DVec3,
+    pub(super) linear: DVec3,
+}
+
+/// A joint of any kind, and its state.
+#[derive(Debug, Clone)]
+pub(super) struct Joint {
+    kind: Freedom,
+    /// Pose of the joint frame in the parent's.
+    placement: Pose,
+    /// What the rotor adds to the inertia along each way.
+    pub(super) rotor: f64,
+    /// Coulomb friction along each way.
+    pub(super) friction: f64,
+    /// Viscous friction along each way.
+    pub(super) damping: f64,
+    /// Least and most of each coordinate; infinite where there is no limit.
+    ranges: [[f64; 2]; 2],
+    /// Angles or the way of a joint of one or two axes.
+    coordinates: [f64; 2],
+    /// Along the ways.
+    pub(super) speeds: [f64; WAYS],
+    /// Force of the drive on the body, body axes.
+    pub(super) force_n: DVec3,
+
+    pub(super) ways: [Way; WAYS],
+    /// How many of them there are.
+    pub(super) count: usize,
+    pub(super) modes: [Mode; WAYS],
+    /// Accelerations along the ways.
+    pub(super) rates: [f64; WAYS],
+}
+
+/// Where a body is in its parent, and how it moves there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct InParent {
+    pub(super) pose: Pose,
+    /// Body axes.
+    pub(super) spin_rad_s: DVec3,
+    /// Of the origin, the parent's axes.
+    pub(super) slide_m_s: DVec3,
+}
+
+impl Joint {
+    /// The joint of a body; `None` for a ball joint that turns freely.
+    pub(super) fn new(given: &Given, state: &InParent) -> Option<Self> {
+        let free = given.rotor_inertia == 0.0
+            && given.friction == 0.0
+            && given.damping == 0.0
+            && given.ranges.is_empty();
+        if given.joint == Freedom::Spherical && free {
+            return None;
+        }
+        let placement = Pose { rotation: given.rotation, position_m: given.position_m };
+        let mut ranges = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+        for (range, given) in ranges.iter_mut().zip(&given.ranges) {
+            *range = *given;
+        }
+        let mut joint = Self {
+            kind: given.joint,
+            placement,
+            rotor: given.rotor_inertia,
+            friction: given.friction,
+            damping: given.damping,
+            ranges,
+            coordinates: coordinates(given.joint, &placement.inside(&state.pose)),
+            speeds: [0.0; WAYS],
+            force_n: DVec3::ZERO,
+            ways: [Way::default(); WAYS],
+            count: given.joint.kind().degrees_of_freedom(),
+            modes: [Mode::Slide(0.0); WAYS],
+            rates: [0.0; WAYS],
+        };
+        let in_body = joint.axes_in_body(&state.pose);
+        let in_parent = joint.slides_in_parent();
+        for (way, speed) in joint.speeds.iter_mut().take(joint.count).enumerate() {
+            *speed = in_body[way].dot(state.spin_rad_s) + in_parent[way].dot(state.slide_m_s);
+        }
+        for (mode, speed) in joint.modes.iter_mut().zip(joint.speeds) {
+            *mode = Mode::of_speed(joint.friction, speed);
+        }
+        Some(joint)
+    }
+
+    /// Axes of the ways that turn, in the body; zero for those that slide.
+    fn axes_in_body(&self, in_parent: &Pose) -> [DVec3; WAYS] {
+        let mut axes = [DVec3::ZERO; WAYS];
+        match self.kind {
+            Freedom::Fixed | Freedom::Prismatic(_) => {}
+            Freedom::Revolute(axis) => axes[0] = axis,
+            Freedom::Universal([first, second]) => {
+                axes[0] = in_parent.rotation.conjugate() * (self.placement.rotation * first);
+                axes[1] = second;
+            }
+            Freedom::Free => axes[..3].copy_from_slice(&DVec3::AXES),
+            Freedom::Spherical => {
+                // The first is the one that leads to the end of the range.
+                let (axis, _) = self.swing(in_parent);
+                let (second, third) = axis.any_orthonormal_pair();
+                axes[..3].copy_from_slice(&[axis, second, third]);
+            }
+        }
+        axes
+    }
+
+    /// Directions of the ways that slide, in the parent; zero for those that turn.
+    fn slides_in_parent(&self) -> [DVec3; WAYS] {
+        let mut slides = [DVec3::ZERO; WAYS];
+        match self.kind {
+            Freedom::Prismatic(axis) => slides[0] = self.placement.rotation * axis,
+            Freedom::Free => slides[3..].copy_from_slice(&DVec3::AXES),
+            _ => {}
+        }
+        slides
+    }
+
+    /// Axis and angle of a ball joint's turn from its placement.
+    fn swing(&self, in_parent: &Pose) -> (DVec3, f64) {
+        let turn = self.placement.rotation.conjugate() * in_parent.rotation;
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        let angle_rad = 2.0 * libm::atan2(turn.xyz().length(), turn.w);
+        (turn.xyz().normalize_or(DVec3::X), angle_rad)
+    }
+
+    /// Whether something may hold it: friction or the end of a range.
+    pub(super) fn is_bounded(&self) -> bool {
+        self.friction > 0.0 || self.ranges.iter().flatten().any(|end| end.is_finite())
+    }
+
+    /// What may hold a way, for a step of `h` seconds.
+    pub(super) fn bounds(&self, way: usize, in_parent: &Pose, h: f64) -> Bounds {
+        let none = [f64::NEG_INFINITY, f64::INFINITY];
+        let (range, at) = match self.kind {
+            Freedom::Spherical if way == 0 => {
+                ([f64::NEG_INFINITY, self.ranges[0][1]], self.swing(in_parent).1)
+            }
+            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                (self.ranges[way], self.coordinates[way])
+            }
+            _ => (none, 0.0),
+        };
+        Bounds::new(range, at, self.friction, h)
+    }
+
+    /// Updates the ways, with the body's parent and the body in the world.
+    pub(super) fn update_ways(&mut self, in_parent: &Pose, parent: &World, body: &World) {
+        let (axes, slides) = (self.axes_in_body(in_parent), self.slides_in_parent());
+        if self.kind == Freedom::Spherical {
+            // Other axes from step to step, the same spin.
+            let spin = body.spin_rad_s;
+            for (speed, axis) in self.speeds.iter_mut().zip(axes).take(3) {
+                *speed = axis.dot(spin);
+            }
+        }
+        for (way, (axis, slide)) in self.ways.iter_mut().zip(axes.into_iter().zip(slides)) {
+            *way = Way { angular: body.axes * axis, linear: parent.axes * slide };
+        }
+    }
+
+    /// The acceleration of the body that the ways have by moving themselves, the parent's turn left out.
+    pub(super) fn bias_rad_s2(&self) -> DVec3 {
+        match self.kind {
+            // The first axis carries the second round.
+            Freedom::Universal(_) => {
+                let [first, second, ..] = self.ways;
+                first.angular.cross(second.angular) * (self.speeds[0] * self.speeds[1])
+            }
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// Semi-implicit Euler over `h` seconds: the speeds first.
+    pub(super) fn advance(&mut self, h: f64, in_parent: &mut InParent) {
+        let axes = self.axes_in_body(&in_parent.pose);
+        for (speed, rate) in self.speeds.iter_mut().zip(self.rates).take(self.count) {
+            *speed += h * rate;
+        }
+        match self.kind {
+            Freedom::Fixed => {}
+            Freedom::Spherical | Freedom::Free => {
+                let turning = axes.iter().zip(self.speeds).take(3);
+                in_parent.spin_rad_s = turning.map(|(axis, speed)| *axis * speed).sum();
+                let turn = DQuat::from_scaled_axis(h * in_parent.spin_rad_s);
+                in_parent.pose.rotation = (in_parent.pose.rotation * turn).normalize();
+                if self.kind == Freedom::Free {
+                    in_parent.slide_m_s = DVec3::from_slice(&self.speeds[3..]);
+                    in_parent.pose.position_m += h * in_parent.slide_m_s;
+                }
+            }
+            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                for (coordinate, speed) in self.coordinates.iter_mut().zip(self.speeds) {
+                    *coordinate += h * speed;
+                }
+                *in_parent = self.in_parent();
+            }
+        }
+    }
+
+    /// Where the body of a joint of one or two axes is.
+    pub(super) fn in_parent(&self) -> InParent {
+        let in_joint = pose_at(self.kind, self.coordinates);
+        let pose = self.placement.child(in_joint.position_m, in_joint.rotation);
+        let moving = |ways: [DVec3; WAYS]| -> DVec3 {
+            ways.iter().zip(self.speeds).map(|(way, speed)| *way * speed).sum()
+        };
+        InParent {
+            pose,
+            spin_rad_s: moving(self.axes_in_body(&pose)),
+            slide_m_s: moving(self.slides_in_parent()),
+        }
+    }
+}
