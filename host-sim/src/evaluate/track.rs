@@ -106,7 +106,7 @@ pub fn track(
     rig.joint_poses(&one_step_before(&start, take.dt_s()), &mut before);
     sensors.read(rig.links(), &mut before);
     let refused = |frame| move |source| RunError::State { frame, source };
-    tracker.begin(&mut frames, 0, &before).map_err(refused(0))?;
+    tracker.begin(&mut frames, 0, before.as_slice()).map_err(refused(0))?;
     for frame in 0..steps {
         rig.joint_poses(plant.poses(), &mut now);
         sensors.read(rig.links(), &mut now);

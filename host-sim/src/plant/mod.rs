@@ -168,6 +168,7 @@ pub fn link(
         mass_kg: mass.mass_kg,
         center_of_mass_m: mass.center_of_mass_m,
         inertia_kg_m2: mass.rotational_kg_m2,
+        merged: Vec::new(),
         rotor_inertia: 0.0,
         friction: 0.0,
         damping: 0.0,
