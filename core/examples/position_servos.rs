@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         joint: JointKind::Revolute { axis: Vec3::X },
         placement: Transform::from_translation(Vec3::Y * 0.1),
         inertia: Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04)),
+        rotor_inertia: 0.0,
     };
     let arm = Tree::<2>::from_bodies(&[0, 1].map(link))?;
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };

@@ -114,9 +114,7 @@ fn fall(settings: PlantSettings, steps: usize) {
     };
     let body = |body: &Body| match body.parent {
         None => link(None, Freedom::Free, DVec3::ZERO, &mass),
-        Some(parent) => {
-            link(Some(parent), Freedom::Spherical, DVec3::new(0.0, 0.25, 0.0), &mass)
-        }
+        Some(parent) => link(Some(parent), Freedom::Spherical, DVec3::new(0.0, 0.25, 0.0), &mass),
     };
     let bodies: Vec<_> = BODIES.iter().map(body).collect();
     let mut start: Vec<MovingPose> = Vec::new();

@@ -78,7 +78,8 @@ fn in_order(names: &[String], golden: &[&str], numbers: &[f64]) -> Vec<f32> {
 fn largest_error(golden: &Value) -> f64 {
     let file = golden["file"].as_str().expect("a file");
     let repair = golden["repair_inertia"].as_bool().expect("a word");
-    let mut mechanism: Mechanism = imported(file, repair).description.mechanism().expect("a mechanism");
+    let mut mechanism: Mechanism =
+        imported(file, repair).description.mechanism().expect("a mechanism");
     let names = mechanism.freedom_names();
     let joints: Vec<&str> = golden["joints"]
         .as_array()

@@ -111,7 +111,7 @@ fn coordinates_go_through_as_they_are() {
         let mut efforts = [[0.0; JOINTS]; 2];
         asked.efforts(&mut efforts[0]).unwrap();
         arm().efforts(states.as_slice(), expected, &mut efforts[1]).unwrap();
-        assert_eq!(efforts[0], efforts[1], "tick {tick}");
+        assert_eq!(efforts[0].map(f32::to_bits), efforts[1].map(f32::to_bits), "tick {tick}");
         let mut commands = [[DofCommand::default(); JOINTS]; 2];
         asked.dof_commands(&mut commands[0]).unwrap();
         let [_, of_controller] = &mut commands;
@@ -208,9 +208,10 @@ fn a_source_of_the_other_kind_needs_a_beginning() {
                 let asked = tracker.step(&mut coordinates, tick, &rest()).map(|_| ());
                 assert_eq!(asked, kind, "tick {tick}");
             }
-            match begins_the_estimate {
-                true => tracker.begin(&mut coordinates, 7, &rest()).unwrap(),
-                false => tracker.begin_frames(&mut coordinates, 7).unwrap(),
+            if begins_the_estimate {
+                tracker.begin(&mut coordinates, 7, &rest()).unwrap();
+            } else {
+                tracker.begin_frames(&mut coordinates, 7).unwrap();
             }
             for tick in 7..10 {
                 tracker.step(&mut coordinates, tick, &rest()).unwrap();
@@ -219,9 +220,10 @@ fn a_source_of_the_other_kind_needs_a_beginning() {
                 let asked = tracker.step(&mut poses, tick, &rest()).map(|_| ());
                 assert_eq!(asked, kind, "tick {tick}");
             }
-            match begins_the_estimate {
-                true => tracker.begin(&mut poses, 14, &rest()).unwrap(),
-                false => tracker.begin_frames(&mut poses, 14).unwrap(),
+            if begins_the_estimate {
+                tracker.begin(&mut poses, 14, &rest()).unwrap();
+            } else {
+                tracker.begin_frames(&mut poses, 14).unwrap();
             }
             for tick in 14..17 {
                 tracker.step(&mut poses, tick, &rest()).unwrap();
@@ -318,7 +320,7 @@ fn a_rig_with_encoders_begins_with_its_speeds() {
     // Without speeds it stands.
     tracker.begin(&mut AsPoses::default(), 0, Measured::Positions { q: &q }).unwrap();
     tracker.states().coordinates(&arm(), &mut at, &mut speeds).unwrap();
-    assert_eq!(speeds, [0.0; JOINTS]);
+    assert!(speeds.iter().all(|speed| speed.abs() <= 0.0));
 }
 
 #[test]

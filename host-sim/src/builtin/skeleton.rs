@@ -266,7 +266,8 @@ mod tests {
 
     #[test]
     fn rest_pose_stands_as_tall_as_the_man() {
-        let rest = Pose { root_m: DVec3::ZERO, rotation: vec![DQuat::IDENTITY; BODY_COUNT] }.world();
+        let rest =
+            Pose { root_m: DVec3::ZERO, rotation: vec![DQuat::IDENTITY; BODY_COUNT] }.world();
         let top = rest[HEAD].point(HEAD_M).y;
         let sole = rest[Side::Left.foot()].origin_m.y - ANKLE_HEIGHT_M;
         assert!((top - sole - STATURE_M).abs() < 0.005, "{}", top - sole);

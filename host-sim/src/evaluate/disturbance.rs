@@ -146,7 +146,8 @@ impl Sensors {
     pub(super) fn read(&mut self, links: &[Link], joints: &mut [Transform]) {
         if self.noise_rad > 0.0 {
             for (link, joint) in links.iter().zip(&mut *joints) {
-                let turn = turn_of_joint(link, joint, (self.random.normal3() * self.noise_rad).as_vec3());
+                let turn =
+                    turn_of_joint(link, joint, (self.random.normal3() * self.noise_rad).as_vec3());
                 joint.rotation = (joint.rotation * math::exp(turn)).normalize();
             }
         }

@@ -130,8 +130,7 @@ impl Protocol {
 
 /// Steps that a whole evaluation takes, for a progress bar.
 pub fn steps_of_all(takes: &[impl Take], protocol: &Protocol) -> usize {
-    let frames: usize =
-        takes.iter().map(|take| track::step_count(take, protocol.seconds)).sum();
+    let frames: usize = takes.iter().map(|take| track::step_count(take, protocol.seconds)).sum();
     frames * protocol.scales.len() * protocol.methods.len()
 }
 

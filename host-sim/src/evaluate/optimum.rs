@@ -199,7 +199,8 @@ impl<'a> Search<'a> {
             }
         }
         self.deviation_rad.clear();
-        let deviations = self.poses.iter().zip(desired).map(|(at, desired)| deviation_rad(at, desired));
+        let deviations =
+            self.poses.iter().zip(desired).map(|(at, desired)| deviation_rad(at, desired));
         self.deviation_rad.extend(deviations);
         self.shift_m = self.poses[0].position_m - desired[0].position_m;
         solved
@@ -354,8 +355,8 @@ mod tests {
 
     use super::*;
     use crate::evaluate::MethodName;
-    use crate::figure::{BODY_COUNT, Dimensions};
     use crate::figure::fixture::moving;
+    use crate::figure::{BODY_COUNT, Dimensions};
     use crate::random::{Random, Subject};
     use sinew_core::tracker::ProjectionSettings;
 
@@ -381,18 +382,15 @@ mod tests {
     }
 
     /// The figure with its root shifted and its bodies turned, all in the world, as far as nothing is held.
-    fn altered(
-        search: &Search<'_>,
-        shift_m: DVec3,
-        turn_rad: &[DVec3],
-    ) -> Vec<Pose> {
+    fn altered(search: &Search<'_>, shift_m: DVec3, turn_rad: &[DVec3]) -> Vec<Pose> {
         let root = &search.poses[0];
         let shift_m = if search.held == Held::Nothing { shift_m } else { DVec3::ZERO };
-        let rotations = search.poses.iter().zip(turn_rad).enumerate().map(|(body, (pose, turn))| {
-            let turns = body > 0 || search.held != Held::Pose;
-            let turn = if turns { *turn } else { DVec3::ZERO };
-            DQuat::from_scaled_axis(turn) * pose.rotation
-        });
+        let rotations =
+            search.poses.iter().zip(turn_rad).enumerate().map(|(body, (pose, turn))| {
+                let turns = body > 0 || search.held != Held::Pose;
+                let turn = if turns { *turn } else { DVec3::ZERO };
+                DQuat::from_scaled_axis(turn) * pose.rotation
+            });
         search.assembled(root.position_m + shift_m, rotations)
     }
 
@@ -409,7 +407,8 @@ mod tests {
                     DVec3::AXES.iter().flat_map(|a| (0..=BODY_COUNT).map(move |p| (a, p)))
                 {
                     let energy = |size: f64| {
-                        let (mut shift_m, mut turn_rad) = (DVec3::ZERO, vec![DVec3::ZERO; BODY_COUNT]);
+                        let (mut shift_m, mut turn_rad) =
+                            (DVec3::ZERO, vec![DVec3::ZERO; BODY_COUNT]);
                         *turn_rad.get_mut(place).unwrap_or(&mut shift_m) = *axis * size;
                         search.energy_m2(&altered(&search, shift_m, &turn_rad), &desired)
                     };

@@ -73,7 +73,8 @@ impl Rig {
         match link.joint {
             Freedom::Free => 0.0,
             Freedom::Prismatic(_) => {
-                let off_m = parent.to_local(poses[body].position_m) - position_m(link, parent, &poses[body]);
+                let off_m = parent.to_local(poses[body].position_m)
+                    - position_m(link, parent, &poses[body]);
                 off_m.length()
             }
             _ => {

@@ -11,9 +11,7 @@ use super::disturbance::{Disturbance, LATENCY_MOST};
 use super::error::RunError;
 use super::rig::{CAPACITY, Rig};
 use super::supply::supply;
-use crate::figure::{
-    BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject,
-};
+use crate::figure::{BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject};
 use crate::parse_message::parse_message;
 use crate::plant::PlantSettings;
 

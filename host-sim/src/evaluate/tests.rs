@@ -5,8 +5,8 @@ use sinew_core::state_error::RateTerm;
 use sinew_core::tracker::{DesiredVelocity, GainsName, SettingError};
 
 use super::*;
-use crate::figure::{FigureMotion, Root};
 use crate::figure::fixture::moving;
+use crate::figure::{FigureMotion, Root};
 use crate::plant::{PlantKind, Pose};
 
 fn motions() -> Vec<FigureMotion> {

@@ -55,7 +55,9 @@ pub(crate) fn moving(name: &str, frames: u32) -> FigureMotion {
     FigureMotion {
         name: name.to_owned(),
         root_position_m: (0..frames).map(|f| DVec3::new(0.0, 1.0, 0.01 * f64::from(f))).collect(),
-        rotation: (0..frames).map(|f| (0..BODY_COUNT).map(|body| turn(f, body)).collect()).collect(),
+        rotation: (0..frames)
+            .map(|f| (0..BODY_COUNT).map(|body| turn(f, body)).collect())
+            .collect(),
         ..still
     }
 }

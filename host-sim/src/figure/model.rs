@@ -79,7 +79,10 @@ impl BodyModel {
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
     pub fn hanavan_kwon(motion: &FigureMotion, subject: &Subject) -> Result<Self, BodyModelError> {
         let placement = Placement::new(Skeleton::of(motion))?;
-        Ok(Self { offset_m: motion.offset_m.clone(), bodies: hanavan::bodies(&placement, subject)? })
+        Ok(Self {
+            offset_m: motion.offset_m.clone(),
+            bodies: hanavan::bodies(&placement, subject)?,
+        })
     }
 
     /// The same figure with all dimensions times `factor`, at the same density.

@@ -56,7 +56,8 @@ impl FigureMotion {
                 .map(|joint| interpolate_smoothly(window.map(|frame| &frame[joint]), fraction))
                 .collect();
             root_position_m.push(joints[0].translation_m.as_dvec3());
-            rotation.push(joints.iter().map(|joint| joint.rotation.as_dquat().normalize()).collect());
+            rotation
+                .push(joints.iter().map(|joint| joint.rotation.as_dquat().normalize()).collect());
         }
         Self {
             name: self.name.clone(),

@@ -7,8 +7,8 @@
 use glam::{DQuat, DVec3};
 use sinew_mocap::{JointSample, Recording};
 
-use crate::figure::mapping::Binding;
 use crate::figure::BODIES;
+use crate::figure::mapping::Binding;
 
 /// Largest angle of a limb from where a T-pose has it. In the CMU data it is 0.14 to 0.31 rad in
 /// inserted T-poses, and 0.35 or more in every other first frame that is followed by a jump.

@@ -59,7 +59,9 @@ pub enum PlantError {
         found: f64,
     },
     /// The engine does not simulate such a joint.
-    #[error("body {body}: {what}, which the engine does not simulate; the plant `articulated` does")]
+    #[error(
+        "body {body}: {what}, which the engine does not simulate; the plant `articulated` does"
+    )]
     Engine {
         /// The body.
         body: usize,
@@ -153,7 +155,8 @@ fn joint_fault(link: &Link) -> Option<Fault> {
         }
     }
     if let Freedom::Prismatic(_) | Freedom::Revolute(_) | Freedom::Universal(_) = link.joint {
-        let disordered = link.ranges.iter().find(|[least, most]| !(least <= most));
+        let disordered =
+            link.ranges.iter().find(|[least, most]| least > most || (least + most).is_nan());
         if let Some([least, _]) = disordered {
             return Some(("ranges", "the least no more than the most", *least));
         }

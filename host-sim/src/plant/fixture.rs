@@ -139,7 +139,8 @@ pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>
                 (speeds, DVec3::ZERO)
             }
             Freedom::Free => {
-                in_joint = Pose { rotation: DQuat::from_scaled_axis(along), position_m: 0.2 * along };
+                in_joint =
+                    Pose { rotation: DQuat::from_scaled_axis(along), position_m: 0.2 * along };
                 (speeds, vector(1.0))
             }
         };

@@ -9,10 +9,11 @@ mod settings;
 use ::nalgebra as na;
 use glam::{DMat3, DQuat, DVec3};
 use rapier3d_f64::prelude::{
-    BroadPhaseBvh, CCDSolver, ColliderSet, GenericJoint, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager,
-    JointAxesMask, JointAxis, MassProperties as EngineMass, MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
-    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType, Rotation, SoftBodySet,
-    SphericalJointBuilder, Vector,
+    BroadPhaseBvh, CCDSolver, ColliderSet, GenericJoint, GenericJointBuilder, ImpulseJointSet,
+    IntegrationParameters, IslandManager, JointAxesMask, JointAxis, MassProperties as EngineMass,
+    MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose, RigidBodyBuilder,
+    RigidBodyHandle, RigidBodySet, RigidBodyType, Rotation, SoftBodySet, SphericalJointBuilder,
+    Vector,
 };
 
 use super::check::check;
@@ -105,12 +106,7 @@ impl RapierPlant {
         Ok(plant)
     }
 
-    fn insert(
-        &mut self,
-        index: usize,
-        body: &Given,
-        start: &MovingPose,
-    ) -> Result<(), PlantError> {
+    fn insert(&mut self, index: usize, body: &Given, start: &MovingPose) -> Result<(), PlantError> {
         if let Some(what) = not_simulated(body) {
             return Err(PlantError::Engine { body: index, what });
         }
@@ -135,10 +131,8 @@ impl RapierPlant {
         let handle = self.bodies.insert(rigid_body);
         // Until the first step the engine has no mass and no centre of mass, but the first force acts before.
         self.bodies[handle].recompute_mass_properties_from_colliders(&self.colliders);
-        if let Some(parent) = body.parent {
-            if let Some(joint) = engine_joint(body) {
-                self.joints.insert(self.links[parent].handle, handle, joint, true);
-            }
+        if let (Some(parent), Some(joint)) = (body.parent, engine_joint(body)) {
+            self.joints.insert(self.links[parent].handle, handle, joint, true);
         }
         self.links.push(Link {
             handle,
@@ -299,9 +293,11 @@ fn engine_joint(body: &Given) -> Option<GenericJoint> {
                 .motor_velocity(free, 0.0, STIFF)
                 .motor_max_force(free, body.friction);
         } else if body.damping > 0.0 {
-            joint = joint
-                .motor_model(free, MotorModel::ForceBased)
-                .motor_velocity(free, 0.0, body.damping);
+            joint = joint.motor_model(free, MotorModel::ForceBased).motor_velocity(
+                free,
+                0.0,
+                body.damping,
+            );
         }
     }
     Some(joint.build())

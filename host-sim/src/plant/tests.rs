@@ -109,7 +109,11 @@ fn numbers_that_no_machine_has_are_refused_by_name() {
         ("rotation", |tree, _, x| tree.bodies[3].rotation.w = x, &[3.0, -2.0]),
         ("mass_kg", |tree, _, x| tree.bodies[3].mass_kg = x, &[0.0, -1.0]),
         ("center_of_mass_m", |tree, _, x| tree.bodies[3].center_of_mass_m.z = x, &[]),
-        ("inertia_kg_m2", |tree, _, x| tree.bodies[3].inertia_kg_m2.x_axis.x = x, &[0.0, -1.0, 1e9]),
+        (
+            "inertia_kg_m2",
+            |tree, _, x| tree.bodies[3].inertia_kg_m2.x_axis.x = x,
+            &[0.0, -1.0, 1e9],
+        ),
         ("axis", |tree, _, x| tree.bodies[3].joint = Freedom::Revolute(DVec3::X * x), &[0.0, 2.0]),
         ("rotor_inertia", |tree, _, x| tree.bodies[3].rotor_inertia = x, &[-1.0]),
         ("friction", |tree, _, x| tree.bodies[3].friction = x, &[-1.0]),
@@ -245,7 +249,8 @@ fn what_the_engine_does_not_simulate_is_refused_in_words() {
     for (word, change) in changes {
         let (mut mechanism, start) = random_tree(Freedom::Free, 15);
         change(&mut mechanism.bodies[3]);
-        let refused = |kind| PlantSettings { kind, substeps: 1 }.build(&mechanism, &start, 0.01).err();
+        let refused =
+            |kind| PlantSettings { kind, substeps: 1 }.build(&mechanism, &start, 0.01).err();
         let message = refused(PlantKind::Rapier).expect("it is refused").to_string();
         assert!(message.starts_with("body 3: ") && message.contains(word), "{message}");
         assert_eq!(refused(PlantKind::Articulated), None);

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics as rnea};
 use sinew_core::glam::Vec3;
-use sinew_core::coordinates::CoordinatesError;
 use sinew_core::{JointTargets, Tree, TreeError, Wrench};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{Freedom, Link};
@@ -136,7 +136,11 @@ pub fn inverse_dynamics(
             }
         };
         let row = |columns: &[usize], count: usize| -> Result<Vec<f32>, DynamicsError> {
-            if columns.is_empty() { Ok(vec![0.0; count]) } else { columns.iter().map(number).collect() }
+            if columns.is_empty() {
+                Ok(vec![0.0; count])
+            } else {
+                columns.iter().map(number).collect()
+            }
         };
         let q = row(&columns.q, columns.q.len())?;
         let [qd, qdd] = [&columns.qd, &columns.qdd].map(|columns| row(columns, names.len()));

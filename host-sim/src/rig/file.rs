@@ -33,7 +33,10 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|error| {
-        refused(format!("expected UTF-8 text, found other bytes from byte {} on", error.utf8_error().valid_up_to()))
+        refused(format!(
+            "expected UTF-8 text, found other bytes from byte {} on",
+            error.utf8_error().valid_up_to()
+        ))
     })?;
     let text = text.trim_start_matches('\u{feff}');
     let (description, notes) = if text.trim_start().starts_with('<') {

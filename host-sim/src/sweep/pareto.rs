@@ -88,8 +88,8 @@ mod tests {
         let mechanism = fixture::mechanism();
         let levers = Levers::none(&mechanism);
         let rig = Rig::with_levers(mechanism, levers);
-        let [desired, measured] = [pose(0.0, 0.0), pose(angle_rad, distance_m)]
-            .map(|pose| vec![pose; rig.links().len()]);
+        let [desired, measured] =
+            [pose(0.0, 0.0), pose(angle_rad, distance_m)].map(|pose| vec![pose; rig.links().len()]);
         errors.add(&desired, &measured, &rig);
         errors
     }

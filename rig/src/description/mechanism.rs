@@ -95,8 +95,15 @@ fn moved_link(
         damping: joint.damping + servos.map_or(0.0, |servos| servos.damping),
         ranges: joint.range_m.map_or_else(|| joint.range_rad.clone(), |range| vec![range]),
         home: joint.home(),
-        speed: or_servos(joint.speed_rad_s.or(joint.speed_m_s), |servos| servos.speed, f64::INFINITY),
-        acceleration: joint.acceleration_rad_s2.or(joint.acceleration_m_s2).unwrap_or(f64::INFINITY),
+        speed: or_servos(
+            joint.speed_rad_s.or(joint.speed_m_s),
+            |servos| servos.speed,
+            f64::INFINITY,
+        ),
+        acceleration: joint
+            .acceleration_rad_s2
+            .or(joint.acceleration_m_s2)
+            .unwrap_or(f64::INFINITY),
         effort: or_servos(joint.effort, |servos| servos.effort, f64::INFINITY),
         ..link(body, &joint.name, Some(parent), frame)
     }

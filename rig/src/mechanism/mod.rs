@@ -106,6 +106,8 @@ impl Mechanism {
     /// # Errors
     /// [`TreeError`] if there are more than `N` bodies, or a number does not survive f32.
     pub fn tree<const N: usize>(&self) -> Result<Tree<N>, TreeError> {
+        #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+        let single = |x: f64| x as f32;
         let mut tree = Tree::new();
         for link in &self.bodies {
             tree.push(sinew_core::Body {
@@ -116,7 +118,7 @@ impl Mechanism {
                     link.position_m.as_vec3(),
                 ),
                 inertia: link.inertia(),
-                rotor_inertia: link.rotor_inertia as f32,
+                rotor_inertia: single(link.rotor_inertia),
             })?;
         }
         Ok(tree)

@@ -122,10 +122,7 @@ fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
         ));
     }
     if freedom.inertia_free <= 0.0 {
-        found.push((
-            Severity::Note,
-            "it moves no mass: kinematic, without torque".to_owned(),
-        ));
+        found.push((Severity::Note, "it moves no mass: kinematic, without torque".to_owned()));
     }
     if let Some(step_mm) = freedom.resolution_mm
         && step_mm > VISIBLE_MM
@@ -153,7 +150,9 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
             );
         }
         let gyration_m = if link.mass_kg > 0.0 {
-            let trace = link.inertia_kg_m2.x_axis.x + link.inertia_kg_m2.y_axis.y + link.inertia_kg_m2.z_axis.z;
+            let trace = link.inertia_kg_m2.x_axis.x
+                + link.inertia_kg_m2.y_axis.y
+                + link.inertia_kg_m2.z_axis.z;
             libm::sqrt(0.5 * trace / link.mass_kg)
         } else {
             0.0
@@ -200,7 +199,12 @@ fn of_servos(
     if !missing.is_empty() {
         add(Severity::Fault, "servos".to_owned(), format!("none moves {}", missing.join(", ")));
     }
-    if review.by_freedom.iter().filter_map(|freedom| freedom.servo.as_ref()).any(|servo| servo.guessed) {
+    if review
+        .by_freedom
+        .iter()
+        .filter_map(|freedom| freedom.servo.as_ref())
+        .any(|servo| servo.guessed)
+    {
         add(
             Severity::Note,
             "servos".to_owned(),

@@ -37,10 +37,11 @@ pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usiz
         return 0.0;
     };
     let (turns, slides) = link.joint.axes(q.get(range).unwrap_or_default());
-    let weights = mechanism.bodies.iter().zip(&poses).enumerate().filter_map(|(body, (link, at))| {
-        let moved = mechanism.supports(joint, body);
-        moved.then(|| (at.point(link.center_of_mass_m), link.mass_kg * GRAVITY_M_S2))
-    });
+    let weights =
+        mechanism.bodies.iter().zip(&poses).enumerate().filter_map(|(body, (link, at))| {
+            let moved = mechanism.supports(joint, body);
+            moved.then(|| (at.point(link.center_of_mass_m), link.mass_kg * GRAVITY_M_S2))
+        });
     if let Some(turn) = turns.get(axis) {
         let moment: DVec3 =
             weights.map(|(center_m, weight_n)| (center_m - pose.position_m).cross(weight_n)).sum();
@@ -114,7 +115,8 @@ impl Search<'_> {
     /// Brings the coordinates of one joint to where the effort is largest.
     fn improve(&mut self, body: usize) {
         let mechanism = self.mechanism;
-        let (Some(link), Some(range)) = (mechanism.bodies.get(body), self.ranges.get(body).cloned())
+        let (Some(link), Some(range)) =
+            (mechanism.bodies.get(body), self.ranges.get(body).cloned())
         else {
             return;
         };
@@ -202,9 +204,10 @@ fn spread(mechanism: &Mechanism, number: u32) -> Vec<f64> {
             place += STEP * f64::from(number);
             let share = place - libm::floor(place);
             q.push(match (link.joint, link.ranges.get(axis)) {
-                (Freedom::Revolute(_) | Freedom::Universal(_) | Freedom::Prismatic(_), Some([least, most])) => {
-                    least + share * (most - least)
-                }
+                (
+                    Freedom::Revolute(_) | Freedom::Universal(_) | Freedom::Prismatic(_),
+                    Some([least, most]),
+                ) => least + share * (most - least),
                 (Freedom::Revolute(_) | Freedom::Universal(_), None) => TAU * share - PI,
                 _ => *home,
             });

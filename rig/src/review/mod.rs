@@ -11,8 +11,8 @@ mod servos;
 mod tests;
 
 use serde::Serialize;
-use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::coordinates::CoordinatesError;
+use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
 use crate::mechanism::{Freedom, Link, Mechanism};
@@ -140,7 +140,7 @@ impl Review {
     /// [`ReviewError`] if the rig does not fit `sinew-core`.
     pub fn of(mechanism: &Mechanism, servos: &Servos, control: Loop) -> Result<Self, ReviewError> {
         let tree = mechanism.tree::<CAPACITY>()?;
-        let home: Vec<f32> = mechanism.home().into_iter().map(|x| x as f32).collect();
+        let home: Vec<f32> = mechanism.home().into_iter().map(narrow).collect();
         let mut pose = JointStates::rest(&tree);
         let still = vec![0.0; tree.degrees_of_freedom()];
         pose.set_coordinates(&tree, &home, &still)?;
@@ -151,7 +151,8 @@ impl Review {
         let mut capabilities = servos.by_freedom.iter().cloned();
         let mut by_freedom = Vec::new();
         for (joint, link) in mechanism.bodies.iter().enumerate() {
-            let [locked, free] = [&locked, &free].map(|all| all.get(joint).copied().unwrap_or_default());
+            let [locked, free] =
+                [&locked, &free].map(|all| all.get(joint).copied().unwrap_or_default());
             for axis in 0..link.joint.kind().degrees_of_freedom() {
                 let servo = capabilities.next().flatten();
                 let worst = worst_load(mechanism, joint, axis);
@@ -207,6 +208,11 @@ pub enum ReviewError {
     /// Its home pose is not one of that tree.
     #[error("home pose: {0}")]
     Home(#[from] CoordinatesError),
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the core and drives compute in f32")]
+fn narrow(x: f64) -> f32 {
+    x as f32
 }
 
 fn holding_current_a(freedom: &FreedomReview) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Capability, Servos};
+use super::{Capability, Servos, narrow};
 use crate::actuation::{Actuation, DriveOf};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
@@ -158,7 +158,7 @@ fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
         .iter()
         .flat_map(|link| match link.joint {
             Freedom::Spherical => vec![0.0; 3],
-            _ => link.home.iter().map(|position| *position as f32).collect(),
+            _ => link.home.iter().map(|position| narrow(*position)).collect(),
         })
         .collect();
     let single = matches!(joints, [link] if link.joint.kind().degrees_of_freedom() == 1);
@@ -166,7 +166,7 @@ fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
         Some([least, most]) if single => (0..POSES)
             .map(|pose| {
                 let share = pose as f64 / (POSES - 1) as f64;
-                vec![(least + share * (most - least)) as f32]
+                vec![narrow(least + share * (most - least))]
             })
             .collect(),
         _ => vec![home],

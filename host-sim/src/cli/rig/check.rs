@@ -100,7 +100,8 @@ fn json(name: &str, notes: &[String], review: &Review) -> anyhow::Result<String>
 fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> String {
     let mut out = String::new();
     let Review { mass_kg, bodies, freedoms, .. } = review;
-    let mut line = |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
+    let mut line =
+        |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
     line(format_args!("{name}: {bodies} bodies, {freedoms} degrees of freedom, {mass_kg:.3} kg\n"));
     line(format_args!("{}\n", tree(mechanism)));
     line(format_args!(
@@ -112,7 +113,8 @@ fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> Strin
     ));
     line(format_args!("{}\n", joints(review)));
     if let Some(current) = review.current {
-        let supply = current.supply_a.map_or_else(|| "not given".to_owned(), |a| format!("{a:.1} A"));
+        let supply =
+            current.supply_a.map_or_else(|| "not given".to_owned(), |a| format!("{a:.1} A"));
         line(format_args!(
             "Current: holding up to {:.2} A, all servos stalled {:.2} A; supply: {supply}\n",
             current.holding_a, current.stall_a
@@ -161,7 +163,16 @@ fn kind(joint: sinew_rig::mechanism::Freedom) -> &'static str {
 
 fn joints(review: &Review) -> Table {
     let mut table = table([
-        "joint", "gravity", "holds", "stall", "unit", "speed", "inertia", "rotor", "stiffness", "step mm",
+        "joint",
+        "gravity",
+        "holds",
+        "stall",
+        "unit",
+        "speed",
+        "inertia",
+        "rotor",
+        "stiffness",
+        "step mm",
     ]);
     for freedom in &review.by_freedom {
         let servo = freedom.servo.as_ref();

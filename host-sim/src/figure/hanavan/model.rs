@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::Subject;
+use crate::figure::BODIES;
 use crate::figure::model::{BodyModelError, MassProperties};
 use crate::figure::placement::{self, Part, Placement, Skeleton, named};
-use crate::figure::BODIES;
 
 /// The solids laid on a skeleton.
 pub(in crate::figure) fn bodies(

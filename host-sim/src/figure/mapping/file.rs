@@ -143,7 +143,6 @@ impl TryFrom<SkeletonMap> for Mapping {
             let names = BODIES.map(|place| place.name).join(", ");
             return Err(format!("[body]: expected only {names}; found `{stranger}`"));
         }
-        let parts = parts.try_into().map_err(|_| "one part for each body".to_owned())?;
         Ok(Self { name, metres_per_unit, rate_hz, signature, parts })
     }
 }

@@ -13,8 +13,8 @@ use glam::{DQuat, DVec3};
 use sinew_mocap::skeleton_map::NoEnd;
 use sinew_mocap::{Clip, JointSample, Recording, Skeleton, forward_kinematics};
 
-use super::motion::FigureMotion;
 use super::BODIES;
+use super::motion::FigureMotion;
 
 pub use file::{Error, Mapping};
 

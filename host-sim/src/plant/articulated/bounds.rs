@@ -79,15 +79,21 @@ impl Bounds {
         let slide = |direction: f64| Mode::Slide(if friction > 0.0 { direction } else { 0.0 });
         let least = ROUNDING * (friction + scale.abs());
         // What friction gives at a speed.
-        let at = |speed: f64, towards: f64| if speed == 0.0 { towards * friction } else { -speed.signum() * friction };
+        let at = |speed: f64, towards: f64| {
+            if speed == 0.0 { towards * friction } else { -speed.signum() * friction }
+        };
         match mode {
             Mode::Slide(_) if speed < low => Mode::Low,
             Mode::Slide(_) if speed > high => Mode::High,
             Mode::Slide(direction) if direction * speed < 0.0 => Mode::Stick,
             Mode::Stick if effort > friction + least => slide(-1.0),
             Mode::Stick if effort < -friction - least => slide(1.0),
-            Mode::Low if effort < at(low, -1.0) - least => slide(if low < 0.0 { -1.0 } else { 1.0 }),
-            Mode::High if effort > at(high, 1.0) + least => slide(if high > 0.0 { 1.0 } else { -1.0 }),
+            Mode::Low if effort < at(low, -1.0) - least => {
+                slide(if low < 0.0 { -1.0 } else { 1.0 })
+            }
+            Mode::High if effort > at(high, 1.0) + least => {
+                slide(if high > 0.0 { 1.0 } else { -1.0 })
+            }
             kept => kept,
         }
     }

@@ -51,7 +51,8 @@ impl Tree {
         if !self.links.iter().any(|link| link.joint.as_ref().is_some_and(Joint::is_bounded)) {
             return;
         }
-        let ways: usize = self.links.iter().filter_map(|link| Some(link.joint.as_ref()?.count)).sum();
+        let ways: usize =
+            self.links.iter().filter_map(|link| Some(link.joint.as_ref()?.count)).sum();
         // All at once as often as helps, then one by one; it ends long before.
         for round in 0..10 + 4 * ways {
             if !self.agree(h, round < 10) {
@@ -352,14 +353,14 @@ pub(super) fn invert(m: &mut [[f64; WAYS]; WAYS], count: usize) {
     for pivot in 0..count {
         let factor = 1.0 / m[pivot][pivot];
         m[pivot][pivot] = 1.0;
-        for column in 0..count {
-            m[pivot][column] *= factor;
+        for slot in m[pivot].iter_mut().take(count) {
+            *slot *= factor;
         }
         let pivot_row = m[pivot];
         for row in (0..count).filter(|row| *row != pivot) {
             let factor = std::mem::take(&mut m[row][pivot]);
-            for column in 0..count {
-                m[row][column] -= factor * pivot_row[column];
+            for (slot, of_pivot) in m[row].iter_mut().zip(pivot_row).take(count) {
+                *slot -= factor * of_pivot;
             }
         }
     }

@@ -164,7 +164,8 @@ fn freedom<'a>(
         Some([_, most]) if ball => Some([-most, most]),
         given => given,
     };
-    let any = if review.slides { [-0.1, 0.1] } else { [-std::f64::consts::PI, std::f64::consts::PI] };
+    let any =
+        if review.slides { [-0.1, 0.1] } else { [-std::f64::consts::PI, std::f64::consts::PI] };
     FreedomData {
         body,
         axis,
@@ -184,7 +185,9 @@ fn kind(joint: Freedom) -> (&'static str, Vec<[f64; 3]>) {
         Freedom::Revolute(axis) => ("revolute", vec![axis.to_array()]),
         Freedom::Prismatic(axis) => ("prismatic", vec![axis.to_array()]),
         Freedom::Universal(axes) => ("universal", axes.map(|axis| axis.to_array()).to_vec()),
-        Freedom::Spherical => ("spherical", vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+        Freedom::Spherical => {
+            ("spherical", vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        }
         Freedom::Free => ("free", vec![]),
     }
 }

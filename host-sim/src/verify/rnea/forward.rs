@@ -4,9 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::{Case, State};
 use crate::figure::MassProperties;
-use crate::plant::{
-    ArticulatedPlant, Drive, Freedom, Link, Mechanism, MovingPose, Pose, link,
-};
+use crate::plant::{ArticulatedPlant, Drive, Freedom, Link, Mechanism, MovingPose, Pose, link};
 use crate::verify::figure::{Root, parent};
 use crate::verify::golden::largest;
 use crate::verify::tally::{Quantity, Tallies};
@@ -20,11 +18,8 @@ pub(super) fn check(
 ) -> Result<(), CaseError> {
     // A plant's root is free or bolted: one that turns about a point hangs on a bolted body.
     let hung = case.root == Root::Spherical;
-    let still = MovingPose {
-        pose: Pose::IDENTITY,
-        angular_rad_s: DVec3::ZERO,
-        linear_m_s: DVec3::ZERO,
-    };
+    let still =
+        MovingPose { pose: Pose::IDENTITY, angular_rad_s: DVec3::ZERO, linear_m_s: DVec3::ZERO };
     let (mut bodies, mut start, mut torque_nm) = (vec![], vec![], vec![]);
     if hung {
         bodies.push(bolted());

@@ -241,7 +241,8 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
         if matches!(kind, DriveKind::FourBar { .. }) {
             // Within the linkage's good range.
             let shaft = &mut servos[first];
-            (shaft.gear, shaft.offset_rad, shaft.range_rad) = (1.0, None, vec![[-57_f64, 57.0].map(f64::to_radians)]);
+            (shaft.gear, shaft.offset_rad, shaft.range_rad) =
+                (1.0, None, vec![[-57_f64, 57.0].map(f64::to_radians)]);
         }
         let names = servos[first..].iter().map(|servo: &Servo| servo.name.clone()).collect();
         drives.push(Drive { joints: vec![joint.name.clone()], servos: names, kind });
@@ -252,7 +253,11 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
 /// Far from singular: each freedom has a servo of its own, which the others only join.
 fn rows(r: &mut Random, freedoms: usize, servos: usize) -> Vec<Vec<f64>> {
     let entry = |r: &mut Random, own: bool| {
-        if own { (500 + r.below(1001)) as f64 / 1000.0 } else { (r.below(201) as f64 - 100.0) / 1000.0 }
+        if own {
+            (500 + r.below(1001)) as f64 / 1000.0
+        } else {
+            (r.below(201) as f64 - 100.0) / 1000.0
+        }
     };
     (0..freedoms).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
 }

@@ -61,10 +61,11 @@ fn joints_of_all_kinds_accelerate_as_the_core_says() {
             let to_body = state.pose.rotation.conjugate();
             let spin = to_body * (state.angular_rad_s - parent.angular_rad_s);
             let arm_m = state.pose.position_m - parent.pose.position_m;
-            let slide =
-                to_body * (state.linear_m_s - parent.linear_m_s - parent.angular_rad_s.cross(arm_m));
+            let slide = to_body
+                * (state.linear_m_s - parent.linear_m_s - parent.angular_rad_s.cross(arm_m));
             let pose = parent.pose.inside(&state.pose);
-            let pose = Transform::new(pose.rotation.as_quat().normalize(), pose.position_m.as_vec3());
+            let pose =
+                Transform::new(pose.rotation.as_quat().normalize(), pose.position_m.as_vec3());
             let velocity = Twist::new(spin.as_vec3(), slide.as_vec3());
             let of_drive = [drive.torque_nm[index], drive.force_n[index]];
             let [torque, force] = of_drive.map(|of_drive| (to_body * of_drive).as_vec3());
@@ -79,8 +80,10 @@ fn joints_of_all_kinds_accelerate_as_the_core_says() {
         let bodies = tree.bodies();
         forward_dynamics(bodies, &states, &drives, gravity, &[], &mut workspace, &mut expected);
 
-        let largest =
-            expected.iter().map(|twist| twist.angular.length() + twist.linear.length()).fold(0.0, f32::max);
+        let largest = expected
+            .iter()
+            .map(|twist| twist.angular.length() + twist.linear.length())
+            .fold(0.0, f32::max);
         for (index, (expected, (.., turning))) in expected.iter().zip(&joints).enumerate() {
             let angular = (got.joints_rad_s2[index] - expected.angular.as_dvec3()).length();
             // The core's are derivatives of components in axes that turn with the body.
@@ -95,7 +98,10 @@ fn joints_of_all_kinds_accelerate_as_the_core_says() {
             // Rounding of f32 over trees with bodies of 0.5 kg that carry 30: a part in 1e4.
             let limit = 1e-4 * f64::from(largest);
             let kind = mechanism.bodies[index].joint;
-            assert!(angular < limit && linear < limit, "{seed} {index} {kind:?}: {angular} {linear}");
+            assert!(
+                angular < limit && linear < limit,
+                "{seed} {index} {kind:?}: {angular} {linear}"
+            );
         }
     }
 }
@@ -188,7 +194,8 @@ fn a_ball_joint_ends_at_its_angle() {
     let mut mechanism = pendulum(Freedom::Spherical);
     mechanism.bodies[1].ranges = vec![[0.0, 0.5]];
     let mut plant = let_go(&mechanism, 0.1);
-    let drive = Drive { torque_nm: vec![DVec3::ZERO, DVec3::new(30.0, 5.0, 20.0)], ..Drive::none(2) };
+    let drive =
+        Drive { torque_nm: vec![DVec3::ZERO, DVec3::new(30.0, 5.0, 20.0)], ..Drive::none(2) };
     for _ in 0..3000 {
         plant.step(&drive);
         let angle = plant.poses()[1].rotation.angle_between(DQuat::IDENTITY);
@@ -208,7 +215,7 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
         plant.step(&about_z(0.999 * friction));
     }
     // It sticks: no creep at all.
-    assert_eq!(swing(&plant), [0.0; 2]);
+    assert!(swing(&plant).iter().all(|x| x.abs() <= 0.0));
     for _ in 0..100 {
         plant.step(&about_z(2.0 * friction));
     }
@@ -220,7 +227,7 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
         let left = (speed * (1.0 - f64::from(step) / 100.0)).max(0.0);
         assert!((swing(&plant)[1] - left).abs() < 1e-9, "{step}");
     }
-    assert_eq!(swing(&plant)[1], 0.0);
+    assert!(swing(&plant)[1].abs() <= 0.0);
 }
 
 #[test]
@@ -264,9 +271,19 @@ fn everything_that_holds_joints_agrees_with_how_they_move() {
             plant.step(&drive);
             plant.tree.accelerate(H);
             assert!(!plant.tree.agree(H, true), "{seed} {step}");
-            held += plant.tree.links.iter().filter_map(|link| link.joint.as_ref()).map(|joint| {
-                joint.modes.iter().filter(|mode| !matches!(mode, bounds::Mode::Slide(_))).count()
-            }).sum::<usize>();
+            held += plant
+                .tree
+                .links
+                .iter()
+                .filter_map(|link| link.joint.as_ref())
+                .map(|joint| {
+                    joint
+                        .modes
+                        .iter()
+                        .filter(|mode| !matches!(mode, bounds::Mode::Slide(_)))
+                        .count()
+                })
+                .sum::<usize>();
         }
         assert!(held > 500, "{held}: something was held in every step");
         let fastest = plant.motions().iter().map(|m| m.angular_rad_s.length()).fold(0.0, f64::max);
@@ -282,6 +299,7 @@ fn inertia_is_inverted() {
         row[..3].copy_from_slice(&values);
     }
     dynamics::invert(&mut matrix, 3);
-    let inverse = DMat3::from_cols_array_2d(&[0, 1, 2].map(|row| [0, 1, 2].map(|c| matrix[row][c])));
+    let inverse =
+        DMat3::from_cols_array_2d(&[0, 1, 2].map(|row| [0, 1, 2].map(|c| matrix[row][c])));
     assert!((inverse * given).abs_diff_eq(DMat3::IDENTITY, 1e-14));
 }

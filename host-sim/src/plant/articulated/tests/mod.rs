@@ -77,8 +77,8 @@ fn momentum(mechanism: &Mechanism, plant: &ArticulatedPlant) -> [DVec3; 2] {
         let linear = body.mass_kg * velocity;
         let spin = to_world.conjugate() * motion.angular_rad_s;
         sum[0] += linear;
-        sum[1] += (motion.pose.position_m + arm).cross(linear)
-            + to_world * (body.inertia_kg_m2 * spin);
+        sum[1] +=
+            (motion.pose.position_m + arm).cross(linear) + to_world * (body.inertia_kg_m2 * spin);
     }
     sum
 }
