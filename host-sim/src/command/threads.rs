@@ -4,6 +4,9 @@ use std::num::NonZeroUsize;
 
 use anyhow::Context as _;
 
+/// Stack of a thread: an evaluation builds a tracker of some 0.5 MB on it.
+const STACK_BYTES: usize = 16 << 20;
+
 /// The option of the number of threads.
 #[derive(Debug, clap::Args)]
 pub struct ThreadArgs {
@@ -27,6 +30,7 @@ impl ThreadArgs {
     ) -> anyhow::Result<T> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.map_or(0, NonZeroUsize::get))
+            .stack_size(STACK_BYTES)
             .build()
             .context("the threads could not be started")?;
         pool.install(work)

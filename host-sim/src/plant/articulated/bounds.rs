@@ -48,10 +48,11 @@ impl Mode {
 }
 
 impl Bounds {
-    /// Those of a way at a coordinate in its range, for a step of `h` seconds.
-    pub(super) fn new(range: [f64; 2], at: f64, friction: f64, h: f64) -> Self {
+    /// Those of a way at a coordinate in its range, for a step of `h` seconds. `back`: the speed at which it may be
+    /// brought back if it is beyond an end.
+    pub(super) fn new(range: [f64; 2], at: f64, friction: f64, h: f64, back: f64) -> Self {
         let [low, high] = range.map(|end| (end - at) / h);
-        Self { ends: [low.min(0.0), high.max(0.0)], friction }
+        Self { ends: [low.min(back), high.max(-back)], friction }
     }
 
     /// Effort of the friction on a way, if it slides.

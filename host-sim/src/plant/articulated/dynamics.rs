@@ -233,7 +233,8 @@ impl Link {
         self.articulated.angular = angular + angular_bias_rad_s2 + own.angular;
         self.articulated.linear = linear + linear_bias_m_s2 + own.linear;
         let to_body = self.world.axes.transpose();
-        self.spin_rate_rad_s2 = to_body * own.angular;
+        // The derivative of components: that of the axes as well.
+        self.spin_rate_rad_s2 = to_body * (own.angular + joint.bias_rad_s2());
         self.slide_rate_m_s2 = to_body * own.linear;
     }
 

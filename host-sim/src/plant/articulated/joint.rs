@@ -145,7 +145,11 @@ impl Joint {
 
     /// What may hold a way, for a step of `h` seconds.
     pub(super) fn bounds(&self, way: usize, in_parent: &Pose, h: f64) -> Bounds {
+        // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in the
+        // step; they would add up.
+        const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
+        let back = if self.kind == Freedom::Spherical { BACK_RAD_S } else { 0.0 };
         let (range, at) = match self.kind {
             Freedom::Spherical if way == 0 => {
                 ([f64::NEG_INFINITY, self.ranges[0][1]], self.swing(in_parent).1)
@@ -155,7 +159,7 @@ impl Joint {
             }
             _ => (none, 0.0),
         };
-        Bounds::new(range, at, self.friction, h)
+        Bounds::new(range, at, self.friction, h, back)
     }
 
     /// Updates the ways, with the body's parent and the body in the world.

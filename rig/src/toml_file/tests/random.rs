@@ -253,11 +253,7 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
 /// Far from singular: each freedom has a servo of its own, which the others only join.
 fn rows(r: &mut Random, freedoms: usize, servos: usize) -> Vec<Vec<f64>> {
     let entry = |r: &mut Random, own: bool| {
-        if own {
-            (500 + r.below(1001)) as f64 / 1000.0
-        } else {
-            (r.below(201) as f64 - 100.0) / 1000.0
-        }
+        if own { (500 + r.below(1001)) as f64 / 1000.0 } else { (1 + r.below(100)) as f64 / 1000.0 }
     };
     (0..freedoms).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
 }
