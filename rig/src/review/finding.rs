@@ -28,8 +28,8 @@ pub struct Finding {
     pub text: String,
 }
 
-/// A limit so far above the load is no limit: a placeholder of the file.
-const PLACEHOLDER: f64 = 100.0;
+/// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
+const PLACEHOLDER: f64 = 10.0;
 
 /// A body lighter than this does not exist: 1 mg.
 const LIGHTEST_KG: f64 = 1e-6;
@@ -45,8 +45,9 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
     let mut add = |severity, about: String, text: String| {
         found.push(Finding { severity, about, text });
     };
+    let lift_nm = review.mass_kg * 9.81 * super::reach_m(mechanism, 0);
     for freedom in &review.by_freedom {
-        for (severity, text) in of_freedom(freedom) {
+        for (severity, text) in of_freedom(freedom, lift_nm) {
             add(severity, format!("joint {}", freedom.name), text);
         }
     }
@@ -61,7 +62,8 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
     found
 }
 
-fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
+/// `lift_nm`: what would lift the whole rig at its full reach.
+fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> {
     let mut found = Vec::new();
     let unit = if freedom.slides { "N" } else { "N m" };
     let asked = freedom.gravity_effort;
@@ -71,7 +73,7 @@ fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
             found.push((
                 Severity::Fault,
                 format!(
-                    "gravity asks for {asked:.3} {unit} in the worst pose, {names} gives {:.3} {unit} at stall: it \
+                    "gravity asks for {asked:.3} {unit} in the worst pose, its servo {names} gives {:.3} {unit} at stall: it \
                      falls; take a stronger servo, a gear, or a spring",
                     servo.stall
                 ),
@@ -80,7 +82,7 @@ fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
             found.push((
                 Severity::Warning,
                 format!(
-                    "gravity asks for {asked:.3} {unit} in the worst pose, {names} holds {:.3} {unit} for long: it \
+                    "gravity asks for {asked:.3} {unit} in the worst pose, its servo {names} holds {:.3} {unit} for long: it \
                      overheats if it rests there",
                     servo.continuous
                 ),
@@ -92,7 +94,7 @@ fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
             found.push((
                 Severity::Warning,
                 format!(
-                    "the limit of speed is {speed:.2}, but {names} reaches {:.2} without load",
+                    "the limit of speed is {speed:.2}, but its servo {names} reaches {:.2} without load",
                     servo.no_load_speed
                 ),
             ));
@@ -103,12 +105,12 @@ fn of_freedom(freedom: &FreedomReview) -> Vec<(Severity, String)> {
                 Severity::Fault,
                 format!("gravity asks for {asked:.3} {unit} in the worst pose, its limit is {limit:.3} {unit}"),
             ));
-        } else if asked > 0.0 && limit > PLACEHOLDER * asked {
+        } else if !freedom.slides && lift_nm > 0.0 && limit > PLACEHOLDER * lift_nm {
             found.push((
                 Severity::Note,
                 format!(
-                    "its limit of {limit} {unit} is {:.0} times what gravity asks for: a placeholder of the file?",
-                    limit / asked
+                    "its limit of {limit} {unit} is {:.0} times what would lift the whole rig: a placeholder of the file?",
+                    limit / lift_nm
                 ),
             ));
         }
@@ -208,7 +210,7 @@ fn of_servos(
         add(
             Severity::Note,
             "servos".to_owned(),
-            "some values of their kinds are guesses; `sinew rig servos` names them".to_owned(),
+            "some values of their kinds are guesses; docs/servos.md marks them".to_owned(),
         );
     }
     match current.supply_a {

@@ -78,11 +78,11 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
                             aria-label="The rig. Arrow keys turn the view, plus and minus zoom." {}
                         p class="hint" { "Drag or arrow keys: turn the view. Wheel or + and −: zoom." }
                         div class="buttons" {
-                            button id="play" type="button" aria-pressed="false" { "Move the joints" }
+                            button id="move" type="button" aria-pressed="false" { "Move the joints" }
                             button id="home" type="button" { "Home pose" }
                             button id="zero" type="button" { "Zero pose" }
                         }
-                        p class="key" {
+                        p class="legend-of-loads" {
                             span class="swatch low" {} " light "
                             span class="swatch mid" {} " half of what it holds "
                             span class="swatch high" {} " more than it holds for long"

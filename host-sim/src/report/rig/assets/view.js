@@ -2,7 +2,7 @@
   const canvas = document.getElementById("stage");
   const context = canvas.getContext("2d");
   const list = document.getElementById("sliders");
-  const play = document.getElementById("play");
+  const play = document.getElementById("move");
   const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
   // ---- What is where at home: the camera looks at its middle ----
@@ -35,7 +35,11 @@
     const [r, g, b] = s < 0.5 ? mix(LOW, MID, s / 0.5) : mix(MID, HIGH, Math.min((s - 0.5) / 0.5, 1));
     return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
   };
-  const number = (x) => Math.abs(x) >= 100 ? x.toFixed(0) : Math.abs(x) >= 1 ? x.toFixed(2) : x.toFixed(3);
+  const number = (signed) => {
+    // No zero below zero.
+    const x = Math.abs(signed) < 0.0005 ? 0 : signed;
+    return Math.abs(x) >= 100 ? x.toFixed(0) : Math.abs(x) >= 1 ? x.toFixed(2) : x.toFixed(3);
+  };
   const degrees = (x) => (x * 180 / Math.PI).toFixed(1) + "°";
   const shown = (freedom, x) => freedom.slides ? (x * 1000).toFixed(1) + " mm" : degrees(x);
 
