@@ -33,5 +33,13 @@ pub(crate) fn run() -> Result<()> {
             "sinew-core",
             "--all-features",
         ]),
+    )?;
+    step::run(
+        "the board's part of a rig, for Arm",
+        arm::toolchain()?.cargo_for(arm::TARGET, "check").args([
+            "--package",
+            "sinew-rig",
+            "--no-default-features",
+        ]),
     )
 }

@@ -189,7 +189,7 @@ impl<const N: usize> JointStates<N> {
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
     /// # let (parent, placement) = (None, Transform::IDENTITY);
     /// # let joint = JointKind::Revolute { axis: Vec3::X };
-    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default() };
+    /// # let knee = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[knee])?;
     /// let mut measured = JointStates::rest(&tree);
     /// measured.set_coordinates_at_rest(&tree, &[3.1])?;
