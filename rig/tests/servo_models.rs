@@ -110,10 +110,10 @@ fn the_page_of_servos_is_what_the_files_say() {
 fn page() -> String {
     let models = models();
     let mut page = "# Servos\n\n\
-        These kinds of servo are built in: write their name as the `model` of a `[[servo]]` of your rig. A kind that \
+        These kinds of servo are built in: write their name as the `model` of a `[[servo]]` of your rig. A kind that\n\
         is not here goes into the rig's own `[[servo_model]]`, with the same keys and a source for every value.\n\n\
-        Values are at the output shaft, at the voltage in the first row. A question mark is a guess: nobody has \
-        measured or stated it. Measure your own before you rely on it. A servo's own position counts from the middle \
+        Values are at the output shaft, at the voltage in the first row. A question mark is a guess: nobody has\n\
+        measured or stated it. Measure your own before you rely on it. A servo's own position counts from the middle\n\
         of its range.\n\n"
         .to_owned();
     let mut line = |cells: Vec<String>| writeln!(page, "| {} |", cells.join(" | ")).unwrap();
@@ -128,7 +128,7 @@ fn page() -> String {
         line([what.to_owned(), unit.to_owned()].into_iter().chain(numbers).collect());
     }
     page += "\n## Sources\n\n\
-        ROBOTIS e-manual: emanual.robotis.com. Rhoban/bam, hshi74/toddlerbot, Open_Duck_Playground: repositories of \
+        ROBOTIS e-manual: emanual.robotis.com. Rhoban/bam, hshi74/toddlerbot, Open_Duck_Playground: repositories of\n\
         identified models, at the named commits.\n";
     for model in &models {
         writeln!(page, "\n### {}\n\n| value | source |\n| --- | --- |", model.name).unwrap();

@@ -42,8 +42,8 @@ pub use settings::{
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
 ///
-/// `D`: one more than the longest latency in ticks. `R`: `N` for resolved acceleration, else 0. All memory is in here: put
-/// it in a static.
+/// `D`: one more than the longest latency in ticks. `R`: `N` for resolved acceleration, else 0. All memory is in here:
+/// put it in a static.
 ///
 /// ```
 /// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
@@ -199,8 +199,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(self)
     }
 
-    /// Begins as a new tracker would, with tick `index`: takes the frames that lead to those of the tick, and a reading of
-    /// one tick before it. If the reading has no speeds, it counts as that of a rig at rest.
+    /// Begins as a new tracker would, with tick `index`: takes the frames that lead to those of the tick, and a
+    /// reading of one tick before it. If the reading has no speeds, it counts as that of a rig at rest.
     ///
     /// The first tick of all does this itself, from its own reading. It takes as long as some twenty ticks where the
     /// projection has to find its first pose.
@@ -218,11 +218,11 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         self.estimate.begin(tree, measured.into()).map_err(StepError::Measured)
     }
 
-    /// Begins another performance with tick `index` while the rig moves: takes the frames that lead to those of the tick,
-    /// and leaves what is known of the rig. The source may be of another kind than the one before.
+    /// Begins another performance with tick `index` while the rig moves: takes the frames that lead to those of the
+    /// tick, and leaves what is known of the rig. The source may be of another kind than the one before.
     ///
-    /// It takes as long as [`Self::begin`]. If ticks are left out meanwhile, [`Self::skip`] them. Targets jump to the new
-    /// performance: where they must not, let the source lead over.
+    /// It takes as long as [`Self::begin`]. If ticks are left out meanwhile, [`Self::skip`] them. Targets jump to the
+    /// new performance: where they must not, let the source lead over.
     ///
     /// # Errors
     /// [`StepError::Frame`] if a frame is refused: begin again.

@@ -202,8 +202,8 @@ impl<B: Default + Clone> Settings<B> {
     /// The same with the method [`MethodName::Recommended`] spelled out for a rig that acts once in `dt_s` seconds: the
     /// settings that it stands for. Gains and the projection's weights stay.
     ///
-    /// A tracker of settings that are spelled out does not check its [`Timing`]: for simulations of drives that come too
-    /// late.
+    /// A tracker of settings that are spelled out does not check its [`Timing`]: for simulations of drives that come
+    /// too late.
     #[must_use]
     pub fn effective(self, dt_s: f32) -> Self {
         let recommended = self.method == MethodName::Recommended;
@@ -234,8 +234,8 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// The same with another method, for a comparison of several: [`MethodName::Recommended`] gets its own differences and
-    /// observer, whatever the others have.
+    /// The same with another method, for a comparison of several: [`MethodName::Recommended`] gets its own differences
+    /// and observer, whatever the others have.
     #[must_use]
     pub fn with_method(self, method: MethodName) -> Self {
         let of_method = Self { method, ..self };

@@ -256,8 +256,8 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
     }
 }
 
-/// The joint of a body as the engine has it: ranges are its limits, and friction its motor, which tries to keep still with
-/// a bounded force or one in proportion to the speed.
+/// The joint of a body as the engine has it: ranges are its limits, and friction its motor, which tries to keep still
+/// with a bounded force or one in proportion to the speed.
 fn engine_joint(body: &Given) -> Option<GenericJoint> {
     let at = vector(body.position_m);
     let (axis, locked, free) = match body.joint {

@@ -94,7 +94,8 @@ fn coordinate_names(mechanism: &Mechanism) -> Vec<String> {
     mechanism.bodies.iter().flat_map(of_link).collect()
 }
 
-/// Efforts of every row of a CSV: columns `q.NAME`, `qd.NAME`, `qdd.NAME` in any order, SI, the base at rest; to columns
+/// Efforts of every row of a CSV: columns `q.NAME`, `qd.NAME`, `qdd.NAME` in any order, SI, the base at rest; to
+/// columns
 /// `tau.NAME` with nine digits. A table without any column of `qd`, or of `qdd`, is one of rigs at rest, or moving
 /// steadily.
 ///

@@ -1,4 +1,5 @@
-//! What a rig's numbers come to: loads, speeds, inertias, stable gains, resolution, current; and what of it is doubtful.
+//! What a rig's numbers come to: loads, speeds, inertias, stable gains, resolution, current; and what of it is
+//! doubtful.
 //!
 //! Collisions are out of scope.
 

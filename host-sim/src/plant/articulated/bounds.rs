@@ -5,12 +5,13 @@
 //!
 //! - friction holds a way at `v = 0` as long as that takes no more than the friction, and brakes with all of it
 //!   otherwise;
-//! - an end of the range lets a way come to it within the step and no farther: an inelastic stop. Its effort only pushes
-//!   back. A way that starts beyond may not go on, and is not thrown back.
+//! - an end of the range lets a way come to it within the step and no farther: an inelastic stop. Its effort only
+//!   pushes back. A way that starts beyond may not go on, and is not thrown back.
 //!
-//! With the mechanism between them, this is a linear complementarity problem with a positive definite matrix: it has one
-//! solution. The modes of all ways are guessed, a pass of forward dynamics tells what holds them and how fast they
-//! are, and what does not agree is guessed again. If that does not end, one at a time (Murty's least index), which does.
+//! With the mechanism between them, this is a linear complementarity problem with a positive definite matrix: it has
+//! one solution. The modes of all ways are guessed, a pass of forward dynamics tells what holds them and how fast they
+//! are, and what does not agree is guessed again. If that does not end, one at a time (Murty's least index), which
+//! does.
 
 /// What a way does in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -145,8 +145,8 @@ impl Joint {
 
     /// What may hold a way, for a step of `h` seconds.
     pub(super) fn bounds(&self, way: usize, in_parent: &Pose, h: f64) -> Bounds {
-        // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in the
-        // step; they would add up.
+        // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in
+        // the step; they would add up.
         const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
         let back = if self.kind == Freedom::Spherical { BACK_RAD_S } else { 0.0 };

@@ -17,8 +17,8 @@ use tree::Tree;
 /// A mechanism in reduced coordinates: a position and a velocity for each way that a joint leaves free.
 ///
 /// Takes any tree of joints, with what their rotors add to their inertia, viscous and Coulomb friction, and ranges.
-/// Viscous friction is implicit, Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three
-/// are stable at any step.
+/// Viscous friction is implicit, Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All
+/// three are stable at any step.
 ///
 /// Each substep is one of semi-implicit Euler, the velocities first. The torques are held over the substeps
 /// in the axes of the bodies that they act on, as motors do, the root's force in the root's.
@@ -45,7 +45,8 @@ pub struct Accelerations {
 impl ArticulatedPlant {
     /// Builds the mechanism in the given state, one of `start` per body.
     ///
-    /// The joints take their positions and velocities along what they leave free from it. A bolted root has no velocity.
+    /// The joints take their positions and velocities along what they leave free from it. A bolted root has no
+    /// velocity.
     ///
     /// # Errors
     /// [`PlantError`] if this is no tree with a state for each body, or a number is one that no machine has.

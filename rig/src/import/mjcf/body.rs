@@ -160,7 +160,8 @@ fn read_body<'a, 'd>(
     inside(parts.bodies, Some(&name), shift_m, model, notes)
 }
 
-/// The bodies inside another, but those that the user leaves out. `shift_m`: the origin of the rig's body in the file's.
+/// The bodies inside another, but those that the user leaves out. `shift_m`: the origin of the rig's body in the
+/// file's.
 fn inside<'a, 'd>(
     bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
     parent: Option<&str>,
