@@ -64,7 +64,9 @@ impl SetupArgs {
             }
             insert(&mut setup, key.trim(), parse(value))
                 .with_context(|| format!("--set {assignment}"))?;
-            Setup::from_table(setup.clone()).with_context(|| format!("--set {assignment}"))?;
+            Setup::from_table(setup.clone())
+                .and_then(|setup| setup.check_figure())
+                .with_context(|| format!("--set {assignment}"))?;
         }
         let mut setup = Setup::from_table(setup)?;
         setup.check_figure()?;
