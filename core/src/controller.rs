@@ -23,6 +23,9 @@ use crate::state_error::{
 use crate::transform::{Twist, Wrench};
 use crate::tree::{Body, Tree};
 
+/// Acceleration of gravity where no other is set, m/s², world axes: y is up.
+pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
 /// A tracking controller for one rig.
 ///
 /// It holds what does not change from tick to tick; everything else is an argument or lives in the
@@ -96,9 +99,8 @@ impl<const N: usize> Controller<N> {
         }
         let gains = fixed::collect(tree.bodies().iter().map(|_| gains));
         let limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
-        let gravity_m_s2 = Vec3::new(0.0, -9.81, 0.0);
         let (law, inertias) = (ControlLaw::default(), Vec::new());
-        Ok(Self { tree, gains, method, law, gravity_m_s2, limits, inertias })
+        Ok(Self { tree, gains, method, law, gravity_m_s2: GRAVITY_M_S2, limits, inertias })
     }
 
     /// The same controller with another control law.

@@ -175,7 +175,7 @@ mod transform;
 mod tree;
 
 pub use body_set::BodySet;
-pub use controller::{Controller, ControllerError, Workspace};
+pub use controller::{Controller, ControllerError, GRAVITY_M_S2, Workspace};
 pub use coordinates::JointCoordinatesError;
 pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};

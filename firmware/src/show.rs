@@ -222,7 +222,8 @@ const fn frame_len(bodies: usize) -> usize {
 }
 
 /// Writes a show, piece by piece, to `sink`. Each frame has one pose per body; the translations of all
-/// but the root are taken from the first frame, as the performer's offsets.
+/// but the root are taken from the first frame, as the performer's offsets. Rotor inertias are not kept: those of the
+/// figure, whose shows these are, are zero.
 ///
 /// # Errors
 /// What `sink` returns.

@@ -1,8 +1,14 @@
-//! Numbers as people read them.
+//! Numbers as people read them, and as boards have them.
 
 /// Digits that are kept. Rounding errors of a conversion stand in the last four of the 16 that an f64 has; f32, which
 /// takes the numbers in the end, has 7.
 const DIGITS: u8 = 12;
+
+/// A number of a description as a board has it. What is too large becomes infinite, and is refused where it counts.
+#[expect(clippy::cast_possible_truncation, reason = "to f32 is what it is for")]
+pub(crate) fn single(number: f64) -> f32 {
+    number as f32
+}
 
 /// The number of [`DIGITS`] significant digits that is nearest.
 pub(crate) fn rounded(number: f64) -> f64 {

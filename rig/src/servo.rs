@@ -48,6 +48,15 @@ pub struct ServoSettings {
     pub on_signal_loss: SignalLoss,
 }
 
+/// Where a servo is on its bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Address {
+    /// Id of a bus servo, 0 to 252.
+    Id(u8),
+    /// Channel of a PWM driver, 0 to 15.
+    Channel(u8),
+}
+
 /// What a servo does when commands stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SignalLoss {

@@ -94,7 +94,7 @@ fn largest_error(golden: &Value) -> f64 {
         let ours: Vec<f32> = links.map(|link| link.rotor_inertia as f32).collect();
         assert_eq!(ours, rotors, "{file}: armature");
     }
-    // URDF has no word for a rotor.
+    // A URDF cannot hold rotor inertias: those of the golden file are set.
     let moved = mechanism.bodies.iter_mut().filter(|link| link.parent.is_some());
     for (link, rotor) in moved.zip(&rotors) {
         link.rotor_inertia = f64::from(*rotor);

@@ -3,8 +3,11 @@
 
 #![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
 
+mod common;
+
+use common::assert_noted;
 use sinew_rig::description::JointType;
-use sinew_rig::import::{ImportError, Imported, NoteKind, Options, mjcf, urdf};
+use sinew_rig::import::{Imported, NoteKind, Options, mjcf, urdf};
 
 /// A model with these sections before and behind its bodies.
 fn model(before: &str, bodies: &str, behind: &str) -> String {
@@ -26,27 +29,9 @@ fn read(text: &str) -> Imported {
     mjcf(text, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn refused(text: &str) -> ImportError {
-    mjcf(text, &Options::default()).expect_err("refused")
-}
-
 #[track_caller]
 fn assert_refused(text: &str, item: &str, expected: &str, found: &str) {
-    let error = refused(text);
-    assert_eq!(error.item, item, "{error}");
-    assert!(error.expected.contains(expected), "{error}");
-    assert!(error.found.contains(found), "{error}");
-}
-
-#[track_caller]
-fn assert_noted(imported: &Imported, kind: NoteKind, words: &str) {
-    let told: Vec<String> = imported.notes.iter().map(ToString::to_string).collect();
-    let found = imported
-        .notes
-        .iter()
-        .zip(&told)
-        .any(|(note, told)| note.kind == kind && told.contains(words));
-    assert!(found, "no {kind} with `{words}`: {told:#?}");
+    common::assert_refused(mjcf(text, &Options::default()), item, expected, found);
 }
 
 #[test]

@@ -2,6 +2,9 @@
 
 #![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
 
+mod common;
+
+use common::assert_noted;
 use sinew_rig::description::{InertiaMatrix, JointType};
 use sinew_rig::import::{ImportError, Imported, NoteKind, Options, urdf};
 
@@ -45,21 +48,7 @@ fn refused(text: &str) -> ImportError {
 
 #[track_caller]
 fn assert_refused(text: &str, item: &str, expected: &str, found: &str) {
-    let error = refused(text);
-    assert_eq!(error.item, item, "{error}");
-    assert!(error.expected.contains(expected), "{error}");
-    assert!(error.found.contains(found), "{error}");
-}
-
-#[track_caller]
-fn assert_noted(imported: &Imported, kind: NoteKind, words: &str) {
-    let told: Vec<String> = imported.notes.iter().map(ToString::to_string).collect();
-    let found = imported
-        .notes
-        .iter()
-        .zip(&told)
-        .any(|(note, told)| note.kind == kind && told.contains(words));
-    assert!(found, "no {kind} with `{words}`: {told:#?}");
+    common::assert_refused(urdf(text, &Options::default()), item, expected, found);
 }
 
 fn close(a: &[f64], b: &[f64]) -> bool {

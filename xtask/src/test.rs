@@ -49,10 +49,10 @@ pub(crate) fn run() -> Result<()> {
         step::run("bit parity", parity::test().envs(machines))?;
         let mut report = step::cargo();
         report
-            .args(["test", "--locked", "--workspace", "--test", "report_browser"])
+            .args(["test", "--locked", "--workspace", "--test", "browser"])
             .args(["--", "--ignored"])
             .env("SINEW_CHROMIUM", browser);
-        step::run("the report in a browser", &mut report)
+        step::run("pages in a browser", &mut report)
     }
 }
 

@@ -14,6 +14,7 @@ mod estimate;
 mod frames;
 mod names;
 mod settings;
+mod timing;
 
 use crate::body_weight::BodyWeight;
 use crate::control::{Limited, TorqueLimit};
@@ -36,9 +37,9 @@ pub use names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
 pub use settings::{
-    BANDWIDTH_RAD_S, LATE_MOST_S, ObserverChoice, ProjectionSettings, ROTATION_M, ResolvedSettings,
-    Settings, Timing,
+    BANDWIDTH_RAD_S, ObserverChoice, ProjectionSettings, ROTATION_M, ResolvedSettings, Settings,
 };
+pub use timing::{LATE_MOST_S, Timing};
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
 ///
@@ -46,7 +47,7 @@ pub use settings::{
 /// put it in a static.
 ///
 /// ```
-/// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
+/// use sinew_core::tracker::{Frame, FrameSource, Settings, Tracker};
 /// use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 /// use sinew_core::{glam::Vec3, math};
 /// let head = Body {

@@ -7,7 +7,6 @@ use crate::dynamics::{OuterJoints, reflected_inertia};
 use crate::importance::{RestPose, descendants_length};
 use crate::joint_states::JointStates;
 use crate::observer::ObserverSettings;
-use crate::pose_step::rate;
 use crate::projection::{DEFAULT_SWEEPS, ManifoldProjection, ProjectionError};
 use crate::state_error::{Aims, Compensation, Method, RateTerm, References};
 use crate::tree::Tree;
@@ -22,10 +21,6 @@ pub const ROTATION_M: f32 = 0.5;
 
 /// Bandwidth of the recommended observer, where a tick is not longer than one over it.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
-
-/// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended
-/// setting: beyond it, every simulated rig with masses off by 15 % and sensors of 12 bits was lost.
-pub const LATE_MOST_S: f32 = 0.010;
 
 /// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.
 const IMPORTANCE_BASE_M: f32 = 0.1;
@@ -178,17 +173,6 @@ impl Default for ResolvedSettings {
     fn default() -> Self {
         Self { position: 0.0, rotation_m: 1.0 }
     }
-}
-
-/// When a tracker acts: its period, and how late its torques are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Timing {
-    /// Time from one tick, and from one frame, to the next, in s: a finite number from 1e-9.
-    pub dt_s: f32,
-    /// Ticks from a measurement to the tick that its torque acts in, beyond the tick itself. Looked ahead over with
-    /// [`ObserverChoice::predict`].
-    pub latency_ticks: usize,
 }
 
 impl<B: Default + Clone> Settings<B> {
@@ -478,34 +462,5 @@ impl ResolvedSettings {
         let weights = [BodyWeight::new(self.position, self.rotation_m); N];
         let weights = weights.get(..tree.len()).unwrap_or_default();
         Ok(BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?)
-    }
-}
-
-impl Timing {
-    /// Refuses a period that is no time.
-    pub(super) fn check(self) -> Result<(), SettingError> {
-        let Self { dt_s, .. } = self;
-        if rate(dt_s).is_err() {
-            let expected = "a finite number of seconds from 1e-9";
-            return Err(SettingError::Value { key: "dt_s", expected, value: dt_s });
-        }
-        Ok(())
-    }
-
-    /// Refuses a timing at which simulated rigs with the recommended setting were lost: a torque that ends more than
-    /// [`LATE_MOST_S`] after its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
-    ///
-    /// [`Tracker::new`](super::Tracker::new) checks this of the method [`MethodName::Recommended`].
-    ///
-    /// # Errors
-    /// [`TrackerError::TooLate`].
-    pub fn check_recommended(self) -> Result<(), TrackerError> {
-        let ticks = u16::try_from(self.latency_ticks).unwrap_or(u16::MAX);
-        // A thousandth takes up the rounding of the period. Written so that NaN fails.
-        if (f32::from(ticks) + 1.0) * self.dt_s <= LATE_MOST_S * 1.001 {
-            Ok(())
-        } else {
-            Err(TrackerError::TooLate)
-        }
     }
 }

@@ -11,7 +11,7 @@ use sinew_core::{Transform, Wrench, math};
 use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 
 use super::controller::narrow;
-use crate::plant::{Pose, coordinates, pose_at};
+use crate::plant::Pose;
 use crate::random::{Random, Subject};
 
 /// The most steps that a torque can come late.
@@ -198,9 +198,11 @@ fn in_steps(link: &Link, rotation: Quat, step_rad: f32) -> Quat {
             let step_rad = f64::from(step_rad);
             let in_joint = link.rotation.conjugate() * rotation.as_dquat();
             let in_joint = Pose { rotation: in_joint, position_m: DVec3::ZERO };
-            let angles_rad = coordinates(link.joint, &in_joint)
+            let angles_rad = link
+                .joint
+                .along(&in_joint)
                 .map(|angle_rad| (angle_rad / step_rad).round_ties_even() * step_rad);
-            (link.rotation * pose_at(link.joint, angles_rad).rotation).as_quat().normalize()
+            (link.rotation * link.joint.motion(&angles_rad).rotation).as_quat().normalize()
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Drive, Freedom, Link, Mechanism, MovingPose, Pose, link, pose_at};
+use super::{Drive, Freedom, Link, Mechanism, MovingPose, Pose, link};
 use crate::figure::MassProperties;
 use crate::random::{Random, Subject};
 
@@ -124,7 +124,7 @@ pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>
         };
         link.rotation = DQuat::from_scaled_axis(vector(1.5));
         let (along, speeds) = (vector(1.0), vector(2.0));
-        let mut in_joint = pose_at(link.joint, [along.x, 0.3 * along.y]);
+        let mut in_joint = link.joint.motion(&[along.x, 0.3 * along.y]);
         // Against the joint frame: angular velocity and velocity.
         let (spin, slide) = match link.joint {
             Freedom::Fixed => (DVec3::ZERO, DVec3::ZERO),

@@ -4,26 +4,22 @@ mod articulated;
 mod check;
 #[cfg(test)]
 mod fixture;
-mod freedom;
 mod rapier;
 #[cfg(test)]
 mod tests;
 
 use std::fmt;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::figure::MassProperties;
 
 pub use articulated::{Accelerations, ArticulatedPlant};
 pub use check::PlantError;
-pub(crate) use freedom::{coordinates, pose_at};
 pub use rapier::{EngineSettings, RapierPlant};
-pub use sinew_rig::mechanism::{Freedom, Link, Mechanism};
-
-/// Acceleration of gravity in m/s², world axes; the controller's.
-const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
+pub(crate) use sinew_rig::mechanism::GRAVITY_M_S2;
+pub use sinew_rig::mechanism::{Freedom, Link, Mechanism, Pose};
 
 /// Which plant, and how its steps are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,44 +91,6 @@ impl PlantKind {
     }
 }
 
-/// Pose of a body frame in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// Rotation from the body to the world, unit.
-    pub rotation: DQuat,
-    /// Origin of the body frame, which is at the body's joint, in metres.
-    pub position_m: DVec3,
-}
-
-impl Pose {
-    /// That of the world.
-    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
-
-    /// A pose of the world in this body's frame.
-    #[must_use]
-    pub fn inside(&self, other: &Self) -> Self {
-        Self {
-            rotation: self.rotation.conjugate() * other.rotation,
-            position_m: self.to_local(other.position_m),
-        }
-    }
-
-    /// A point of the world in this body's frame, m.
-    #[must_use]
-    pub fn to_local(&self, point_m: DVec3) -> DVec3 {
-        self.rotation.conjugate() * (point_m - self.position_m)
-    }
-
-    /// Pose of a body at `rotation` and `offset_m` in this body's frame.
-    #[must_use]
-    pub fn child(&self, offset_m: DVec3, rotation: DQuat) -> Self {
-        Self {
-            rotation: (self.rotation * rotation).normalize(),
-            position_m: self.position_m + self.rotation * offset_m,
-        }
-    }
-}
-
 /// Where a body is and how it moves, world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingPose {
@@ -152,31 +110,11 @@ pub fn link(
     position_m: DVec3,
     mass: &MassProperties,
 ) -> Link {
-    let coordinates = joint.kind().coordinate_count();
-    let mut home = vec![0.0; coordinates];
-    if let Freedom::Spherical | Freedom::Free = joint {
-        // The identity.
-        home[3] = 1.0;
-    }
     Link {
-        name: String::new(),
-        joint_name: String::new(),
-        parent,
-        joint,
-        position_m,
-        rotation: DQuat::IDENTITY,
         mass_kg: mass.mass_kg,
         center_of_mass_m: mass.center_of_mass_m,
         inertia_kg_m2: mass.rotational_kg_m2,
-        merged: Vec::new(),
-        rotor_inertia: 0.0,
-        friction: 0.0,
-        damping: 0.0,
-        ranges: Vec::new(),
-        home,
-        speed: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        effort: f64::INFINITY,
+        ..Link::on(parent, joint, position_m)
     }
 }
 

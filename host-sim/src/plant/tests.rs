@@ -1,4 +1,5 @@
 use clap::ValueEnum;
+use glam::DQuat;
 
 use super::fixture::{
     at_rest, diagonal, hung, passive, random_torques, random_tree, random_tree_of_all_kinds, solid,

@@ -5,6 +5,7 @@ pub mod blend;
 pub mod chart;
 mod comparison;
 pub mod file;
+mod head;
 mod labels;
 pub mod moments;
 mod page;

@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart::{self, Quantity, Statistic, legend};
+use super::head::head;
 use super::tables::{figure_name, ratios, table};
 use super::{Comparison, Playback, Report, Sweep, courses, palette, pareto, spreads};
 use crate::evaluate::paper::Kind;
@@ -22,16 +23,7 @@ pub(super) fn page(report: &Report<'_>) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                // Nothing may be fetched from anywhere; the icon would be.
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
-                link rel="icon" href="data:,";
-                title { "Sinew evaluation: " (summary(evaluation)) }
-                style { (PreEscaped(palette::page())) }
-            }
+            (head(&format!("Sinew evaluation: {}", summary(evaluation)), &palette::page()))
             body {
                 a class="skip" href="#main" { "Skip to the results" }
                 (header(report))

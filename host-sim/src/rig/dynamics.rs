@@ -5,16 +5,13 @@ use std::fmt::Write as _;
 
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics as rnea};
-use sinew_core::glam::Vec3;
-use sinew_core::{JointTargets, Tree, TreeError, Wrench};
+use sinew_core::{GRAVITY_M_S2, JointTargets, Tree, TreeError, Wrench};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{Freedom, Link};
 use thiserror::Error;
 
 /// The most bodies of a rig.
 const CAPACITY: usize = 128;
-
-const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// Why a table was refused.
 #[derive(Debug, Error)]

@@ -1,8 +1,9 @@
 //! What joints get from the servos that move them.
 
-use super::{Actuation, DriveOf, single};
+use super::{Actuation, DriveOf};
 use crate::description::{Description, JointType};
 use crate::drive::{DriveInputError, DrivePose};
+use crate::number::single;
 use crate::servo::Servo;
 
 /// What a joint gets from the servos of its drive, at the home pose. Of a joint of several freedoms, which has one

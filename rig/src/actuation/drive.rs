@@ -1,8 +1,9 @@
 //! A drive of a description, checked by its numbers.
 
-use super::{DriveOf, single};
+use super::DriveOf;
 use crate::description::{Description, DescriptionError, DriveKind, JointType, Path, Step};
 use crate::drive::{Curve, Drive, DriveError, FourBar, Links, Matrix};
+use crate::number::single;
 use crate::servo::Servo;
 
 /// The drive at an index.

@@ -45,11 +45,5 @@ impl Description {
     }
 }
 
-/// A number of a description as a board has it. What is too large becomes infinite, and is refused where it counts.
-#[expect(clippy::cast_possible_truncation, reason = "to f32 is what it is for")]
-pub(crate) fn single(number: f64) -> f32 {
-    number as f32
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
 //! A servo of a description, with what its kind says where the file says nothing.
 
-use super::single;
-use crate::description::{Description, DescriptionError, Path, ServoModel, SignalLoss, Step};
+use crate::description::{Description, DescriptionError, Path, ServoModel, Step};
 use crate::nearest::nearest;
+use crate::number::single;
 use crate::servo::{Servo, ServoSettings};
 
 /// The servo at an index.
@@ -32,11 +32,7 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
         friction_nm: single(model.friction_nm.value),
         damping_nm_s: single(model.damping_nm_s.value),
         rotor_inertia_kg_m2: single(model.rotor_inertia_kg_m2.value),
-        on_signal_loss: match described.on_signal_loss {
-            SignalLoss::Limp => crate::servo::SignalLoss::Limp,
-            SignalLoss::Hold => crate::servo::SignalLoss::Hold,
-            SignalLoss::Home => crate::servo::SignalLoss::Home,
-        },
+        on_signal_loss: described.on_signal_loss,
     })
     .map_err(|error| {
         refused("model", "numbers that a servo can have".to_owned(), error.to_string())

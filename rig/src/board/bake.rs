@@ -5,11 +5,12 @@ use std::ops::Range;
 
 use heapless::Vec;
 
-use super::{Address, BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
-use crate::actuation::{Actuation, single};
+use super::{BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
+use crate::actuation::Actuation;
 use crate::description::{self, Description, DescriptionError};
 use crate::drive::MOST;
 use crate::mechanism::{self, Link, Mechanism};
+use crate::number::single;
 
 /// Why a description does not go on a board.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -169,10 +170,7 @@ fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo>
         .zip(&actuation.servos)
         .map(|(described, servo)| BoardServo {
             bus: u16::try_from(number_of(&described.bus)).unwrap_or(u16::MAX),
-            address: match described.address {
-                description::Address::Id(id) => Address::Id(id),
-                description::Address::Channel(channel) => Address::Channel(channel),
-            },
+            address: described.address,
             servo: *servo,
         })
         .collect()

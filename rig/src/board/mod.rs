@@ -37,7 +37,7 @@ use heapless::Vec;
 use sinew_core::Tree;
 
 use crate::drive::{Drive, MOST};
-use crate::servo::Servo;
+use crate::servo::{Address, Servo};
 
 #[cfg(feature = "std")]
 pub use bake::BakeError;
@@ -106,15 +106,6 @@ pub struct BoardServo {
     pub address: Address,
     /// Its limits and numbers.
     pub servo: Servo,
-}
-
-/// Where a servo is on its bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Address {
-    /// Id of a bus servo, 0 to 252.
-    Id(u8),
-    /// Channel of a PWM driver, 0 to 15.
-    Channel(u8),
 }
 
 impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {

@@ -5,32 +5,7 @@ use glam::{DQuat, DVec3};
 use super::mass::Mass;
 use super::{Base, Body, Description, DescriptionError, Joint, JointType};
 use crate::actuation::JointDefaults;
-use crate::mechanism::{Freedom, Link, Mechanism, MergedBody};
-
-/// Where a frame is in another.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    rotation: DQuat,
-    position_m: DVec3,
-}
-
-impl Frame {
-    const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
-
-    fn new(position_m: [f64; 3], rotation_xyzw: [f64; 4]) -> Self {
-        // `check` has seen a length near 1.
-        let rotation = DQuat::from_array(rotation_xyzw).normalize();
-        Self { rotation, position_m: position_m.into() }
-    }
-
-    /// Where a frame is that is so in this one.
-    fn then(self, inner: Self) -> Self {
-        Self {
-            rotation: (self.rotation * inner.rotation).normalize(),
-            position_m: self.position_m + self.rotation * inner.position_m,
-        }
-    }
-}
+use crate::mechanism::{Freedom, Link, Mechanism, MergedBody, Pose};
 
 impl Description {
     /// The bodies and joints by index: depth first in the order of the joints, body 0 the base, and every body on a
@@ -43,9 +18,9 @@ impl Description {
         let of_servos = self.actuation()?.joint_defaults(self);
         let mut links = vec![self.base_link(&self.bodies[shape.base])];
         // Bodies whose joints are to be followed, the next one last; each with its link, and its frame in that.
-        let mut to_follow = vec![(shape.base, 0, Frame::IDENTITY)];
+        let mut to_follow = vec![(shape.base, 0, Pose::IDENTITY)];
         // Joints in the order of the file, the next one last.
-        let mut to_visit: Vec<(usize, usize, Frame)> = Vec::new();
+        let mut to_visit: Vec<(usize, usize, Pose)> = Vec::new();
         loop {
             for (body, link, frame) in to_follow.drain(..) {
                 let joints = shape.joints_on[body].iter().rev();
@@ -54,12 +29,12 @@ impl Description {
             let Some((index, parent, parent_frame)) = to_visit.pop() else { break };
             let joint = &self.joints[index];
             let body = &self.bodies[shape.child[index]];
-            let frame = parent_frame.then(Frame::new(joint.position_m, joint.rotation_xyzw));
+            let frame = parent_frame.child(joint.position_m.into(), unit(joint.rotation_xyzw));
             if joint.kind == JointType::Fixed {
                 merge(&mut links[parent], body, frame);
                 to_follow.push((shape.child[index], parent, frame));
             } else {
-                to_follow.push((shape.child[index], links.len(), Frame::IDENTITY));
+                to_follow.push((shape.child[index], links.len(), Pose::IDENTITY));
                 let servos = of_servos.get(index).copied().flatten();
                 links.push(moved_link(joint, servos, body, parent, frame));
             }
@@ -70,9 +45,10 @@ impl Description {
     fn base_link(&self, base: &Body) -> Link {
         let (joint, home) = match self.mount.base {
             Base::Fixed => (Freedom::Fixed, Vec::new()),
-            Base::Driven => (Freedom::Free, vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
+            Base::Driven => (Freedom::Free, Freedom::Free.zero()),
         };
-        let frame = Frame::new(self.mount.position_m, self.mount.rotation_xyzw);
+        let rotation = unit(self.mount.rotation_xyzw);
+        let frame = Pose { rotation, position_m: self.mount.position_m.into() };
         Link { joint, home, ..link(base, &base.name, None, frame) }
     }
 }
@@ -83,7 +59,7 @@ fn moved_link(
     servos: Option<JointDefaults>,
     body: &Body,
     parent: usize,
-    frame: Frame,
+    frame: Pose,
 ) -> Link {
     let or_servos = |own: Option<f64>, of: fn(JointDefaults) -> f64, neither: f64| {
         own.or(servos.map(of)).unwrap_or(neither)
@@ -110,33 +86,27 @@ fn moved_link(
 }
 
 /// A body alone on a joint that leaves nothing free and has no limits.
-fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Frame) -> Link {
+fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Link {
     let mass = Mass::of(body);
     Link {
         name: body.name.clone(),
         joint_name: joint_name.to_owned(),
-        parent,
-        joint: Freedom::Fixed,
-        position_m: frame.position_m,
         rotation: frame.rotation,
         mass_kg: mass.kg,
         center_of_mass_m: mass.center_m,
         inertia_kg_m2: mass.inertia_kg_m2,
-        merged: Vec::new(),
-        rotor_inertia: 0.0,
-        friction: 0.0,
-        damping: 0.0,
-        ranges: Vec::new(),
-        home: Vec::new(),
-        speed: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        effort: f64::INFINITY,
+        ..Link::on(parent, Freedom::Fixed, frame.position_m)
     }
 }
 
+/// `check` has seen a length near 1.
+fn unit(rotation_xyzw: [f64; 4]) -> DQuat {
+    DQuat::from_array(rotation_xyzw).normalize()
+}
+
 /// Adds a body that is bolted to a link, its frame being so in the link's.
-fn merge(link: &mut Link, body: &Body, frame: Frame) {
-    let Frame { rotation, position_m } = frame;
+fn merge(link: &mut Link, body: &Body, frame: Pose) {
+    let Pose { rotation, position_m } = frame;
     let so_far = Mass {
         kg: link.mass_kg,
         center_m: link.center_of_mass_m,

@@ -22,8 +22,10 @@ pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
-pub use servo::{Address, Servo, ServoModel, SignalLoss, Sourced};
+pub use servo::{Servo, ServoModel, Sourced};
 pub(crate) use unit::is_angle;
+
+pub use crate::servo::{Address, SignalLoss};
 
 /// A whole rig.
 #[derive(Debug, Clone, PartialEq, Default)]

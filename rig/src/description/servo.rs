@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::servo::{Address, SignalLoss};
+
 /// One servo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Servo {
@@ -48,27 +50,6 @@ impl Default for Servo {
             on_signal_loss: SignalLoss::Limp,
         }
     }
-}
-
-/// Where a servo is on its bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Address {
-    /// Id of a bus servo, 0 to 252.
-    Id(u8),
-    /// Channel of a PWM driver, 0 to 15.
-    Channel(u8),
-}
-
-/// What a servo does when commands stop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SignalLoss {
-    /// Torque off.
-    #[default]
-    Limp,
-    /// Stays where it is.
-    Hold,
-    /// Goes home, slowly.
-    Home,
 }
 
 /// What a kind of servo can do, at its output shaft.

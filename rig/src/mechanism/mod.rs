@@ -1,11 +1,19 @@
 //! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
 
+mod freedom;
 mod kinematics;
+mod pose;
 
 use glam::{DMat3, DQuat, DVec3};
-use sinew_core::{Inertia, JointKind, RotationalInertia, Transform, Tree, TreeError};
+use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 
-pub use kinematics::BodyPose;
+use crate::number::single;
+
+pub use freedom::Freedom;
+pub use pose::Pose;
+
+/// Acceleration of gravity, m/s², world axes: that of `sinew-core`, f64.
+pub const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
 /// A rig's bodies in regular numbering, depth first in the order of the file. Body 0 is the base.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,48 +74,12 @@ pub struct MergedBody {
     pub rotation: DQuat,
 }
 
-/// What a joint leaves free, with its axes in f64.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Freedom {
-    /// Nothing.
-    Fixed,
-    /// A turn about a unit axis of the joint frame.
-    Revolute(DVec3),
-    /// A slide along a unit axis of the joint frame.
-    Prismatic(DVec3),
-    /// A turn about a unit axis of the joint frame, then about one of the body.
-    Universal([DVec3; 2]),
-    /// Any turn.
-    Spherical,
-    /// Any motion.
-    Free,
-}
-
-impl Freedom {
-    /// The same in f32, as `sinew-core` has it.
-    pub fn kind(self) -> JointKind {
-        match self {
-            Self::Fixed => JointKind::Fixed,
-            Self::Revolute(axis) => JointKind::Revolute { axis: axis.as_vec3().normalize() },
-            Self::Prismatic(axis) => JointKind::Prismatic { axis: axis.as_vec3().normalize() },
-            Self::Universal([first, second]) => JointKind::Universal {
-                first: first.as_vec3().normalize(),
-                second: second.as_vec3().normalize(),
-            },
-            Self::Spherical => JointKind::Spherical,
-            Self::Free => JointKind::Free,
-        }
-    }
-}
-
 impl Mechanism {
     /// The tree that `sinew-core` takes, f32. O(n · depth).
     ///
     /// # Errors
     /// [`TreeError`] if there are more than `N` bodies, or a number does not survive f32.
     pub fn tree<const N: usize>(&self) -> Result<Tree<N>, TreeError> {
-        #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-        let single = |x: f64| x as f32;
         let mut tree = Tree::new();
         for link in &self.bodies {
             tree.push(sinew_core::Body {
@@ -142,14 +114,35 @@ impl Mechanism {
 }
 
 impl Link {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "to f32; what does not fit is refused by the tree"
-    )]
+    /// A body without a name and without mass, on a joint in its parent's axes that has no range, limit, friction or
+    /// rotor; its home is where nothing has moved.
+    pub fn on(parent: Option<usize>, joint: Freedom, position_m: DVec3) -> Self {
+        Self {
+            name: String::new(),
+            joint_name: String::new(),
+            parent,
+            joint,
+            position_m,
+            rotation: DQuat::IDENTITY,
+            mass_kg: 0.0,
+            center_of_mass_m: DVec3::ZERO,
+            inertia_kg_m2: DMat3::ZERO,
+            merged: Vec::new(),
+            rotor_inertia: 0.0,
+            friction: 0.0,
+            damping: 0.0,
+            ranges: Vec::new(),
+            home: joint.zero(),
+            speed: f64::INFINITY,
+            acceleration: f64::INFINITY,
+            effort: f64::INFINITY,
+        }
+    }
+
     fn inertia(&self) -> Inertia {
         let m = self.inertia_kg_m2.as_mat3();
         Inertia {
-            mass_kg: self.mass_kg as f32,
+            mass_kg: single(self.mass_kg),
             center_of_mass_m: self.center_of_mass_m.as_vec3(),
             rotational_kg_m2: RotationalInertia {
                 xx: m.x_axis.x,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{FreedomReview, Review};
-use crate::mechanism::{Freedom, Mechanism};
+use crate::mechanism::{Freedom, GRAVITY_M_S2, Mechanism};
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -45,7 +45,7 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
     let mut add = |severity, about: String, text: String| {
         found.push(Finding { severity, about, text });
     };
-    let lift_nm = review.mass_kg * 9.81 * super::reach_m(mechanism, 0);
+    let lift_nm = review.mass_kg * GRAVITY_M_S2.length() * super::reach_m(mechanism, 0);
     for freedom in &review.by_freedom {
         for (severity, text) in of_freedom(freedom, lift_nm) {
             add(severity, format!("joint {}", freedom.name), text);

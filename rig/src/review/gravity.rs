@@ -5,10 +5,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::mechanism::{Freedom, Mechanism};
-
-/// World axes, m/s²: the default of `sinew-core`.
-const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
+use crate::mechanism::{Freedom, GRAVITY_M_S2, Mechanism};
 
 /// Starts of the search: the home pose, and poses spread over the ranges.
 const STARTS: u32 = 9;

@@ -17,6 +17,7 @@ use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
 use crate::mechanism::{Freedom, Link, Mechanism};
+use crate::number::single;
 
 pub use finding::{Finding, Severity};
 pub use gain::largest_stable_angle;
@@ -141,7 +142,7 @@ impl Review {
     /// [`ReviewError`] if the rig does not fit `sinew-core`.
     pub fn of(mechanism: &Mechanism, servos: &Servos, control: Loop) -> Result<Self, ReviewError> {
         let tree = mechanism.tree::<CAPACITY>()?;
-        let home: Vec<f32> = mechanism.home().into_iter().map(narrow).collect();
+        let home: Vec<f32> = mechanism.home().into_iter().map(single).collect();
         let mut pose = JointStates::rest(&tree);
         let still = vec![0.0; tree.degrees_of_freedom()];
         pose.set_coordinates(&tree, &home, &still)?;
@@ -209,11 +210,6 @@ pub enum ReviewError {
     /// Its home pose is not one of that tree.
     #[error("home pose: {0}")]
     Home(#[from] CoordinatesError),
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the core and drives compute in f32")]
-fn narrow(x: f64) -> f32 {
-    x as f32
 }
 
 fn holding_current_a(freedom: &FreedomReview) -> Option<f64> {

@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::{Capability, Servos, narrow};
+use super::{Capability, Servos};
 use crate::actuation::{Actuation, DriveOf};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
 use crate::mechanism::{Freedom, Link, Mechanism};
+use crate::number::single;
 
 /// Poses over the range of a joint at which a curve or a four-bar is looked at.
 const POSES: usize = 33;
@@ -158,15 +159,15 @@ fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
         .iter()
         .flat_map(|link| match link.joint {
             Freedom::Spherical => vec![0.0; 3],
-            _ => link.home.iter().map(|position| narrow(*position)).collect(),
+            _ => link.home.iter().map(|position| single(*position)).collect(),
         })
         .collect();
-    let single = matches!(joints, [link] if link.joint.kind().degrees_of_freedom() == 1);
+    let one_freedom = matches!(joints, [link] if link.joint.kind().degrees_of_freedom() == 1);
     match joints.first().and_then(|link| link.ranges.first()) {
-        Some([least, most]) if single => (0..POSES)
+        Some([least, most]) if one_freedom => (0..POSES)
             .map(|pose| {
                 let share = pose as f64 / (POSES - 1) as f64;
-                vec![narrow(least + share * (most - least))]
+                vec![single(least + share * (most - least))]
             })
             .collect(),
         _ => vec![home],

@@ -6,29 +6,13 @@ use crate::mechanism::Link;
 
 /// A body of a kilogram of no size on a joint.
 fn link(parent: Option<usize>, joint: Freedom, position_m: DVec3, center_m: DVec3) -> Link {
-    let home = match joint {
-        Freedom::Spherical => vec![0.0, 0.0, 0.0, 1.0],
-        joint => vec![0.0; joint.kind().coordinate_count()],
-    };
     Link {
         name: "body".into(),
         joint_name: "joint".into(),
-        parent,
-        joint,
-        position_m,
-        rotation: DQuat::IDENTITY,
         mass_kg: 1.0,
         center_of_mass_m: center_m,
         inertia_kg_m2: DMat3::from_diagonal(DVec3::splat(1e-3)),
-        merged: Vec::new(),
-        rotor_inertia: 0.0,
-        friction: 0.0,
-        damping: 0.0,
-        ranges: Vec::new(),
-        home,
-        speed: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        effort: f64::INFINITY,
+        ..Link::on(parent, joint, position_m)
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 
 use super::bounds::{Bounds, Mode};
 use super::tree::World;
-use crate::plant::{Freedom, Link as Given, Pose, coordinates, pose_at};
+use crate::plant::{Freedom, Link as Given, Pose};
 
 /// Ways that a joint may leave free, at most.
 pub(super) const WAYS: usize = 6;
@@ -79,7 +79,7 @@ impl Joint {
             friction: given.friction,
             damping: given.damping,
             ranges,
-            coordinates: coordinates(given.joint, &placement.inside(&state.pose)),
+            coordinates: given.joint.along(&placement.inside(&state.pose)),
             speeds: [0.0; WAYS],
             force_n: DVec3::ZERO,
             ways: [Way::default(); WAYS],
@@ -218,7 +218,7 @@ impl Joint {
 
     /// Where the body of a joint of one or two axes is.
     pub(super) fn in_parent(&self) -> InParent {
-        let in_joint = pose_at(self.kind, self.coordinates);
+        let in_joint = self.kind.motion(&self.coordinates);
         let pose = self.placement.child(in_joint.position_m, in_joint.rotation);
         let moving = |ways: [DVec3; WAYS]| -> DVec3 {
             ways.iter().zip(self.speeds).map(|(way, speed)| *way * speed).sum()

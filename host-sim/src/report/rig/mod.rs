@@ -5,6 +5,7 @@ use serde::Serialize;
 use sinew_rig::mechanism::{Freedom, Mechanism};
 use sinew_rig::review::{FreedomReview, Review};
 
+use super::head::head;
 use super::palette;
 
 const SCRIPT: &str = concat!(include_str!("assets/kinematics.js"), include_str!("assets/view.js"));
@@ -56,15 +57,7 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
-                link rel="icon" href="data:,";
-                title { (name) " · Sinew rig" }
-                style { (PreEscaped(palette::page())) (PreEscaped(STYLE)) }
-            }
+            (head(&format!("{name} · Sinew rig"), &(palette::page() + STYLE)))
             body {
                 a class="skip" href="#joints" { "Skip to the joints" }
                 header class="rig" {

@@ -1,0 +1,5 @@
+//! Pages in a browser without a screen, as a reader has them: from disk, with no network.
+
+mod page;
+mod report;
+mod rig;

@@ -1,0 +1,47 @@
+//! Where a frame is in another, f64.
+
+use glam::{DQuat, DVec3};
+
+/// Pose of a frame in another, such as that of a body in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Rotation from this frame to the other, unit.
+    pub rotation: DQuat,
+    /// Origin of this frame in the other, m.
+    pub position_m: DVec3,
+}
+
+impl Pose {
+    /// That of a frame in itself.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
+
+    /// Pose of a frame at `position_m` and `rotation` in this one.
+    #[must_use]
+    pub fn child(&self, position_m: DVec3, rotation: DQuat) -> Self {
+        Self {
+            rotation: (self.rotation * rotation).normalize(),
+            position_m: self.point(position_m),
+        }
+    }
+
+    /// Another pose in the same frame as this one, seen from this one.
+    #[must_use]
+    pub fn inside(&self, other: &Self) -> Self {
+        Self {
+            rotation: self.rotation.conjugate() * other.rotation,
+            position_m: self.to_local(other.position_m),
+        }
+    }
+
+    /// A point of this frame, in the other; m.
+    #[must_use]
+    pub fn point(&self, local_m: DVec3) -> DVec3 {
+        self.position_m + self.rotation * local_m
+    }
+
+    /// A point of the other frame, in this one; m.
+    #[must_use]
+    pub fn to_local(&self, point_m: DVec3) -> DVec3 {
+        self.rotation.conjugate() * (point_m - self.position_m)
+    }
+}
