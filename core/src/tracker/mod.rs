@@ -47,7 +47,7 @@ pub use timing::{LATE_MOST_S, Timing};
 /// put it in a static.
 ///
 /// ```
-/// use sinew_core::tracker::{Frame, FrameSource, Settings, Tracker};
+/// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
 /// use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 /// use sinew_core::{glam::Vec3, math};
 /// let head = Body {
