@@ -40,6 +40,8 @@ pub enum Subject {
     Draws = 12,
     /// What chance alone would do.
     Chance = 13,
+    /// Where a rig's joints go.
+    Exercise = 14,
 }
 
 impl Random {

@@ -5,6 +5,7 @@ mod controller;
 pub mod detail;
 mod disturbance;
 mod error;
+pub mod exercise;
 mod levers;
 mod metrics;
 pub mod optimum;
@@ -65,6 +66,10 @@ impl Default for Protocol {
 /// The whole result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
+    /// What people call the rig; `None` for the paper's figure.
+    pub rig: Option<String>,
+    /// Names of the rig's bodies.
+    pub bodies: Vec<String>,
     /// What all runs had in common.
     pub setup: Setup,
     /// The clips in their order.
@@ -204,7 +209,12 @@ pub fn evaluate<T: Take>(
         }
         figures.push(FigureResult { scale: *scale, methods });
     }
-    Ok(Evaluation { setup: protocol.setup.clone(), clips, figures })
+    let rig = takes.iter().find_map(|take| take.rig_name().map(str::to_owned));
+    // It has been made in every run.
+    let mechanism = takes.first().and_then(|take| take.mechanism(&protocol.setup).ok());
+    let links = mechanism.into_iter().flat_map(|mechanism| mechanism.bodies);
+    let bodies = links.map(|link| link.name).collect();
+    Ok(Evaluation { rig, bodies, setup: protocol.setup.clone(), clips, figures })
 }
 
 /// Errors of one run, and its number of steps.

@@ -14,6 +14,11 @@ pub trait Take: Sync {
     /// What people call it.
     fn name(&self) -> &str;
 
+    /// What people call the rig; `None` for the paper's figure.
+    fn rig_name(&self) -> Option<&str> {
+        None
+    }
+
     /// Time from one frame to the next, s.
     fn dt_s(&self) -> f64;
 

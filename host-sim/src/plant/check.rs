@@ -103,13 +103,20 @@ pub(super) fn check(
         if !parent.map_or(body == 0, |parent| parent < body) {
             return Err(PlantError::Parent { body, parent });
         }
-        let fault =
-            body_fault(of_body).or_else(|| joint_fault(of_body)).or_else(|| state_fault(of_start));
-        if let Some((item, expected, found)) = fault {
+        check_link(body, of_body)?;
+        if let Some((item, expected, found)) = state_fault(of_start) {
             return Err(PlantError::Body { body, item, expected, found });
         }
     }
     Ok(())
+}
+
+/// Whether a body and its joint are ones that a machine can have.
+pub(crate) fn check_link(body: usize, link: &Link) -> Result<(), PlantError> {
+    match body_fault(link).or_else(|| joint_fault(link)) {
+        Some((item, expected, found)) => Err(PlantError::Body { body, item, expected, found }),
+        None => Ok(()),
+    }
 }
 
 /// A field, what it may be, and what it is.

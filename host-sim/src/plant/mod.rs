@@ -17,6 +17,7 @@ use crate::figure::MassProperties;
 
 pub use articulated::{Accelerations, ArticulatedPlant};
 pub use check::PlantError;
+pub(crate) use check::check_link;
 pub use rapier::{EngineSettings, RapierPlant};
 pub(crate) use sinew_rig::mechanism::GRAVITY_M_S2;
 pub use sinew_rig::mechanism::{Freedom, Link, Mechanism, Pose};

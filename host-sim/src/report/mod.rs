@@ -104,7 +104,7 @@ impl Report<'_> {
                 both.map(|q| chart::course(&courses, self.dt_s, q, Statistic::Mean)).into(),
             );
             let spreads = spreads(figure);
-            add("joints", both.map(|q| chart::joints(&spreads, q)).into());
+            add("joints", both.map(|q| chart::joints(&self.evaluation.bodies, &spreads, q)).into());
             add("distribution", both.map(|q| chart::distribution(&spreads, q)).into());
         }
         for (index, grid) in

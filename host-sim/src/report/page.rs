@@ -349,7 +349,7 @@ fn by_body(evaluation: &Evaluation) -> Markup {
     html! {
         section id="bodies" class="choices" {
             h2 { "Errors by body" }
-            (by_figure(evaluation, |figure, quantity| chart::joints(&spreads(figure), quantity)))
+            (by_figure(evaluation, |figure, quantity| chart::joints(&evaluation.bodies, &spreads(figure), quantity)))
         }
     }
 }

@@ -31,15 +31,15 @@ pub fn tables(evaluation: &Evaluation) -> String {
     if !differences.is_empty() {
         write(&mut out, format_args!("setup: {}\n", differences.join(", ")));
     }
-    if evaluation.figures.iter().any(|figure| paper::Figure::of_scale(figure.scale).is_some()) {
+    if evaluation.figures.iter().any(|figure| published(evaluation, figure).is_some()) {
         write(&mut out, format_args!("in brackets: the paper's numbers\n"));
     }
     for kind in [Kind::Normalised, Kind::Numerical] {
         for figure in &evaluation.figures {
-            let Some(table) = table(figure, kind) else {
+            let Some(table) = table(figure, published(evaluation, figure), kind) else {
                 continue;
             };
-            write(&mut out, format_args!("\n{}\n{table}\n", heading(figure.scale, kind)));
+            write(&mut out, format_args!("\n{}\n{table}\n", heading(evaluation, figure, kind)));
         }
     }
     if !evaluation.figures.iter().all(|figure| figure.method(MethodName::Local).is_some()) {
@@ -56,13 +56,22 @@ fn widest_gap_m(evaluation: &Evaluation) -> f64 {
     results.map(|result| result.total.widest_gap_m).fold(0.0, f64::max)
 }
 
-fn heading(scale: f64, kind: Kind) -> String {
-    let number = paper::Figure::of_scale(scale)
+/// The paper's numbers of a figure, if it is the paper's and has some.
+fn published(evaluation: &Evaluation, figure: &FigureResult) -> Option<&'static paper::Figure> {
+    match evaluation.rig {
+        None => paper::Figure::of_scale(figure.scale),
+        Some(_) => None,
+    }
+}
+
+fn heading(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> String {
+    let number = published(evaluation, figure)
         .map_or_else(String::new, |figure| format!("Table {}. ", figure.table(kind)));
-    let figure = if (scale - 1.0).abs() < 1e-9 {
-        "Figure of the clip's dimensions".to_owned()
-    } else {
-        format!("Figure of {scale} times the clip's dimensions")
+    let scale = figure.scale;
+    let figure = match &evaluation.rig {
+        Some(rig) => format!("Rig {rig}"),
+        None if (scale - 1.0).abs() < 1e-9 => "Figure of the clip's dimensions".to_owned(),
+        None => format!("Figure of {scale} times the clip's dimensions"),
     };
     let what = match kind {
         Kind::Normalised => "errors divided by Local's",
@@ -72,12 +81,15 @@ fn heading(scale: f64, kind: Kind) -> String {
 }
 
 /// The table of one figure; `None` if there is nothing to divide by.
-fn table(figure: &FigureResult, kind: Kind) -> Option<Table> {
+fn table(
+    figure: &FigureResult,
+    published: Option<&'static paper::Figure>,
+    kind: Kind,
+) -> Option<Table> {
     let local = figure.method(MethodName::Local);
     if kind == Kind::Normalised {
         local?;
     }
-    let published = paper::Figure::of_scale(figure.scale);
     let header = [
         "joints",
         "method",
