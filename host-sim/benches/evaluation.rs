@@ -129,7 +129,7 @@ fn fall(settings: PlantSettings, steps: usize) {
     let mut drive = Drive::none(bodies.len());
     drive.torque_nm.fill(DVec3::X * 0.01);
     drive.force_n[0] = DVec3::Y * 700.0;
-    let mechanism = Mechanism { bodies };
+    let mechanism = Mechanism { bodies, linked: Vec::new() };
     let mut left = steps;
     while left > 0 {
         let mut plant = settings.build(&mechanism, &start, 0.01).expect("a mechanism");

@@ -66,7 +66,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
             linear_m_s: velocity.linear.as_dvec3(),
         })
         .collect();
-    let mechanism = Mechanism { bodies: bodies.collect() };
+    let mechanism = Mechanism { bodies: bodies.collect(), linked: Vec::new() };
     ArticulatedPlant::new(&mechanism, &start, dt_s, 1).expect("a tree with a state for each body")
 }
 

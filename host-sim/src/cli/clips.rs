@@ -1,39 +1,97 @@
-//! Options that name clips.
+//! Options that name what is tracked: clips, or motions of a rig's own joints.
 
 use std::path::PathBuf;
 
 use rayon::prelude::*;
 use sinew_sim::builtin;
+use sinew_sim::evaluate::Take;
+use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
 use sinew_sim::figure::{FigureMotion, mapping};
 use sinew_sim::pipeline::{self, Notice, Settings};
+use sinew_sim::rig::Loaded;
 
 use sinew_sim::command::note;
 
-/// Options that name clips.
+use super::rig::read;
+
+/// Options that name what is tracked.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
     /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips.
-    #[arg(long, value_name = "PATH", num_args = 1..)]
+    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with = "rig")]
     clips: Vec<PathBuf>,
 
     /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "rig")]
     mapping: Option<PathBuf>,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
-    /// `robustness`.
+    /// `robustness` and for `--rig`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate: Option<f64>,
 
     /// Rate of the frames that the controller is given, in Hz. It divides `--rate`; the controller interpolates
     /// smoothly. Default: a frame for every tick; 100 for `robustness` and `latency`.
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frames: Option<f64>,
+
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints, each in
+    /// turn and all together, on the exact plant.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// Speeds of these motions, as shares of each joint's largest speed and acceleration, above 0 to 1.
+    #[arg(
+        long,
+        value_name = "SHARE,..",
+        value_delimiter = ',',
+        default_value = "0.2,0.6",
+        requires = "rig",
+        allow_negative_numbers = true
+    )]
+    shares: Vec<f64>,
+
+    /// Seed of these motions.
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
+    motion_seed: u64,
 }
 
 type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
 
+/// Rate of control and plant of a user's rig, Hz.
+const RIG_RATE_HZ: f64 = 500.0;
+
 impl ClipArgs {
+    /// The user's rig, if one is named; what its import changed is said on standard error.
+    pub(super) fn rig(&self) -> anyhow::Result<Option<Loaded>> {
+        self.rig.as_deref().map(read).transpose()
+    }
+
+    /// The motions of a rig's own joints.
+    pub(super) fn exercises(&self, rig: &Loaded) -> anyhow::Result<Vec<Exercise>> {
+        let settings = Exercises {
+            rate_hz: self.rate.unwrap_or(RIG_RATE_HZ),
+            shares: self.shares.clone(),
+            seed: self.motion_seed,
+            ..Exercises::default()
+        };
+        Ok(exercises(&rig.description.name, &rig.mechanism, &settings)?)
+    }
+
+    /// What is tracked, of either kind, and what was done to the clips before.
+    pub(super) fn takes(
+        &self,
+        rig: Option<&Loaded>,
+    ) -> anyhow::Result<(Vec<Box<dyn Take>>, Vec<String>)> {
+        fn boxed<T: Take + 'static>(takes: Vec<T>) -> Vec<Box<dyn Take>> {
+            takes.into_iter().map(|take| Box::new(take) as Box<dyn Take>).collect()
+        }
+        match rig {
+            Some(rig) => Ok((boxed(self.exercises(rig)?), Vec::new())),
+            None => self.read().map(|(motions, lines)| (boxed(motions), lines)),
+        }
+    }
+
     /// Whether a rate is given.
     pub(super) const fn has_rate(&self) -> bool {
         self.rate.is_some()
@@ -53,16 +111,7 @@ impl ClipArgs {
         Self { rate: Some(rate), frames, ..self.clone() }
     }
 
-    /// Reads and prepares the clips, in their order, and tells what was done to them.
-    pub(super) fn motions(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
-        let (motions, lines) = self.read()?;
-        for line in &lines {
-            note(format_args!("{line}"));
-        }
-        Ok((motions, lines))
-    }
-
-    /// Reads and prepares the clips, in their order; what was done to them is only returned.
+    /// Reads and prepares the clips, in their order; what was done to them is returned too.
     pub(super) fn read(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
@@ -90,6 +139,26 @@ impl ClipArgs {
             motions.push(motion);
         }
         Ok((motions, lines))
+    }
+}
+
+/// What is tracked, in a report: how many clips, or motions of which rig.
+pub(super) fn what(rig: Option<&Loaded>, count: usize) -> String {
+    match rig {
+        Some(rig) => format!("rig {}, {count} motions", rig.description.name),
+        None => format!("{count} clips"),
+    }
+}
+
+/// The figure's dimensions, in a report. A rig has its own.
+pub(super) fn dimensions(rig: Option<&Loaded>, scale: f64) -> String {
+    rig.map_or_else(|| format!(", {scale} times the dimensions"), |_| String::new())
+}
+
+/// Tells what was done to the clips.
+pub(super) fn tell(lines: &[String]) {
+    for line in lines {
+        note(format_args!("{line}"));
     }
 }
 

@@ -7,10 +7,14 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_rig::Mechanism;
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::{EvaluateError, Evaluation, Protocol, evaluate, report, steps_of_all};
+use sinew_sim::evaluate::{
+    EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
+};
+use sinew_sim::plant::PlantKind;
 
-use super::clips::{ClipArgs, seconds};
+use super::clips::{ClipArgs, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
@@ -29,17 +33,13 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: Vec<f64>,
 
-    /// Methods. `all`: every method but `accumulated`, which needs a reference.
-    #[arg(
-        long,
-        value_name = "METHOD,..",
-        value_delimiter = ',',
-        default_value = "local,world,linear_compensation"
-    )]
-    methods: Vec<MethodArg>,
+    /// Methods. `all`: every method but `accumulated`, which needs a reference. Default: local, world and
+    /// linear_compensation; with `--rig` all.
+    #[arg(long, value_name = "METHOD,..", value_delimiter = ',')]
+    methods: Option<Vec<MethodArg>>,
 
     #[command(flatten)]
     pub(super) setup: SetupArgs,
@@ -84,7 +84,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     ensure_different(&args.scale, "--scale")?;
-    ensure_different(&methods(&args.methods), "--methods")?;
+    ensure_different(&methods(args.methods.as_deref().unwrap_or_default()), "--methods")?;
     args.threads.install(|| run_in_pool(args))
 }
 
@@ -99,41 +99,76 @@ pub(super) fn ensure_different<T: PartialEq + Display>(
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let protocol = Protocol {
-        setup: args.setup.setup()?,
-        scales: args.scale.clone(),
-        methods: methods(&args.methods),
-        seconds: args.seconds,
-    };
+    let rig = args.clips.rig()?;
+    let rig = rig.as_ref();
+    let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.
     if let Some(folder) = &args.out {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
-    let (motions, notices) = args.clips.motions()?;
-    let plan = args.page.plan(&motions, notices)?;
-    let result = with_progress(steps_of_all(&motions, &protocol), |progress| {
-        evaluate(&motions, &protocol, progress)
-    });
-    let evaluation = match result {
-        Ok(evaluation) => evaluation,
-        // The figure was lost: a result, and a bad one.
-        Err(error @ EvaluateError::Run { .. }) => {
-            note(format_args!("error: {error}"));
-            return Ok(ExitCode::FAILURE);
-        }
-        Err(error) => return Err(error.into()),
-    };
-    if let Some(folder) = &args.out {
-        write_files(folder, &evaluation)?;
-        plan.write(folder, &motions, &protocol, &evaluation)?;
+    if let Some(rig) = rig {
+        let takes = args.clips.exercises(rig)?;
+        return args.evaluate(&takes, &protocol, |_, _| Ok(()));
     }
-    print(&match args.format {
-        Format::Table => report::tables(&evaluation),
-        Format::Json => report::json(&evaluation),
-        Format::Csv => report::result_csv(&evaluation),
-    })?;
-    Ok(ExitCode::SUCCESS)
+    let (motions, notices) = args.clips.read()?;
+    tell(&notices);
+    let plan = args.page.plan(&motions, notices)?;
+    args.evaluate(&motions, &protocol, |folder, evaluation| {
+        plan.write(folder, &motions, &protocol, evaluation)
+    })
+}
+
+impl Args {
+    fn protocol(&self, rig: Option<&Mechanism>) -> anyhow::Result<Protocol> {
+        let methods = self.methods.as_deref().map(methods);
+        let seconds = self.seconds;
+        Ok(match rig {
+            None => Protocol {
+                setup: self.setup.setup(None)?,
+                scales: self.scale.clone(),
+                methods: methods.unwrap_or_else(|| MethodName::PAPER.to_vec()),
+                seconds,
+            },
+            Some(_) => Protocol {
+                setup: self.setup.setup_on(PlantKind::Articulated, rig)?,
+                scales: vec![1.0],
+                methods: methods.unwrap_or_else(|| MethodName::ALL.to_vec()),
+                seconds,
+            },
+        })
+    }
+
+    /// Evaluates, writes the files and `page` where they are asked for, and prints.
+    fn evaluate<T: Take>(
+        &self,
+        takes: &[T],
+        protocol: &Protocol,
+        page: impl FnOnce(&Path, &Evaluation) -> anyhow::Result<()>,
+    ) -> anyhow::Result<ExitCode> {
+        let result = with_progress(steps_of_all(takes, protocol), |progress| {
+            evaluate(takes, protocol, progress)
+        });
+        let evaluation = match result {
+            Ok(evaluation) => evaluation,
+            // The figure was lost: a result, and a bad one.
+            Err(error @ EvaluateError::Run { .. }) => {
+                note(format_args!("error: {error}"));
+                return Ok(ExitCode::FAILURE);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        if let Some(folder) = &self.out {
+            write_files(folder, &evaluation)?;
+            page(folder, &evaluation)?;
+        }
+        print(&match self.format {
+            Format::Table => report::tables(&evaluation),
+            Format::Json => report::json(&evaluation),
+            Format::Csv => report::result_csv(&evaluation),
+        })?;
+        Ok(ExitCode::SUCCESS)
+    }
 }
 
 fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::Setup;
+use sinew_sim::command::{ThreadArgs, print, with_progress};
 use sinew_sim::evaluate::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
-use sinew_sim::figure::{Dimensions, FigureMotion};
+use sinew_sim::evaluate::{Setup, Take};
+use sinew_sim::figure::Dimensions;
 use sinew_sim::plant::PlantKind;
 
-use super::clips::{ClipArgs, rate, seconds};
+use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::setup::SetupArgs;
@@ -33,7 +33,7 @@ pub(super) struct Args {
     rates: Vec<f64>,
 
     /// Factor on the figure's dimensions. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
     /// Methods.
@@ -57,13 +57,16 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let mut setup = args.setup.setup_on(PlantKind::Articulated)?;
+    let rig = args.clips.rig()?;
+    let rig = rig.as_ref();
+    let mut setup = args.setup.setup_on(PlantKind::Articulated, rig.map(|rig| &rig.mechanism))?;
     ensure!(
         setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,
         "disturbance.latency_steps, controller.observer.predict: expected to be left out, the table varies them"
     );
     ensure!(!args.clips.has_rate(), "--rate: expected --rates instead, the table varies it");
-    setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
+    let scale = rig.map_or(args.scale, |_| 1.0);
+    setup.dimensions = Dimensions { scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
     check_fixed(&setup, &methods)?;
@@ -79,12 +82,12 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     for setup in &setups {
         setup.check()?;
     }
-    let mut motions: Vec<(f64, Vec<FigureMotion>)> = Vec::new();
+    let mut motions: Vec<(f64, Vec<Box<dyn Take>>)> = Vec::new();
     for rate in &args.rates {
-        let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).read()?;
+        let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).takes(rig)?;
         // Every rate has the same to tell.
-        for line in lines.iter().filter(|_| motions.is_empty()) {
-            note(format_args!("{line}"));
+        if motions.is_empty() {
+            tell(&lines);
         }
         motions.push((*rate, of_rate));
     }
@@ -128,11 +131,11 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     }
     let (_, first) = &motions[0];
     print(&format!(
-        "{} clips, their first {} s, {} times the dimensions; plant: {}\n\
+        "{}, their first {} s{}; plant: {}\n\
          the largest latency at which no figure is lost and the mean angular error is below {TRACKS_BELOW_DEG} deg\n\n{table}\n",
-        first.len(),
+        what(rig, first.len()),
         args.seconds,
-        args.scale,
+        dimensions(rig, args.scale),
         setup.plant.description(),
     ))?;
     Ok(ExitCode::SUCCESS)

@@ -22,8 +22,6 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use sinew_sim::command::exit_code;
 
-use setup::SetupArgs;
-
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///
 /// Default subcommand: `evaluate`.
@@ -82,7 +80,7 @@ impl Command {
             Self::Latency(args) => Some(&args.setup),
             _ => None,
         };
-        setup.map(SetupArgs::setup).transpose()?;
+        setup.map(|setup| setup.setup(None)).transpose()?;
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -7,11 +7,11 @@ use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use sinew_sim::command::{ThreadArgs, print, with_progress};
 use sinew_sim::evaluate::robustness::{Trial, as_built, median, trial};
-use sinew_sim::evaluate::{Disturbance, Errors, MethodName, step_count};
+use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Take as _, step_count};
 use sinew_sim::figure::Dimensions;
 use sinew_sim::plant::PlantKind;
 
-use super::clips::{ClipArgs, seconds};
+use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::setup::SetupArgs;
@@ -20,7 +20,8 @@ use super::setup::SetupArgs;
 ///
 /// Every rig has masses off by up to 15 %, each body its own; joint sensors of 12 bits; and drives that come
 /// one step late. Control and plant run at 500 Hz, the clips have 100 frames a second and the controller goes
-/// smoothly between them. Without `--plant`, the exact one.
+/// smoothly between them. Without `--plant`, the exact one. `--rig` is your own rig, built many times; its motions have
+/// a frame for every step.
 ///
 /// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance.
 /// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
@@ -31,7 +32,7 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     /// Factor on the figure's dimensions. The clips keep theirs.
-    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
     /// Methods.
@@ -64,7 +65,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let mut setup = args.setup.setup_on(PlantKind::Articulated)?;
+    let rig = args.clips.rig()?;
+    let rig = rig.as_ref();
+    let mut setup = args.setup.setup_on(PlantKind::Articulated, rig.map(|rig| &rig.mechanism))?;
     let disturbance = &setup.disturbance;
     ensure!(
         *disturbance
@@ -77,14 +80,16 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
             },
         "disturbance: expected masses, sensor_bits, latency_steps and seed to be left out, a rig has its own"
     );
-    setup.dimensions = Dimensions { scale: args.scale, ..setup.dimensions };
+    let scale = rig.map_or(args.scale, |_| 1.0);
+    setup.dimensions = Dimensions { scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
     check_fixed(&setup, &methods)?;
     for method in &methods {
         as_built(&setup, *method, 0).check()?;
     }
-    let (motions, _) = args.clips.at(500.0, 100.0).motions()?;
+    let (motions, lines) = args.clips.at(500.0, 100.0).takes(rig)?;
+    tell(&lines);
     let steps: usize = motions.iter().map(|motion| step_count(motion, args.seconds)).sum();
     let seeds: Vec<u64> = (1..=args.seeds).collect();
     let trials: Vec<Vec<Trial>> = with_progress(steps * methods.len() * seeds.len(), |progress| {
@@ -99,13 +104,13 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         seeds.iter().map(of_seed).collect()
     });
     let mut text = format!(
-        "{} clips, {steps} steps of {:.0} Hz on each of {} rigs, {} times the dimensions; plant: {}\n\
+        "{}, {steps} steps of {:.0} Hz on each of {} rigs{}; plant: {}\n\
          masses off by up to 15 %, joint sensors of 12 bits, torques one step late\n\
          angular / linear / importance-weighted error, means over all bodies: deg / cm / cm\n\n",
-        motions.len(),
-        motions.first().map_or(0.0, |motion| motion.dt_s.recip()),
+        what(rig, motions.len()),
+        motions.first().map_or(0.0, |motion| motion.dt_s().recip()),
         seeds.len(),
-        args.scale,
+        dimensions(rig, args.scale),
         setup.plant.description(),
     );
     writeln!(text, "{}", table(&seeds, &methods, &trials))?;

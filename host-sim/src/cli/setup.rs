@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
+use sinew_rig::Mechanism;
 use sinew_sim::evaluate::{BodySource, Setup};
 use sinew_sim::figure::Subject;
 use sinew_sim::plant::PlantKind;
@@ -15,11 +16,11 @@ pub(super) struct SetupArgs {
     plant: Option<PlantKind>,
 
     /// Where the figure's masses come from.
-    #[arg(long, value_enum, value_name = "BODY")]
+    #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 
     /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew figure --help`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "rig")]
     subject: Option<PathBuf>,
 
     /// Setup in TOML: all settings of a run. `--format json` prints all keys.
@@ -33,8 +34,12 @@ pub(super) struct SetupArgs {
 
 impl SetupArgs {
     /// The setup, on another plant than the paper's if none is named.
-    pub(super) fn setup_on(&self, plant: PlantKind) -> anyhow::Result<Setup> {
-        let mut setup = self.setup()?;
+    pub(super) fn setup_on(
+        &self,
+        plant: PlantKind,
+        rig: Option<&Mechanism>,
+    ) -> anyhow::Result<Setup> {
+        let mut setup = self.setup(rig)?;
         if self.plant.is_none()
             && self.setup.is_none()
             && !self.set.iter().any(|set| set.starts_with("plant.kind"))
@@ -44,8 +49,8 @@ impl SetupArgs {
         Ok(setup)
     }
 
-    /// The setup.
-    pub(super) fn setup(&self) -> anyhow::Result<Setup> {
+    /// The setup for a rig of the user, or for the figure.
+    pub(super) fn setup(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
         let mut setup = toml::Table::new();
         if let Some(file) = &self.setup {
             let text =
@@ -65,11 +70,11 @@ impl SetupArgs {
             insert(&mut setup, key.trim(), parse(value))
                 .with_context(|| format!("--set {assignment}"))?;
             Setup::from_table(setup.clone())
-                .and_then(|setup| setup.check_figure())
+                .and_then(|setup| setup.check_for(rig))
                 .with_context(|| format!("--set {assignment}"))?;
         }
         let mut setup = Setup::from_table(setup)?;
-        setup.check_figure()?;
+        setup.check_for(rig)?;
         if let Some(kind) = self.plant {
             setup.plant.kind = kind;
         }
@@ -120,7 +125,7 @@ mod tests {
 
     fn setup(set: &[&str]) -> anyhow::Result<Setup> {
         let set = set.iter().map(ToString::to_string).collect();
-        SetupArgs { plant: None, body: None, subject: None, setup: None, set }.setup()
+        SetupArgs { plant: None, body: None, subject: None, setup: None, set }.setup(None)
     }
 
     #[test]

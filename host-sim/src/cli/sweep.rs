@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::ensure;
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::{Errors, step_count};
+use sinew_sim::evaluate::{Errors, Take as _, step_count};
 use sinew_sim::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
 
-use super::clips::{ClipArgs, seconds};
+use super::clips::{ClipArgs, seconds, tell};
 
 /// Run every combination of many settings and write a row for each.
 ///
@@ -72,7 +72,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let file = SweepFile::read(&args.file)?;
+    let rig = args.clips.rig()?;
+    let rig = rig.as_ref();
+    let file = SweepFile::read(&args.file, rig.map(|rig| &rig.mechanism))?;
     if file.repeated > 0 {
         note(format_args!(
             "{}: {} cells are left out, an earlier grid has the same setup",
@@ -80,10 +82,11 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
             file.repeated
         ));
     }
-    let (motions, _) = args.clips.motions()?;
+    let (motions, lines) = args.clips.takes(rig)?;
+    tell(&lines);
     for motion in &motions {
         let steps = step_count(motion, args.seconds);
-        ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name);
+        ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name());
     }
     let shard = args.shard.unwrap_or(Shard::WHOLE);
     let plan = Plan::new(file, &motions, args.seconds, shard);

@@ -8,7 +8,7 @@ use crate::figure::BODIES;
 /// How a rig is controlled.
 pub type ControllerSettings = Settings<BodyName>;
 
-/// A body of a rig, by its name. Default: the root of the figure.
+/// A body of a rig, by its name. Default: the root, by the name that it has in the figure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct BodyName(pub String);

@@ -30,6 +30,8 @@ const POINTS: usize = 2 * CAPACITY;
 /// distance of the skin's points from where they should be, were the figure of the clip's dimensions: turns that undo
 /// each other count as if they did not. Other dimensions of the figure are no error of its pose.
 ///
+/// A rig whose masses all lie in its joints has no surface, and levers of 0.
+///
 /// It is of whole poses only. That of the leaves alone would be their angles times constant levers, of some mm: little
 /// hangs on a leaf, which is what importance says.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +44,7 @@ impl Levers {
     /// Those of a mechanism.
     ///
     /// # Errors
-    /// [`RunError`] if there are more than [`CAPACITY`] bodies, measures do not survive f32, or there is no surface.
+    /// [`RunError`] if there are more than [`CAPACITY`] bodies, or measures do not survive f32.
     pub fn of(mechanism: &Mechanism) -> Result<Self, RunError> {
         let links = &mechanism.bodies;
         let count = links.len();
@@ -64,6 +66,10 @@ impl Levers {
             points_m[end] = (pose.position_m + pose.rotation * cylinder.axis_m).as_vec3();
             radii_m[end] = narrow(cylinder.radius_m);
             rest.push(pose);
+        }
+        if surface_m2 == 0.0 {
+            parents.truncate(count);
+            return Ok(Self { lever_m: vec![0.0; count], parents });
         }
         let rest_pose = RestPose::<POINTS>::new(&parents, &points_m)?;
         let importance = cylinder_surface(&rest_pose, &radii_m, 0.0)?;

@@ -45,7 +45,8 @@ impl Errors {
     /// Adds one step: the poses of all bodies where they should be and where they are.
     pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
         self.weighted.add(rig.levers().error_m(desired, measured));
-        for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
+        let bodies = desired.iter().zip(measured).enumerate();
+        for (body, (desired, measured)) in bodies.skip(rig.first_judged()) {
             let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
             let linear_m = (desired.position_m - measured.position_m).length();
             self.all.add(angular_rad, linear_m);

@@ -6,6 +6,7 @@ pub mod detail;
 mod disturbance;
 mod error;
 pub mod exercise;
+mod friction;
 mod levers;
 mod metrics;
 pub mod optimum;
@@ -22,6 +23,7 @@ mod track;
 
 use rayon::prelude::*;
 use serde::Serialize;
+use sinew_rig::mechanism::Freedom;
 
 use crate::figure::Dimensions;
 
@@ -68,8 +70,10 @@ impl Default for Protocol {
 pub struct Evaluation {
     /// What people call the rig; `None` for the paper's figure.
     pub rig: Option<String>,
-    /// Names of the rig's bodies.
+    /// Names of the bodies whose errors count, all but the base of a user's rig on a stand.
     pub bodies: Vec<String>,
+    /// Whether the base is free and driven from outside, rather than held by a stand.
+    pub driven: bool,
     /// What all runs had in common.
     pub setup: Setup,
     /// The clips in their order.
@@ -174,7 +178,8 @@ pub fn evaluate<T: Take>(
             let (mut errors, mut detail) = (Errors::default(), Detail::default());
             let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
                 errors.add_step(&step);
-                detail.add(step.desired, step.measured);
+                let judged = step.rig.first_judged()..;
+                detail.add(&step.desired[judged.clone()], &step.measured[judged]);
             })
             .map_err(|kind| EvaluateError::Run {
                 clip: take.name().to_owned(),
@@ -211,10 +216,11 @@ pub fn evaluate<T: Take>(
     }
     let rig = takes.iter().find_map(|take| take.rig_name().map(str::to_owned));
     // It has been made in every run.
-    let mechanism = takes.first().and_then(|take| take.mechanism(&protocol.setup).ok());
-    let links = mechanism.into_iter().flat_map(|mechanism| mechanism.bodies);
-    let bodies = links.map(|link| link.name).collect();
-    Ok(Evaluation { rig, bodies, setup: protocol.setup.clone(), clips, figures })
+    let made = takes.first().and_then(|take| Rig::of(take, &protocol.setup).ok());
+    let links = made.as_ref().map_or(&[][..], |rig| &rig.links()[rig.first_judged()..]);
+    let bodies = links.iter().map(|link| link.name.clone()).collect();
+    let driven = made.is_some_and(|rig| rig.links()[0].joint == Freedom::Free);
+    Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
 }
 
 /// Errors of one run, and its number of steps.

@@ -6,6 +6,8 @@ use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 
 use super::error::RunError;
 use super::levers::Levers;
+use super::setup::Setup;
+use super::take::Take;
 use crate::plant::Pose;
 
 /// As many bodies as a rig may have. The levers weigh two points of each, and the core's sets hold 128.
@@ -17,9 +19,20 @@ pub struct Rig {
     mechanism: Mechanism,
     levers: Levers,
     leaves: Vec<bool>,
+    first_judged: usize,
 }
 
 impl Rig {
+    /// The rig of a motion in a setup.
+    ///
+    /// # Errors
+    /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
+    pub fn of(take: &dyn Take, setup: &Setup) -> Result<Self, RunError> {
+        let rig = Self::new(take.mechanism(setup)?)?;
+        let stands = rig.links().first().is_some_and(|base| base.joint == Freedom::Fixed);
+        Ok(Self { first_judged: usize::from(take.rig_name().is_some() && stands), ..rig })
+    }
+
     /// The rig of a mechanism.
     ///
     /// # Errors
@@ -34,7 +47,7 @@ impl Rig {
         for parent in mechanism.bodies.iter().filter_map(|link| link.parent) {
             leaves[parent] = false;
         }
-        Self { mechanism, levers, leaves }
+        Self { mechanism, levers, leaves, first_judged: 0 }
     }
 
     /// Its bodies and joints.
@@ -50,6 +63,12 @@ impl Rig {
     /// What a turn of each joint moves.
     pub fn levers(&self) -> &Levers {
         &self.levers
+    }
+
+    /// The first body whose error counts: the base of a user's rig on a stand cannot be off, and would only make means
+    /// smaller. A figure whose pelvis is fixed counts whole, as it always has.
+    pub fn first_judged(&self) -> usize {
+        self.first_judged
     }
 
     /// Whether no joint hangs on a body.

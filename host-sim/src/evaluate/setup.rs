@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{MethodName, SettingError, Settings, Timing, Tracker, TrackerError};
-use sinew_rig::mechanism::Link;
+use sinew_core::tracker::{
+    MethodName, SettingError, Settings, Tick, Timing, Tracker, TrackerError,
+};
+use sinew_rig::mechanism::{Link, Mechanism};
 use thiserror::Error;
 
 use super::controller::{BodyName, ControllerSettings, narrow};
@@ -17,6 +19,9 @@ use crate::plant::PlantSettings;
 
 /// A rig's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
 pub type RigTracker = Tracker<CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
+
+/// What one of its ticks asks for.
+pub(super) type RigTick<'t> = Tick<'t, CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
@@ -71,6 +76,12 @@ pub enum SetupError {
     /// A subject for a body that needs none.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
+    /// A setting of the figure that is made from a clip.
+    #[error("{key}: expected to be left out, since the rig has its own")]
+    OfTheFigure {
+        /// The key.
+        key: &'static str,
+    },
     /// The reference is no body of the rig.
     #[error("controller.reference: expected a body of the rig ({names}), found `{found}`")]
     NoSuchBody {
@@ -149,12 +160,27 @@ impl Setup {
         Ok(())
     }
 
-    /// Checks that the bodies which are named are the figure's.
+    /// Checks that the bodies which are named are the rig's, or without one the figure's; and of a rig, that nothing
+    /// is set which makes the figure.
     ///
     /// # Errors
-    /// [`SetupError::NoSuchBody`].
-    pub fn check_figure(&self) -> Result<(), SetupError> {
-        self.reference(BODIES.iter().map(|body| body.name)).map(|_| ())
+    /// [`SetupError::NoSuchBody`], [`SetupError::OfTheFigure`].
+    pub fn check_for(&self, rig: Option<&Mechanism>) -> Result<(), SetupError> {
+        let Some(rig) = rig else {
+            return self.reference(BODIES.iter().map(|body| body.name)).map(|_| ());
+        };
+        let Self { body, dimensions, root, subject, .. } = Self::default();
+        for (key, same) in [
+            ("body", self.body == body),
+            ("dimensions", self.dimensions == dimensions),
+            ("root", self.root == root),
+            ("subject", self.subject == subject),
+        ] {
+            if !same {
+                return Err(SetupError::OfTheFigure { key });
+            }
+        }
+        self.reference(rig.bodies.iter().map(|link| link.name.as_str())).map(|_| ())
     }
 
     /// The controller's settings with bodies by index. Only the method `accumulated` needs one to be there.
@@ -167,11 +193,14 @@ impl Setup {
         Ok(self.controller.clone().named(|_| reference))
     }
 
-    /// Index of the reference body among bodies of these names.
+    /// Index of the reference body among bodies of these names. The default is the root, whatever its name.
     fn reference<'a>(
         &self,
         names: impl Iterator<Item = &'a str> + Clone,
     ) -> Result<usize, SetupError> {
+        if self.controller.reference == BodyName::default() {
+            return Ok(0);
+        }
         let BodyName(wanted) = &self.controller.reference;
         names.clone().position(|name| name == wanted).ok_or_else(|| SetupError::NoSuchBody {
             names: names.collect::<Vec<_>>().join(", "),

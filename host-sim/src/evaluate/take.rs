@@ -19,6 +19,9 @@ pub trait Take: Sync {
         None
     }
 
+    /// Shows all numbers that the motion and its rig are made of, by which it is known again.
+    fn numbers(&self, see: &mut dyn FnMut(&[f64]));
+
     /// Time from one frame to the next, s.
     fn dt_s(&self) -> f64;
 
@@ -42,6 +45,16 @@ impl Take for FigureMotion {
         &self.name
     }
 
+    fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
+        let vectors = self.offset_m.iter().chain(&self.segment_end_m).chain(&self.root_position_m);
+        for vector in vectors {
+            see(&vector.to_array());
+        }
+        for rotation in self.rotation.iter().flatten() {
+            see(&rotation.to_array());
+        }
+    }
+
     fn dt_s(&self) -> f64 {
         self.dt_s
     }
@@ -63,5 +76,36 @@ impl Take for FigureMotion {
         {
             *root = pose(held);
         }
+    }
+}
+
+/// Motions of different kinds, side by side.
+impl<T: Take + ?Sized> Take for Box<T> {
+    fn name(&self) -> &str {
+        self.as_ref().name()
+    }
+
+    fn rig_name(&self) -> Option<&str> {
+        self.as_ref().rig_name()
+    }
+
+    fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
+        self.as_ref().numbers(see);
+    }
+
+    fn dt_s(&self) -> f64 {
+        self.as_ref().dt_s()
+    }
+
+    fn frame_count(&self) -> usize {
+        self.as_ref().frame_count()
+    }
+
+    fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError> {
+        self.as_ref().mechanism(setup)
+    }
+
+    fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>) {
+        self.as_ref().joint_poses(setup, frame, out);
     }
 }

@@ -6,6 +6,7 @@ use sinew_rig::mechanism::{Freedom, Link};
 
 use super::disturbance::{DelayLine, Sensors};
 use super::error::RunError;
+use super::friction::FrictionFeed;
 use super::reference::{Frames, Performance, one_step_before};
 use super::rig::Rig;
 use super::setup::{RigTracker, Setup};
@@ -69,8 +70,8 @@ fn frame_count(take: &dyn Take, seconds: Option<f64>) -> usize {
 /// Tracks a motion and shows every step to `observe`. Returns the number of steps.
 ///
 /// From frame n the controller has the motion's frames n to n+2, and the plant's poses of now and one step
-/// before; its torques take the plant to frame n+1, and there it is compared with the motion. The rig
-/// starts on the motion's pose and with its velocity, with its own dimensions.
+/// before; its torques take the plant to frame n+1, and there it is compared with the motion. The drives add what the
+/// friction of their joints takes, which they know. The rig starts on the motion's pose and with its velocity, with its own dimensions.
 ///
 /// Measured velocities are backward differences of what the joints' sensors tell, as firmware has them.
 /// `stream` tells motions apart in what is random of a run.
@@ -88,7 +89,7 @@ pub fn track(
     if steps == 0 {
         return Err(RunError::TooShort { frames: frame_count(take, seconds) });
     }
-    let rig = Rig::new(take.mechanism(setup)?)?;
+    let rig = Rig::of(take, setup)?;
     let mut tracker = setup.tracker(&rig, take.dt_s())?;
     let performance = Performance { take, setup, links: rig.links() };
     let mut frames = Frames::new(performance);
@@ -98,6 +99,8 @@ pub fn track(
     let mut plant = setup.plant.build(&built, &start, take.dt_s())?;
     let mut sensors = Sensors::new(&setup.disturbance, stream);
     let mut delay = DelayLine::new(setup.disturbance.latency_steps);
+    let mut friction = FrictionFeed::of(rig.links(), setup.disturbance.torque_limit_nm);
+    let mut wanted = Vec::new();
     let mut drive = Drive::none(rig.links().len());
     let lost_m = lost_m(&performance);
     let mut desired = Vec::new();
@@ -111,13 +114,18 @@ pub fn track(
         rig.joint_poses(plant.poses(), &mut now);
         sensors.read(rig.links(), &mut now);
         let tick = i32::try_from(frame).map_err(|_| RunError::TooLong { frames: steps })?;
-        let tick = tracker.step(&mut frames, tick, now.as_slice()).map_err(refused(frame))?;
+        let mut tick = tracker.step(&mut frames, tick, now.as_slice()).map_err(refused(frame))?;
         let torques = tick.torques();
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
         let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
-        let arriving = delay.pass(torques.iter().map(|torque| torque.value));
+        wanted.clear();
+        wanted.extend(torques.iter().map(|torque| torque.value));
+        if let Some(friction) = &mut friction {
+            friction.add(rig.links(), &mut tick, &mut wanted);
+        }
+        let arriving = delay.pass(wanted.iter().copied());
         set_drive(&mut drive, arriving, plant.poses());
         plant.step(&drive);
 

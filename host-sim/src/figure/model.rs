@@ -125,7 +125,7 @@ impl BodyModel {
                 ..link(place.parent, joint, *offset_m, mass)
             }
         });
-        Mechanism { bodies: bodies.collect() }
+        Mechanism { bodies: bodies.collect(), linked: Vec::new() }
     }
 }
 

@@ -58,6 +58,14 @@ pub enum PlantError {
         /// What it is: of several numbers the first that cannot be.
         found: f64,
     },
+    /// A joint without anything to accelerate: it would be infinitely fast.
+    #[error(
+        "body {body}: nothing resists its joint; expected mass or inertia that it moves, or a rotor_inertia above 0"
+    )]
+    Weightless {
+        /// The body.
+        body: usize,
+    },
     /// The engine does not simulate such a joint.
     #[error(
         "body {body}: {what}, which the engine does not simulate; the plant `articulated` does"
@@ -126,8 +134,8 @@ fn body_fault(link: &Link) -> Option<Fault> {
     vector_fault("position_m", link.position_m)
         .or_else(|| rotation_fault("rotation", link.rotation))
         .or_else(|| {
-            let good = link.mass_kg > 0.0 && link.mass_kg.is_finite();
-            (!good).then_some(("mass_kg", "a finite mass above 0 kg", link.mass_kg))
+            let good = link.mass_kg >= 0.0 && link.mass_kg.is_finite();
+            (!good).then_some(("mass_kg", "a finite mass from 0 kg", link.mass_kg))
         })
         .or_else(|| vector_fault("center_of_mass_m", link.center_of_mass_m))
         .or_else(|| inertia_fault(&link.inertia_kg_m2))
@@ -192,8 +200,8 @@ fn inertia_fault(inertia: &DMat3) -> Option<Fault> {
         return Some((item, "a symmetric matrix, differences of 0 across its diagonal", found));
     }
     let moments = na::Matrix3::from_column_slice(&elements).symmetric_eigenvalues();
-    if moments.min() <= 0.0 {
-        return Some((item, "principal moments above 0 kg m²", moments.min()));
+    if moments.min() < -ROUNDING * largest {
+        return Some((item, "principal moments from 0 kg m²", moments.min()));
     }
     let rest = moments.sum() - moments.max();
     if moments.max() > rest * (1.0 + ROUNDING) {

@@ -40,6 +40,7 @@ pub(super) fn hung(mass: MassProperties) -> Mechanism {
             link(None, Freedom::Fixed, DVec3::ZERO, &block),
             link(Some(0), Freedom::Spherical, DVec3::ZERO, &mass),
         ],
+        linked: Vec::new(),
     }
 }
 
@@ -88,7 +89,7 @@ pub(super) fn random_tree(root: Freedom, seed: u64) -> (Mechanism, Vec<MovingPos
             body.angular_rad_s -= root.angular_rad_s;
         }
     }
-    (Mechanism { bodies }, start)
+    (Mechanism { bodies, linked: Vec::new() }, start)
 }
 
 /// Torques of up to 0.5 N m on all joints, none on the root.

@@ -240,6 +240,10 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
         // In maximal coordinates there is none that the rotor's turns are of.
         return Some("a rotor has inertia");
     }
+    let bolted = body.joint == Freedom::Fixed && body.parent.is_none();
+    if !bolted && (body.mass_kg == 0.0 || body.inertia_kg_m2.determinant() <= 0.0) {
+        return Some("a body without mass or extent");
+    }
     match (body.joint, body.parent) {
         (Freedom::Universal(_), _) => Some("a universal joint"),
         (Freedom::Fixed | Freedom::Free, None) => None,

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use sinew_rig::Mechanism;
 
 use super::error::{SweepError, io};
 use crate::evaluate::Setup;
@@ -42,26 +43,35 @@ struct File {
 }
 
 impl SweepFile {
-    /// Reads a sweep file.
+    /// Reads a sweep file, for a rig of the user or for the figure. Of a rig, the plant is the exact one if none is named.
     ///
     /// The cells of a grid go through its lists, the last key in alphabetical order fastest. Keys may be
     /// dotted, in quotes too, or lie in tables.
     ///
     /// # Errors
     /// [`SweepError`] with the file's name and what is wrong where; nothing has been run then.
-    pub fn read(path: &Path) -> Result<Self, SweepError> {
+    pub fn read(path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
         let text = std::fs::read_to_string(path).map_err(io(path))?;
-        Self::parse(text, path)
+        Self::parse(text, path, rig)
     }
 
     /// Reads the text of the sweep file at `path`.
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn parse(text: String, path: &Path) -> Result<Self, SweepError> {
+    pub fn parse(text: String, path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
         let file = || PathBuf::from(path);
-        let content: File = toml::from_str(&text)
+        let mut content: File = toml::from_str(&text)
             .map_err(|source| SweepError::Toml { file: file(), source: Box::new(source) })?;
+        if rig.is_some()
+            && let Some(plant) = content
+                .setup
+                .entry("plant")
+                .or_insert_with(|| toml::Table::new().into())
+                .as_table_mut()
+        {
+            plant.entry("kind").or_insert_with(|| "articulated".into());
+        }
 
         let mut cells: Vec<Cell> = Vec::new();
         let mut keys = BTreeSet::new();
@@ -78,7 +88,7 @@ impl SweepFile {
                 }
                 let read = |table| {
                     let setup = Setup::from_table(table)?;
-                    setup.check_figure().map(|()| setup)
+                    setup.check_for(rig).map(|()| setup)
                 };
                 let setup = read(table).map_err(|source| {
                     // What is wrong without the grid's values too is not their fault.
@@ -196,7 +206,8 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<SweepFile, String> {
-        SweepFile::parse(text.to_owned(), Path::new("s.toml")).map_err(|error| error.to_string())
+        SweepFile::parse(text.to_owned(), Path::new("s.toml"), None)
+            .map_err(|error| error.to_string())
     }
 
     #[test]

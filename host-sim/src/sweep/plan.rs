@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use super::file::{Cell, SweepFile};
-use crate::figure::FigureMotion;
+use crate::evaluate::Take;
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct ClipIdentity {
     pub name: String,
     /// Its time step in seconds.
     pub dt_s: f64,
-    /// SHA-256 of the figure's motion, the first 16 hexadecimal digits.
+    /// SHA-256 of the motion and its rig, the first 16 hexadecimal digits.
     pub sha256: String,
 }
 
@@ -80,12 +80,7 @@ impl fmt::Display for Shard {
 
 impl Plan {
     /// A plan for all clips.
-    pub fn new(
-        file: SweepFile,
-        motions: &[FigureMotion],
-        seconds: Option<f64>,
-        shard: Shard,
-    ) -> Self {
+    pub fn new(file: SweepFile, motions: &[impl Take], seconds: Option<f64>, shard: Shard) -> Self {
         let clips = motions.iter().map(ClipIdentity::of).collect();
         Self { text: file.text, cells: file.cells, clips, seconds, shard }
     }
@@ -113,23 +108,16 @@ impl Plan {
 }
 
 impl ClipIdentity {
-    fn of(motion: &FigureMotion) -> Self {
+    fn of(motion: &impl Take) -> Self {
         let mut hash = Sha256::new();
         let mut add = |values: &[f64]| {
             for value in values {
                 hash.update(value.to_le_bytes());
             }
         };
-        add(&[motion.dt_s]);
-        for vector in
-            motion.offset_m.iter().chain(&motion.segment_end_m).chain(&motion.root_position_m)
-        {
-            add(&vector.to_array());
-        }
-        for rotation in motion.rotation.iter().flatten() {
-            add(&rotation.to_array());
-        }
-        Self { name: motion.name.clone(), dt_s: motion.dt_s, sha256: hex(hash) }
+        add(&[motion.dt_s()]);
+        motion.numbers(&mut add);
+        Self { name: motion.name().to_owned(), dt_s: motion.dt_s(), sha256: hex(hash) }
     }
 }
 
@@ -164,7 +152,7 @@ mod tests {
             clips in 0..3usize,
             count in 1..9usize,
         ) {
-            let file = SweepFile::parse(grids.iter().map(|grid| text(grid)).collect(), Path::new("s.toml")).unwrap();
+            let file = SweepFile::parse(grids.iter().map(|grid| text(grid)).collect(), Path::new("s.toml"), None).unwrap();
             let products: usize = grids.iter().map(|grid| grid.iter().product::<usize>()).sum();
             prop_assert_eq!(file.cells.len() + file.repeated, products);
             let setups: std::collections::BTreeSet<_> = file.cells.iter().map(|cell| &cell.key).collect();

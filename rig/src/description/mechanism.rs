@@ -3,9 +3,9 @@
 use glam::{DQuat, DVec3};
 
 use super::mass::Mass;
-use super::{Base, Body, Description, DescriptionError, Joint, JointType};
+use super::{Base, Body, Description, DescriptionError, Joint, JointType, LinkedLimit};
 use crate::actuation::JointDefaults;
-use crate::mechanism::{Freedom, Link, Mechanism, MergedBody, Pose};
+use crate::mechanism::{Freedom, Link, LinkedRange, Mechanism, MergedBody, Pose};
 
 impl Description {
     /// The bodies and joints by index: depth first in the order of the joints, body 0 the base, and every body on a
@@ -39,7 +39,8 @@ impl Description {
                 links.push(moved_link(joint, servos, body, parent, frame));
             }
         }
-        Ok(Mechanism { bodies: links })
+        let linked = self.limits.iter().filter_map(|limit| linked_range(limit, &links)).collect();
+        Ok(Mechanism { bodies: links, linked })
     }
 
     fn base_link(&self, base: &Body) -> Link {
@@ -97,6 +98,21 @@ fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Li
         inertia_kg_m2: mass.inertia_kg_m2,
         ..Link::on(parent, Freedom::Fixed, frame.position_m)
     }
+}
+
+/// `None` if one of its joints is none that moves, which `check` refuses.
+fn linked_range(limit: &LinkedLimit, links: &[Link]) -> Option<LinkedRange> {
+    let body = |joint: &str| links.iter().skip(1).position(|link| link.joint_name == joint);
+    Some(LinkedRange {
+        body: 1 + body(&limit.joint)?,
+        other: 1 + body(&limit.other)?,
+        factor: limit.factor,
+        other_factor: limit.other_factor,
+        range: [
+            limit.least_rad.or(limit.least_m).unwrap_or(f64::NEG_INFINITY),
+            limit.most_rad.or(limit.most_m).unwrap_or(f64::INFINITY),
+        ],
+    })
 }
 
 /// `check` has seen a length near 1.

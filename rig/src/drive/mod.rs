@@ -38,6 +38,7 @@
 mod curve;
 mod error;
 mod four_bar;
+mod friction;
 mod matrix;
 mod pose;
 mod pseudo_inverse;
@@ -48,6 +49,7 @@ use heapless::Vec;
 pub use curve::{Curve, POINTS};
 pub use error::{DriveError, DriveInputError};
 pub use four_bar::{FourBar, Links};
+pub use friction::{FULL_SPEED, Friction};
 pub use matrix::{ENTRIES, Matrix};
 pub use pose::DrivePose;
 

@@ -20,6 +20,24 @@ pub const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 pub struct Mechanism {
     /// Parents before children.
     pub bodies: Vec<Link>,
+    /// Limits that join two joints.
+    pub linked: Vec<LinkedRange>,
+}
+
+/// A limit that joins two joints of one axis: `factor · q + other_factor · q_other` stays in a range. Equal ends tie the
+/// joint to the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkedRange {
+    /// Body of the joint.
+    pub body: usize,
+    /// Body of the other joint.
+    pub other: usize,
+    /// Factor of the joint, not zero.
+    pub factor: f64,
+    /// Factor of the other.
+    pub other_factor: f64,
+    /// Least and most of the sum, rad or m; infinite where there is no limit.
+    pub range: [f64; 2],
 }
 
 /// A body and the joint that moves it.

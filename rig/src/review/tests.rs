@@ -24,6 +24,7 @@ fn arm() -> Mechanism {
             link(Some(0), hinge, DVec3::Y * 0.1, DVec3::Y * 0.2),
             link(Some(1), hinge, DVec3::Y * 0.4, DVec3::Y * 0.3),
         ],
+        linked: Vec::new(),
     }
 }
 
@@ -121,7 +122,7 @@ proptest! {
             next.ranges = vec![[least, most]];
             bodies.push(next);
         }
-        let rig = Mechanism { bodies };
+        let rig = Mechanism { bodies, linked: Vec::new() };
         for joint in 1..rig.bodies.len() {
             let worst = worst_load(&rig, joint, 0);
             let reached = holding_effort(&rig, &worst.q, joint, 0).abs();

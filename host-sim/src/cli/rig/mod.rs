@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(args: &RigArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// Reads a rig of any format; what an import changed is said on standard error.
-fn read(path: &Path) -> anyhow::Result<Loaded> {
+pub(super) fn read(path: &Path) -> anyhow::Result<Loaded> {
     let loaded = load(path, &Options::default())?;
     for line in &loaded.notes {
         note(format_args!("note: {line}"));

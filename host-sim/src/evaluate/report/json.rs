@@ -10,6 +10,8 @@ use crate::plant::Description;
 #[derive(Serialize)]
 struct Document<'a> {
     schema: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rig: Option<&'a str>,
     plant: Description,
     setup: &'a Setup,
     frames: usize,
@@ -104,6 +106,7 @@ impl From<&FigureResult> for Figure {
 pub fn json(evaluation: &Evaluation) -> String {
     let document = Document {
         schema: "sinew-evaluate/1",
+        rig: evaluation.rig.as_deref(),
         plant: evaluation.setup.plant.description(),
         setup: &evaluation.setup,
         frames: evaluation.frames(),

@@ -20,13 +20,18 @@ pub fn tables(evaluation: &Evaluation) -> String {
     write(
         &mut out,
         format_args!(
-            "{clips} clip{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\njoints of the plant hold to {:.1} mm\n",
+            "{clips} {}{}, {} frames; n_all = {n_all}, n_leaf = {n_leaf}\nplant: {}\njoints of the plant hold to {:.1} mm\n",
+            if evaluation.rig.is_some() { "motion" } else { "clip" },
             if clips == 1 { "" } else { "s" },
             evaluation.frames(),
             evaluation.setup.plant.description(),
             widest_gap_m(evaluation) * 1000.0,
         ),
     );
+    if evaluation.rig.is_some() {
+        let base = if evaluation.driven { "driven from outside" } else { "held by a stand" };
+        write(&mut out, format_args!("base of the rig: {base}\n"));
+    }
     let differences = evaluation.setup.differences();
     if !differences.is_empty() {
         write(&mut out, format_args!("setup: {}\n", differences.join(", ")));

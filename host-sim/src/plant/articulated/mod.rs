@@ -7,6 +7,7 @@ mod joint;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod weight;
 
 use glam::DVec3;
 
@@ -57,6 +58,7 @@ impl ArticulatedPlant {
         substeps: usize,
     ) -> Result<Self, PlantError> {
         check(mechanism, start, dt_s, substeps)?;
+        weight::check(mechanism, start)?;
         let tree = Tree::new(mechanism, start);
         let mut poses = Vec::with_capacity(start.len());
         tree.poses(&mut poses);

@@ -14,7 +14,7 @@ fn driven(masses: &[MassProperties]) -> Mechanism {
         };
         link(parent, joint, DVec3::ZERO, mass)
     };
-    Mechanism { bodies: masses.iter().enumerate().map(body).collect() }
+    Mechanism { bodies: masses.iter().enumerate().map(body).collect(), linked: Vec::new() }
 }
 
 fn plant(mechanism: &Mechanism, start: &[MovingPose], dt_s: f64) -> RapierPlant {

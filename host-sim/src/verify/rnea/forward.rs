@@ -47,7 +47,7 @@ pub(super) fn check(
     }
     let mut drive = Drive { torque_nm, ..Drive::none(bodies.len()) };
     drive.force_n[0] = state.root_wrench.force_world.0;
-    let got = ArticulatedPlant::new(&Mechanism { bodies }, &start, 0.01, 1)
+    let got = ArticulatedPlant::new(&Mechanism { bodies, linked: Vec::new() }, &start, 0.01, 1)
         .map_err(|error| CaseError::new("bodies", error))?
         .with_gravity(case.gravity.0)
         .accelerations(&drive);

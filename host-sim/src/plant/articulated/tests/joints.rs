@@ -5,6 +5,7 @@ use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 use sinew_core::{JointState, Transform, Tree, Twist, Wrench};
 
 use super::*;
+use crate::plant::link;
 use crate::random::{Random, Subject};
 
 /// A body of 2 kg, its centre of mass 0.3 m below its joint, on a bolted one.
@@ -302,4 +303,46 @@ fn inertia_is_inverted() {
     let inverse =
         DMat3::from_cols_array_2d(&[0, 1, 2].map(|row| [0, 1, 2].map(|c| matrix[row][c])));
     assert!((inverse * given).abs_diff_eq(DMat3::IDENTITY, 1e-14));
+}
+
+/// Two weightless frames and a weight of a point: three crossing hinges, as MJCF has several joints in a body.
+fn gimbal(axes: [DVec3; 3], rotor: f64) -> Mechanism {
+    let nothing = solid(0.0, DVec3::ZERO, DMat3::ZERO);
+    let weight = solid(2.0, DVec3::new(0.0, -0.3, 0.0), DMat3::ZERO);
+    let mut mechanism = hung(nothing);
+    mechanism.bodies[1].joint = Freedom::Revolute(axes[0]);
+    for (parent, (axis, mass)) in [(axes[1], nothing), (axes[2], weight)].into_iter().enumerate() {
+        let mut body = link(Some(parent + 1), Freedom::Revolute(axis), DVec3::ZERO, &mass);
+        body.rotor_inertia = rotor;
+        mechanism.bodies.push(body);
+    }
+    mechanism
+}
+
+#[test]
+fn a_pendulum_on_weightless_frames_swings_as_one_without() {
+    let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 4];
+    // The third axis goes through the weight: a rotor is all that it moves.
+    let mut mechanism = gimbal([DVec3::X, DVec3::Z, DVec3::Y], 0.0);
+    mechanism.bodies[3].rotor_inertia = 0.01;
+    let mut plant = ArticulatedPlant::new(&mechanism, &start, H, 1).unwrap();
+    let mut drive = Drive::none(4);
+    drive.torque_nm[1] = DVec3::X * 0.7;
+    let got = plant.accelerations(&drive).joints_rad_s2[1].x;
+    assert!((got - 0.7 / (2.0 * 0.3 * 0.3)).abs() < 1e-9, "{got}");
+}
+
+#[test]
+fn a_joint_that_nothing_resists_is_refused_by_its_body() {
+    let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 4];
+    for (axes, body) in [
+        // A weight in a point does not resist a turn about a line through it.
+        ([DVec3::X, DVec3::Z, DVec3::Y], 3),
+        // Of two hinges about one line, one could turn as fast as it likes against the other.
+        ([DVec3::X, DVec3::X, DVec3::Z], 2),
+    ] {
+        let error = ArticulatedPlant::new(&gimbal(axes, 0.0), &start, H, 1).unwrap_err();
+        assert_eq!(error, PlantError::Weightless { body });
+    }
+    ArticulatedPlant::new(&gimbal([DVec3::X, DVec3::X, DVec3::Z], 0.01), &start, H, 1).unwrap();
 }

@@ -1,0 +1,122 @@
+//! Limits that join two joints: ties are followed, ranges are shared out.
+
+use sinew_rig::mechanism::Mechanism;
+
+use super::axis::Axis;
+use super::course::Course;
+
+/// The axis of a joint that is tied to another: it is at `factor · leader + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Follower {
+    body: usize,
+    leader: usize,
+    factor: f64,
+    offset: f64,
+}
+
+/// Narrows the axes so that whatever they do by themselves, all limits hold that join two of them. Those that are tied
+/// to others stay still, for [`follow`].
+pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower> {
+    let mut followers: Vec<Follower> = Vec::new();
+    for one in &mechanism.linked {
+        let [least, most] = one.range;
+        let tied = least.to_bits() == most.to_bits();
+        if tied && !followers.iter().any(|other| other.body == one.body) {
+            let factor = -one.other_factor / one.factor;
+            let (body, leader) = (one.body, one.other);
+            followers.push(Follower { body, leader, factor, offset: most / one.factor });
+        }
+    }
+    let followers: Vec<Follower> = followers
+        .iter()
+        .filter_map(|one| {
+            // To the end of a chain; one that bites its tail has none.
+            let mut end = *one;
+            for _ in 0..followers.len() {
+                let Some(next) = followers.iter().find(|other| other.body == end.leader) else {
+                    return Some(end);
+                };
+                let (factor, offset) =
+                    (end.factor * next.factor, end.factor * next.offset + end.offset);
+                end = Follower { leader: next.leader, factor, offset, ..end };
+            }
+            None
+        })
+        .collect();
+    for one in &followers {
+        let [Some(own), Some(leader)] = [one.body, one.leader]
+            .map(|body| axes.get(body).and_then(|axes| axes.first().copied()))
+        else {
+            continue;
+        };
+        let [a, b] = [own.least, own.most].map(|end| (end - one.offset) / one.factor);
+        let led = Axis {
+            speed: leader.speed.min(own.speed / one.factor.abs()),
+            acceleration: leader.acceleration.min(own.acceleration / one.factor.abs()),
+            ..leader
+        };
+        put(axes, one.leader, led.within(a.min(b), a.max(b)));
+        put(axes, one.body, own.within(own.home, own.home));
+    }
+    for one in &mechanism.linked {
+        let mut terms: Vec<(usize, f64)> = Vec::new();
+        let mut offset = 0.0;
+        for (body, factor) in [(one.body, one.factor), (one.other, one.other_factor)] {
+            let follower = followers.iter().find(|other| other.body == body);
+            let (body, of_leader) =
+                follower.map_or((body, 1.0), |other| (other.leader, other.factor));
+            offset += factor * follower.map_or(0.0, |other| other.offset);
+            let factor = factor * of_leader;
+            match terms.iter_mut().find(|(other, _)| *other == body) {
+                Some((_, sum)) => *sum += factor,
+                None => terms.push((body, factor)),
+            }
+        }
+        share_out(axes, &terms, one.range.map(|end| end - offset));
+    }
+    followers
+}
+
+/// Gives each axis its part of the room that the sum of all has on both sides of home.
+fn share_out(axes: &mut [Vec<Axis>], terms: &[(usize, f64)], [least, most]: [f64; 2]) {
+    let of =
+        |axes: &[Vec<Axis>], body: usize| axes.get(body).and_then(|axes| axes.first().copied());
+    let home: f64 =
+        terms.iter().filter_map(|(body, factor)| Some(factor * of(axes, *body)?.home)).sum();
+    let parts = terms.len() as f64;
+    for (body, factor) in terms {
+        // A tie that is kept: nothing is left of the other's factor.
+        if factor.abs() < 1e-9 {
+            continue;
+        }
+        let Some(axis) = of(axes, *body) else { continue };
+        let [a, b] = [(least - home).min(0.0), (most - home).max(0.0)]
+            .map(|room| axis.home + room / parts / factor);
+        put(axes, *body, axis.within(a.min(b), a.max(b)));
+    }
+}
+
+fn put(axes: &mut [Vec<Axis>], body: usize, axis: Axis) {
+    if let Some(slot) = axes.get_mut(body).and_then(|axes| axes.first_mut()) {
+        *slot = axis;
+    }
+}
+
+/// Lets axes that are tied to others do what these do.
+pub(super) fn follow(followers: &[Follower], courses: &mut [Vec<Course>]) {
+    for one in followers {
+        let Some(leader) = courses.get(one.leader).and_then(|courses| courses.first()).cloned()
+        else {
+            continue;
+        };
+        let at = |position: f64| one.factor * position + one.offset;
+        let mut own = leader;
+        own.home = at(own.home);
+        for step in &mut own.moves {
+            step.to = at(step.to);
+        }
+        if let Some(slot) = courses.get_mut(one.body).and_then(|courses| courses.first_mut()) {
+            *slot = own;
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Whether every joint has something to accelerate: bodies without mass or extent leave that open.
+
+use glam::DVec3;
+
+use crate::plant::{Link, Mechanism, MovingPose, PlantError, Pose};
+
+/// What must be left of a joint's inertia when the joints before it give way, as a share of it: far above rounding, far
+/// below any rig's.
+const LEAST: f64 = 1e-9;
+
+/// Refuses a joint that nothing resists in the pose that the rig starts in. O(n³), and only for rigs that have bodies
+/// without mass or extent.
+pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), PlantError> {
+    let thin = |link: &Link| link.mass_kg == 0.0 || link.inertia_kg_m2.determinant() <= 0.0;
+    if !mechanism.bodies.iter().any(thin) {
+        return Ok(());
+    }
+    let ways = ways(mechanism, start);
+    let mut matrix = mass_matrix(mechanism, start, &ways);
+    let inertias: Vec<f64> = (0..ways.len()).map(|way| matrix[way][way]).collect();
+    // Gauss's elimination: a pivot is what is left of a way's inertia.
+    for (pivot, way) in ways.iter().enumerate() {
+        let row = matrix[pivot].clone();
+        // Written so that NaN is refused.
+        let resists = row[pivot] > LEAST * inertias[pivot];
+        if !resists {
+            return Err(PlantError::Weightless { body: way.body });
+        }
+        for below in &mut matrix[pivot + 1..] {
+            let factor = below[pivot] / row[pivot];
+            for (slot, of_pivot) in below.iter_mut().zip(&row) {
+                *slot -= factor * of_pivot;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A way that a joint leaves free, as the velocity that it gives: world axes.
+struct Way {
+    body: usize,
+    angular: DVec3,
+    /// Of the point of the body at the world's origin.
+    linear: DVec3,
+}
+
+impl Way {
+    /// Velocity of a point that moves with the body.
+    fn at(&self, point_m: DVec3) -> DVec3 {
+        self.linear + self.angular.cross(point_m)
+    }
+}
+
+fn ways(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<Way> {
+    let mut ways = Vec::new();
+    for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
+        let in_parent = link.parent.map_or(at.pose, |parent| start[parent].pose.inside(&at.pose));
+        let joint = Pose {
+            rotation: link.rotation.conjugate() * in_parent.rotation,
+            position_m: link.rotation.conjugate() * (in_parent.position_m - link.position_m),
+        };
+        let (turns, slides) = link.joint.axes(&link.joint.along(&joint));
+        for axis in turns {
+            let angular = at.pose.rotation * axis;
+            ways.push(Way { body, angular, linear: at.pose.position_m.cross(angular) });
+        }
+        for axis in slides {
+            ways.push(Way { body, angular: DVec3::ZERO, linear: at.pose.rotation * axis });
+        }
+    }
+    ways
+}
+
+/// `M[i][j] = Σ ωᵢᵀ I ωⱼ + m vᵢᵀ vⱼ` over the bodies that both ways move, and the rotors.
+fn mass_matrix(mechanism: &Mechanism, start: &[MovingPose], ways: &[Way]) -> Vec<Vec<f64>> {
+    let mut matrix = vec![vec![0.0; ways.len()]; ways.len()];
+    for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
+        let center_m = at.pose.point(link.center_of_mass_m);
+        let moving: Vec<usize> =
+            (0..ways.len()).filter(|way| supports(mechanism, ways[*way].body, body)).collect();
+        for one in &moving {
+            let spin = at.pose.rotation.conjugate() * ways[*one].angular;
+            let moment = at.pose.rotation * (link.inertia_kg_m2 * spin);
+            let momentum = ways[*one].at(center_m) * link.mass_kg;
+            for other in &moving {
+                let Way { angular, .. } = ways[*other];
+                matrix[*one][*other] +=
+                    angular.dot(moment) + ways[*other].at(center_m).dot(momentum);
+            }
+        }
+    }
+    for (index, way) in ways.iter().enumerate() {
+        matrix[index][index] += mechanism.bodies[way.body].rotor_inertia;
+    }
+    matrix
+}
+
+/// Whether the joint of one body moves another.
+fn supports(mechanism: &Mechanism, joint: usize, body: usize) -> bool {
+    std::iter::successors(Some(body), |body| mechanism.bodies[*body].parent).any(|one| one == joint)
+}

@@ -1,0 +1,51 @@
+//! What the friction of a joint takes, fed forward.
+
+use crate::limited::NotFinite;
+
+/// Below this speed Coulomb friction is fed forward in part only, rad/s or m/s: a joint that is to stand still gets
+/// none, and a target that trembles does not make the drive buzz.
+pub const FULL_SPEED: f32 = 0.01;
+
+/// The friction of one degree of freedom.
+///
+/// ```
+/// use sinew_rig::drive::Friction;
+/// let joint = Friction::new(0.1, 0.02)?;
+/// assert!((joint.effort(3.0) - 0.16).abs() < 1e-6);
+/// assert_eq!(joint.effort(-3.0), -joint.effort(3.0));
+/// assert_eq!(joint.effort(0.0), 0.0);
+/// # Ok::<(), sinew_rig::limited::NotFinite>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    coulomb: f32,
+    viscous: f32,
+}
+
+impl Friction {
+    /// No friction.
+    pub const NONE: Self = Self { coulomb: 0.0, viscous: 0.0 };
+
+    /// That of a joint: Coulomb friction in N m or N, viscous friction in N m s/rad or N s/m.
+    ///
+    /// # Errors
+    /// [`NotFinite`] if a number is none.
+    pub fn new(coulomb: f32, viscous: f32) -> Result<Self, NotFinite> {
+        for (what, found) in [("coulomb", coulomb), ("viscous", viscous)] {
+            if !found.is_finite() {
+                return Err(NotFinite { what, found });
+            }
+        }
+        Ok(Self { coulomb: coulomb.max(0.0), viscous: viscous.max(0.0) })
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// The effort that takes the joint through its friction at the speed that it is to have, rad/s or m/s: N m or N.
+    pub fn effort(&self, speed: f32) -> f32 {
+        self.coulomb * (speed / FULL_SPEED).clamp(-1.0, 1.0) + self.viscous * speed
+    }
+}
