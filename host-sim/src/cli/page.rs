@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
-use sinew_sim::evaluate::optimum::optimum;
-use sinew_sim::evaluate::{BodySource, Evaluation, Protocol};
+use sinew_sim::evaluate::exercise::Exercise;
+use sinew_sim::evaluate::optimum::{Optimum, optimum};
+use sinew_sim::evaluate::{BodySource, Evaluation, Protocol, Setup, Take};
 use sinew_sim::figure::FigureMotion;
+use sinew_sim::report::scene::Mannequin;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 
 use sinew_sim::command::note;
@@ -14,7 +16,7 @@ use sinew_sim::command::note;
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip that the report plays back. Default: the first.
+    /// Clip, or motion of the rig, that the report plays back. Default: the first.
     #[arg(long, value_name = "CLIP", requires = "out")]
     playback: Option<String>,
 
@@ -26,48 +28,64 @@ pub(super) struct PageArgs {
 /// What the report needs beside the evaluation, checked before that is made.
 #[derive(Debug)]
 pub(super) struct Plan {
-    /// Place of the clip to play among the evaluated ones.
-    clip: usize,
+    /// Place of the clip or motion to play among the evaluated ones.
+    take: usize,
     sweep: Option<Sweep>,
-    /// What was done to the clips.
+    /// What was done to the clips or the rig.
     notices: Vec<String>,
 }
 
 impl PageArgs {
-    /// Finds the clip and reads the sweep.
-    pub(super) fn plan(
-        &self,
-        motions: &[FigureMotion],
-        notices: Vec<String>,
-    ) -> anyhow::Result<Plan> {
-        let clip = self.playback.as_deref().map_or(Ok(0), |wanted| {
-            let place = motions.iter().position(|motion| motion.name == wanted);
+    /// Finds the clip or motion and reads the sweep.
+    pub(super) fn plan(&self, takes: &[impl Take], notices: Vec<String>) -> anyhow::Result<Plan> {
+        let take = self.playback.as_deref().map_or(Ok(0), |wanted| {
+            let place = takes.iter().position(|take| take.name() == wanted);
             place.with_context(|| {
-                let names: Vec<&str> = motions.iter().map(|m| m.name.as_str()).collect();
+                let names: Vec<&str> = takes.iter().map(Take::name).collect();
                 format!("--playback: expected one of {}, found `{wanted}`", names.join(", "))
             })
         })?;
         let sweep = self.sweep.as_deref().map(Sweep::read).transpose()?;
-        Ok(Plan { clip, sweep, notices })
+        Ok(Plan { take, sweep, notices })
     }
+}
+
+/// What a report shows of a take beside its errors.
+pub(super) trait Shown: Take + Sized {
+    /// How its rig looks.
+    fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin>;
+
+    /// What was set, beside the plant: name and value.
+    fn settings(&self, setup: &Setup) -> Vec<(&'static str, String)>;
+
+    /// What the takes are compared with, `self` being the one that is played back.
+    fn compared(&self, takes: &[Self], protocol: &Protocol) -> anyhow::Result<Compared>;
+}
+
+/// What results are compared with.
+#[derive(Debug, Default)]
+pub(super) struct Compared {
+    comparison: Option<Comparison>,
+    optimum: Option<Optimum>,
 }
 
 /// The scale of the paper's Figure 4.
 const COMPARED_SCALE: f64 = 1.1;
 
-impl Plan {
-    /// Tracks what is shown in motion and writes the page and its pictures.
-    pub(super) fn write(
-        &self,
-        folder: &Path,
-        motions: &[FigureMotion],
-        protocol: &Protocol,
-        evaluation: &Evaluation,
-    ) -> anyhow::Result<()> {
-        let motion = &motions[self.clip];
-        let playback = Playback::record(motion, protocol, self.clip as u64)
-            .with_context(|| format!("playback of {}", motion.name))?;
-        let comparison = match Comparison::new(motion, protocol, COMPARED_SCALE) {
+impl Shown for FigureMotion {
+    fn mannequin(&self, _: &Setup) -> anyhow::Result<Mannequin> {
+        Ok(Mannequin::of_figure(self))
+    }
+
+    fn settings(&self, setup: &Setup) -> Vec<(&'static str, String)> {
+        vec![
+            ("Masses", body(setup.body)),
+            ("Sampling", format!("{:.0} Hz, low-pass 6 Hz", self.dt_s.recip())),
+        ]
+    }
+
+    fn compared(&self, takes: &[Self], protocol: &Protocol) -> anyhow::Result<Compared> {
+        let comparison = match Comparison::new(self, protocol, COMPARED_SCALE) {
             Ok(comparison) => Some(comparison),
             // A setup may be unable to hold a posture: no reason to throw its evaluation away.
             Err(error) => {
@@ -75,12 +93,41 @@ impl Plan {
                 None
             }
         };
-        let mut settings = vec![
-            ("Plant", evaluation.setup.plant.description().to_string()),
-            ("Masses", body(evaluation.setup.body)),
-            ("Sampling", format!("{:.0} Hz, low-pass 6 Hz", motion.dt_s.recip())),
-        ];
-        let differences = evaluation.setup.differences();
+        Ok(Compared { comparison, optimum: Some(optimum(takes, protocol)?) })
+    }
+}
+
+impl Shown for Exercise {
+    fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin> {
+        Ok(Mannequin::of_rig(&Take::mechanism(self, setup)?))
+    }
+
+    fn settings(&self, _: &Setup) -> Vec<(&'static str, String)> {
+        vec![("Rate of control and plant", format!("{:.0} Hz", self.dt_s().recip()))]
+    }
+
+    fn compared(&self, _: &[Self], _: &Protocol) -> anyhow::Result<Compared> {
+        Ok(Compared::default())
+    }
+}
+
+impl Plan {
+    /// Tracks what is shown in motion and writes the page and its pictures.
+    pub(super) fn write<T: Shown>(
+        &self,
+        folder: &Path,
+        takes: &[T],
+        protocol: &Protocol,
+        evaluation: &Evaluation,
+    ) -> anyhow::Result<()> {
+        let take = &takes[self.take];
+        let setup = &evaluation.setup;
+        let playback = Playback::record(take, take.mannequin(setup)?, protocol, self.take as u64)
+            .with_context(|| format!("playback of {}", take.name()))?;
+        let compared = take.compared(takes, protocol)?;
+        let mut settings = vec![("Plant", setup.plant.description().to_string())];
+        settings.extend(take.settings(setup));
+        let differences = setup.differences();
         if !differences.is_empty() {
             settings.push(("Setup, where not the default", differences.join(", ")));
         }
@@ -89,9 +136,9 @@ impl Plan {
             settings: &settings,
             notices: &self.notices,
             evaluation,
-            dt_s: motion.dt_s,
-            comparison: comparison.as_ref(),
-            optimum: Some(&optimum(motions, protocol)?),
+            dt_s: take.dt_s(),
+            comparison: compared.comparison.as_ref(),
+            optimum: compared.optimum.as_ref(),
             playback: Some(&playback),
             sweep: self.sweep.as_ref(),
         };

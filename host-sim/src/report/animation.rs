@@ -6,6 +6,7 @@ use maud::{Markup, PreEscaped, html};
 use super::chart::px;
 use super::playback::{Playback, Run};
 use super::scene::{Camera, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, gradients};
+use super::words::Words;
 
 /// How long a loop may be, in seconds.
 const SHORTEST_S: f64 = 1.2;
@@ -15,35 +16,36 @@ const LONGEST_S: f64 = 2.4;
 const FRAME_S: f64 = 0.04;
 
 /// The last run around the playback's best frame.
-pub(super) fn animation(playback: &Playback) -> Option<Markup> {
+pub(super) fn animation(playback: &Playback, words: Words<'_>) -> Option<Markup> {
     let run = playback.runs.last()?;
     let every = frames(FRAME_S, playback.dt_s).max(1);
     let (first, last) = ends(playback, every)?;
     let shown: Vec<usize> = (first..last).step_by(every).collect();
+    let view = &playback.view;
     let roots = || shown.iter().map(|frame| playback.desired[*frame][0]);
     let (low, high) = (roots().fold(DVec3::MAX, DVec3::min), roots().fold(DVec3::MIN, DVec3::max));
     let camera = Camera {
-        target_m: 0.5 * (low + high),
-        yaw_rad: playback.yaw_rad(),
+        target_m: view.target_m.unwrap_or(0.5 * (low + high)),
+        yaw_rad: view.yaw_rad,
         pitch_rad: 0.16,
-        distance_m: 6.0,
-        focal: 6.0 * STAGE_HEIGHT / (2.6 * playback.mannequin.girth()),
+        distance_m: view.distance_m,
+        focal: view.distance_m * STAGE_HEIGHT / (2.6 * view.size_m),
         center: [0.5 * STAGE_WIDTH, 0.53 * STAGE_HEIGHT],
     };
     let stage = |frame: usize| Stage {
         id: "playback",
         camera,
-        ground_m: playback.ground_m(),
-        desired: (&playback.desired[frame], playback.mannequin.girth()),
-        measured: (&run.measured[frame], run.mannequin.girth()),
+        ground: view.ground,
+        desired: (&playback.mannequin, &playback.desired[frame]),
+        measured: (&run.mannequin, &run.measured[frame]),
     };
     let dt_s = every as f64 * playback.dt_s;
     let seconds = dt_s * shown.len() as f64;
-    let still = nearest(&shown, playback.best_frame());
+    let still = nearest(&shown, playback.view.frame);
     Some(html! {
         svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"
             width=(px(STAGE_WIDTH)) height=(px(STAGE_HEIGHT)) viewBox={ "0 0 " (px(STAGE_WIDTH)) " " (px(STAGE_HEIGHT)) }
-            aria-label=(caption(playback, run)) {
+            aria-label=(caption(playback, run, words)) {
             style { (PreEscaped(style(seconds, shown.len()))) }
             (gradients())
             (stage(shown[0]).backdrop())
@@ -58,13 +60,13 @@ pub(super) fn animation(playback: &Playback) -> Option<Markup> {
 }
 
 /// What is seen, in words.
-fn caption(playback: &Playback, run: &Run) -> String {
+fn caption(playback: &Playback, run: &Run, words: Words<'_>) -> String {
+    let (clip, name, method) = (words.clip(), &playback.clip, run.method.label());
+    let by = words.follower(run.scale);
     format!(
-        "Clip {}, followed with {} by a figure of {} times its dimensions. White: where the clip has the bodies. \
-         Red: where they are, drawn thinner.",
-        playback.clip,
-        run.method.label(),
-        run.scale
+        "{} {name}, followed with {method} by {by}. White: where the {clip} has the bodies. Red: where they are, \
+         drawn thinner.",
+        words.clip_title(),
     )
 }
 
@@ -81,7 +83,7 @@ fn style(seconds: f64, moments: usize) -> String {
 /// First frame of the loop and the one after its last: around the best frame, and so that the end is most like the
 /// beginning.
 fn ends(playback: &Playback, every: usize) -> Option<(usize, usize)> {
-    let best = playback.best_frame();
+    let best = playback.view.frame;
     let [shortest, longest] = [SHORTEST_S, LONGEST_S].map(|s| frames(s, playback.dt_s));
     let difference_m = |a: &Points, b: &Points| -> f64 {
         a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum()

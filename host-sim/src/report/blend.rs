@@ -11,7 +11,8 @@ use sinew_mocap::Clip;
 use super::chart::{Axis, line, px};
 use super::file;
 use super::scene::{
-    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
+    Camera, Ground, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m,
+    side_view_rad,
 };
 use crate::blend::{Blend, Nearest, Pair, Side};
 use crate::figure::mapping::Binding;
@@ -120,7 +121,7 @@ impl Drawing<'_> {
         let yaw_rad = side_view_rad(&cells[FIGURES / 2].2);
         let middle = 0.5 * (*first + *last) as f64;
         html! {
-            @for (index, (frame, _, points)) in cells.iter().enumerate() {
+            @for (index, (frame, mannequin, points)) in cells.iter().enumerate() {
                 @let x = index as f64 * (CELL + GAP);
                 @let id = format!("blend-{index}");
                 @let camera = Camera {
@@ -131,8 +132,9 @@ impl Drawing<'_> {
                     focal: 6.0 * (STAGE_HEIGHT / upright_m).min(VIEW_WIDTH / beside_m),
                     center: [0.5 * STAGE_WIDTH, 0.5 * STAGE_HEIGHT],
                 };
-                @let figure = (points, girth);
-                @let stage = Stage { id: &id, camera, ground_m: low - 0.04 * girth, desired: figure, measured: figure };
+                @let figure = (mannequin, points.as_slice());
+                @let ground = Ground::at(low - 0.04 * girth);
+                @let stage = Stage { id: &id, camera, ground, desired: figure, measured: figure };
                 @let share = self.share(*frame);
                 @let colors = shades(share);
                 svg x=(px(x)) y=(px(TOP)) width=(px(CELL)) height=(px(CELL_HEIGHT))

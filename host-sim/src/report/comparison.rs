@@ -5,7 +5,8 @@ use maud::{Markup, html};
 
 use super::chart::{line, px};
 use super::scene::{
-    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, reach_m, side_view_rad,
+    Camera, Ground, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, feet_m, reach_m,
+    side_view_rad,
 };
 use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
 use crate::figure::FigureMotion;
@@ -58,7 +59,7 @@ impl Comparison {
     pub fn new(motion: &FigureMotion, protocol: &Protocol, scale: f64) -> Result<Self, RunError> {
         let frame = most_outstretched(motion);
         let held = held(motion, frame);
-        let mannequin = Mannequin::new(motion);
+        let mannequin = Mannequin::of_figure(motion);
         let mut desired = None;
         let mut results = Vec::new();
         for method in METHODS {
@@ -145,9 +146,9 @@ impl Comparison {
         let stage = Stage {
             id: held.method.as_str(),
             camera: self.camera(),
-            ground_m: self.ground_m(),
-            desired: (&self.desired, self.mannequin.girth()),
-            measured: (&held.points, held.mannequin.girth()),
+            ground: Ground::at(feet_m(&self.desired) - 0.03),
+            desired: (&self.mannequin, &self.desired),
+            measured: (&held.mannequin, &held.points),
         };
         let [angular_deg, linear_cm, ..] = held.errors.all.figures();
         html! {
@@ -178,14 +179,6 @@ impl Comparison {
                 text class="miss-label" x=(px(label.place.0)) y=(px(label.place.1)) { (label.text) }
             }
         }
-    }
-
-    fn ground_m(&self) -> f64 {
-        [14, 17, 21, 22]
-            .map(|point: usize| self.desired[point].y)
-            .into_iter()
-            .fold(f64::INFINITY, f64::min)
-            - 0.03
     }
 
     /// From in front and a little aside, on all of the figure.

@@ -18,7 +18,9 @@ pub mod scene;
 mod still;
 mod sweep;
 mod tables;
+mod view;
 pub mod weights;
+mod words;
 
 use std::path::Path;
 use std::{fs, io};
@@ -33,6 +35,7 @@ use crate::evaluate::detail::{Detail, Spread};
 use crate::evaluate::optimum::Optimum;
 use crate::evaluate::{Evaluation, FigureResult, MethodName};
 use chart::{Quantity, Statistic};
+use words::Words;
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -41,17 +44,17 @@ pub struct Report<'a> {
     pub command: &'a str,
     /// What was set, such as the plant: name and value.
     pub settings: &'a [(&'a str, String)],
-    /// What was done to the clips before: skipped, filled, found.
+    /// What was done to the clips or the rig before: skipped, filled, found.
     pub notices: &'a [String],
     /// The result.
     pub evaluation: &'a Evaluation,
     /// Time from one frame to the next, in seconds.
     pub dt_s: f64,
-    /// The paper's Figure 4.
+    /// The paper's Figure 4; none of other rigs.
     pub comparison: Option<&'a Comparison>,
-    /// The nearest poses of every figure, of the same scales.
+    /// The nearest poses of every figure, of the same scales; none of other rigs.
     pub optimum: Option<&'a Optimum>,
-    /// One clip in motion.
+    /// One clip, or motion of a rig, as it was followed.
     pub playback: Option<&'a Playback>,
     /// A sweep beside the evaluation.
     pub sweep: Option<&'a Sweep>,
@@ -74,7 +77,10 @@ impl Report<'_> {
             fs::write(folder.join(format!("{name}.png")), png::png(&svg))?;
             fs::write(folder.join(format!("{name}.svg")), svg)?;
         }
-        if let Some(picture) = self.playback.and_then(animation::animation) {
+        let words = Words::of(self.evaluation);
+        if let Some(picture) =
+            self.playback.and_then(|playback| animation::animation(playback, words))
+        {
             fs::write(folder.join("playback.svg"), alone(&picture.0))?;
         }
         Ok(())
@@ -82,6 +88,7 @@ impl Report<'_> {
 
     /// The pictures with the names of their files: what the page shows first of its choices.
     fn pictures(&self) -> Vec<(String, Markup)> {
+        let words = Words::of(self.evaluation);
         let mut pictures = Vec::new();
         if let Some(comparison) = self.comparison {
             pictures.push(("figure4".to_owned(), comparison.picture()));
@@ -92,11 +99,11 @@ impl Report<'_> {
                 let methods = figure.methods.iter().map(|result| result.method);
                 pictures.push((format!("{name}-x{scale}"), row(methods, &charts)));
             };
-            let rows = tables::ratios(figure);
+            let rows = tables::ratios(figure, words);
             if !rows.is_empty() {
-                add("ratios", vec![chart::ratios(&tables::figure_name(scale), &rows)]);
+                add("ratios", vec![chart::ratios(&words.subject(scale), &rows)]);
             }
-            add("front", pareto::charts(figure, place, self.optimum).into());
+            add("front", pareto::charts(figure, place, self).into());
             let both = Quantity::BOTH;
             let courses = courses(figure, 0);
             add(
@@ -104,7 +111,7 @@ impl Report<'_> {
                 both.map(|q| chart::course(&courses, self.dt_s, q, Statistic::Mean)).into(),
             );
             let spreads = spreads(figure);
-            add("joints", both.map(|q| chart::joints(&self.evaluation.bodies, &spreads, q)).into());
+            add("joints", both.map(|q| joints(self.evaluation, figure, q)).into());
             add("distribution", both.map(|q| chart::distribution(&spreads, q)).into());
         }
         for (index, grid) in
@@ -166,6 +173,13 @@ fn courses(
     figure.methods.iter().map(|result| (result.method, &result.details[clip].course)).collect()
 }
 
+/// The mean errors of every body of a figure.
+fn joints(evaluation: &Evaluation, figure: &FigureResult, quantity: Quantity) -> Markup {
+    let spreads = spreads(figure);
+    let row = Words::of(evaluation).either(chart::ROW, chart::room(spreads.len()));
+    chart::joints(&evaluation.bodies, &spreads, quantity, row)
+}
+
 /// How the errors of all clips spread, with every method.
 fn spreads(figure: &FigureResult) -> Vec<(MethodName, Spread)> {
     let merged = |details: &[Detail]| {
@@ -177,3 +191,6 @@ fn spreads(figure: &FigureResult) -> Vec<(MethodName, Spread)> {
     };
     figure.methods.iter().map(|result| (result.method, merged(&result.details))).collect()
 }
+
+#[cfg(test)]
+mod tests;

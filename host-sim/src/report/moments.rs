@@ -10,7 +10,7 @@ use sinew_mocap::{Clip, JointSample};
 use super::chart::px;
 use super::file;
 use super::scene::{
-    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE, posed, reach_m,
+    Camera, Ground, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, WHITE, posed, reach_m,
     side_view_rad,
 };
 use crate::figure::mapping::Binding;
@@ -202,14 +202,17 @@ impl Cell {
     fn draw(&self, index: usize, camera: Camera) -> Markup {
         let id = format!("moment-{index}");
         let (mannequin, desired) = &self.query;
-        let desired = (desired, mannequin.girth());
-        let measured = self.found.as_ref().map(|(mannequin, points)| (points, mannequin.girth()));
-        let measured_or = measured.unwrap_or(desired);
-        let both = desired.0.iter().chain(measured_or.0);
+        let (found, measured) = self.found.as_ref().unwrap_or(&self.query);
+        let both = desired.iter().chain(measured);
         let low = both.fold(f64::INFINITY, |low, point| low.min(point.y));
-        let ground_m = low - 0.04 * desired.1;
-        let stage = Stage { id: &id, camera, ground_m, desired, measured: measured_or };
-        if measured.is_some() { stage.draw() } else { stage.draw_desired(WHITE) }
+        let stage = Stage {
+            id: &id,
+            camera,
+            ground: Ground::at(low - 0.04 * mannequin.girth()),
+            desired: (mannequin, desired),
+            measured: (found, measured),
+        };
+        if self.found.is_some() { stage.draw() } else { stage.draw_desired(WHITE) }
     }
 }
 

@@ -4,8 +4,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart::{self, Quantity, Statistic, legend};
 use super::head::head;
-use super::tables::{figure_name, ratios, table};
-use super::{Comparison, Playback, Report, Sweep, courses, palette, pareto, spreads};
+use super::tables::{ratios, table};
+use super::words::Words;
+use super::{Comparison, Playback, Report, Sweep, courses, joints, palette, pareto, spreads};
 use crate::evaluate::paper::Kind;
 use crate::evaluate::{Evaluation, FigureResult, MethodName};
 
@@ -20,15 +21,16 @@ pub(super) const FRONTS: usize = 12;
 
 pub(super) fn page(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
+    let words = Words::of(evaluation);
     html! {
         (DOCTYPE)
         html lang="en" {
-            (head(&format!("Sinew evaluation: {}", summary(evaluation)), &palette::page()))
+            (head(&words.title(&summary(evaluation)), &(palette::page() + words.style())))
             body {
                 a class="skip" href="#main" { "Skip to the results" }
                 (header(report))
                 main id="main" {
-                    @if let Some(playback) = report.playback { (motion(playback)) }
+                    @if let Some(playback) = report.playback { (motion(playback, evaluation)) }
                     @if let Some(comparison) = report.comparison { (posture(comparison)) }
                     (results(evaluation))
                     (fronts(report))
@@ -47,8 +49,9 @@ pub(super) fn page(report: &Report<'_>) -> Markup {
 fn summary(evaluation: &Evaluation) -> String {
     let clips = evaluation.clips.len();
     format!(
-        "{} clip{}, {} frames",
+        "{} {}{}, {} frames",
         thousands(clips),
+        Words::of(evaluation).clip(),
         if clips == 1 { "" } else { "s" },
         thousands(evaluation.frames())
     )
@@ -56,10 +59,12 @@ fn summary(evaluation: &Evaluation) -> String {
 
 fn header(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
+    let words = Words::of(evaluation);
+    let [_, tables] = words.tables();
     let sections = [
         ("playback", "Playback", report.playback.is_some()),
         ("posture", "Figure 4", report.comparison.is_some()),
-        ("tables", "Tables 1–4", true),
+        ("tables", tables, true),
         ("front", "Front", true),
         ("time", "Over time", true),
         ("bodies", "By body", true),
@@ -70,20 +75,15 @@ fn header(report: &Report<'_>) -> Markup {
     html! {
         header {
             p class="eyebrow" { "Sinew " (env!("CARGO_PKG_VERSION")) " · evaluation" }
-            h1 { "How closely a simulated figure follows a performance" }
-            p class="lede" {
-                (summary(evaluation)) ", tracked by a simulated figure with "
-                (evaluation.figures.first().map_or(0, |figure| figure.methods.len()))
-                " ways of measuring state error, and compared with Notman, Carlisle & Manning, "
-                cite { "Methods for Measuring State Error for Control of Animated Human Figures" } " (2011)."
-            }
+            h1 { (words.heading()) }
+            p class="lede" { (words.lede(&summary(evaluation), methods(evaluation).count())) }
             dl class="facts" {
                 @for (name, value) in report.settings {
                     div { dt { (name) } dd { (value) } }
                 }
                 div class="wide" { dt { "Command" } dd { code { (report.command) } } }
                 div class="wide" {
-                    dt { "Clips" }
+                    dt { (words.clip_title()) "s" }
                     dd { (clip_names(evaluation)) }
                 }
             }
@@ -120,7 +120,8 @@ fn thousands(number: usize) -> String {
     text
 }
 
-fn motion(playback: &Playback) -> Markup {
+fn motion(playback: &Playback, evaluation: &Evaluation) -> Markup {
+    let words = Words::of(evaluation);
     let mut scales: Vec<f64> = playback.runs.iter().map(|run| run.scale).collect();
     scales.dedup();
     let chosen = scales.last().copied().unwrap_or(1.0);
@@ -136,9 +137,13 @@ fn motion(playback: &Playback) -> Markup {
         section id="playback" {
             h2 { "Playback" }
             p {
-                "Clip " b { (playback.clip) }
+                (words.clip_title()) " " b { (playback.clip) }
                 @if playback.cut { ", its first " (format!("{:.0}", playback.desired.len() as f64 * playback.dt_s)) " s" }
-                ". White is where the clip has the bodies, red where the simulated figure has them, drawn thinner."
+                ". White is where the " (words.clip()) " has the bodies, red where the simulated " (words.figure())
+                " has them, drawn thinner."
+                @if let Some(side) = words.either(None, Some(playback.view.ground.grid_m)) {
+                    " A square of the ground is " (length(side)) " wide."
+                }
                 span class="on-screen" {
                     " Drag to turn; the arrow keys turn the view that has the focus, plus and minus zoom, space plays."
                 }
@@ -158,9 +163,9 @@ fn motion(playback: &Playback) -> Markup {
                                 }
                             }
                             canvas tabindex="0" role="application"
-                                aria-label={ "Desired and actual figure, view " (index + 1) ". Arrow keys turn, plus and minus zoom." } {}
+                                aria-label={ "Desired and actual " (words.figure()) ", view " (index + 1) ". Arrow keys turn, plus and minus zoom." } {}
                             dl class="readout" {
-                                @for name in ["All bodies", "Hands, feet, head"] {
+                                @for name in ["All bodies", words.either("Hands, feet, head", "Leaf bodies")] {
                                     div { dt { (name) } dd data-readout { "–" } }
                                 }
                             }
@@ -170,7 +175,7 @@ fn motion(playback: &Playback) -> Markup {
                 div class="transport" {
                     button type="button" id="play" aria-label="Play" { "▶" }
                     input type="range" id="scrubber" min="0" max=(playback.desired.len().saturating_sub(1))
-                        value=(playback.best_frame()) step="1" aria-label="Time";
+                        value=(playback.view.frame) step="1" aria-label="Time";
                     output id="clock" for="scrubber" { "0.00 s" }
                     div class="options" {
                         label { "Speed "
@@ -180,7 +185,7 @@ fn motion(playback: &Playback) -> Markup {
                                 }
                             }
                         }
-                        label { "Figure "
+                        label hidden[scales.len() < 2] { "Figure "
                             select id="figure" {
                                 @for scale in &scales {
                                     option value=(scale) selected[scale.to_bits() == chosen.to_bits()] { "×" (scale) }
@@ -199,6 +204,15 @@ fn motion(playback: &Playback) -> Markup {
     }
 }
 
+/// A length as one says it.
+fn length(length_m: f64) -> String {
+    match length_m {
+        1.0.. => format!("{length_m:.0} m"),
+        0.01.. => format!("{:.0} cm", 100.0 * length_m),
+        _ => format!("{:.1} mm", 1000.0 * length_m),
+    }
+}
+
 fn posture(comparison: &Comparison) -> Markup {
     html! {
         section id="posture" {
@@ -211,33 +225,39 @@ fn posture(comparison: &Comparison) -> Markup {
 
 fn results(evaluation: &Evaluation) -> Markup {
     let has_local = |figure: &FigureResult| figure.method(MethodName::Local).is_some();
+    let words = Words::of(evaluation);
+    let [heading, _] = words.tables();
+    let is_compared = words.either(true, false);
     html! {
         section id="tables" {
-            h2 { "Tables 1 to 4" }
-            p {
-                "Ours, and beneath it the paper’s and how far ours is from it. The paper’s motion was never published: \
-                 directions and rough sizes of the ratios can agree, not the numbers. "
-                span class="opposite" { "≠" } " marks a ratio on the other side of Local than the paper’s."
+            h2 { (heading) }
+            @if is_compared {
+                p {
+                    "Ours, and beneath it the paper’s and how far ours is from it. The paper’s motion was never published: \
+                     directions and rough sizes of the ratios can agree, not the numbers. "
+                    span class="opposite" { "≠" } " marks a ratio on the other side of Local than the paper’s."
+                }
             }
             @if !evaluation.figures.iter().all(has_local) {
                 p { "Nothing is divided by Local: it is not among the methods." }
             }
             @let ratio_charts: Vec<Markup> = evaluation.figures.iter()
-                .map(|figure| (figure.scale, ratios(figure)))
+                .map(|figure| (figure.scale, ratios(figure, words)))
                 .filter(|(_, rows)| !rows.is_empty())
-                .map(|(scale, rows)| chart::ratios(&figure_name(scale), &rows))
+                .map(|(scale, rows)| chart::ratios(&words.subject(scale), &rows))
                 .collect();
             @if !ratio_charts.is_empty() {
                 (legend(methods(evaluation).filter(|method| *method != MethodName::Local)))
                 div class="pair" { @for chart in ratio_charts { (chart) } }
                 p class="small" {
-                    "Filled: ours. Hollow: the paper’s. Left of 1 is better than Local."
+                    @if is_compared { "Filled: ours. Hollow: the paper’s. " }
+                    "Left of 1 is better than Local."
                 }
             }
             @for kind in [Kind::Normalised, Kind::Numerical] {
                 div class="pair tables" {
                     @for figure in &evaluation.figures {
-                        @if let Some(table) = table(figure, kind) { (table) }
+                        @if let Some(table) = table(figure, kind, words) { (table) }
                     }
                 }
             }
@@ -250,10 +270,10 @@ fn methods(evaluation: &Evaluation) -> impl Iterator<Item = MethodName> {
     first.into_iter().flat_map(|figure| figure.methods.iter().map(|result| result.method))
 }
 
-/// A choice among the charts of a section.
+/// A choice among the charts of a section, where there is one. The page's script reads it in any case.
 fn choice(name: &str, label: &str, options: &[(String, String)], chosen: usize) -> Markup {
     html! {
-        label { (label) " "
+        label hidden[options.len() < 2] { (label) " "
             select data-choice=(name) {
                 @for (index, (value, text)) in options.iter().enumerate() {
                     option value=(value) selected[index == chosen] { (text) }
@@ -276,6 +296,7 @@ fn last(evaluation: &Evaluation) -> usize {
 
 fn over_time(report: &Report<'_>) -> Markup {
     let evaluation = report.evaluation;
+    let words = Words::of(evaluation);
     let clips: Vec<(String, String)> = evaluation
         .clips
         .iter()
@@ -289,10 +310,10 @@ fn over_time(report: &Report<'_>) -> Markup {
         section id="time" class="choices" {
             h2 { "Errors over time" }
             @if evaluation.clips.len() > CLIPS {
-                p { "Of " (evaluation.clips.len()) " clips, the first " (CLIPS) " can be chosen here." }
+                p { "Of " (evaluation.clips.len()) " " (words.clip()) "s, the first " (CLIPS) " can be chosen here." }
             }
             div class="options" {
-                (choice("clip", "Clip", &clips, 0))
+                (choice("clip", words.clip_title(), &clips, 0))
                 (choice("figure", "Figure", &scales(evaluation), last(evaluation)))
                 (choice("statistic", "Show", &statistics, 0))
             }
@@ -322,7 +343,7 @@ fn fronts(report: &Report<'_>) -> Markup {
             div class="options" { (choice("figure", "Figure", &scales(evaluation), last(evaluation))) }
             @for (place, figure) in evaluation.figures.iter().enumerate() {
                 div class="pair" data-figure=(place) hidden[place != last(evaluation)] {
-                    @for chart in pareto::charts(figure, place, report.optimum) { (chart) }
+                    @for chart in pareto::charts(figure, place, report) { (chart) }
                 }
             }
         }
@@ -349,7 +370,7 @@ fn by_body(evaluation: &Evaluation) -> Markup {
     html! {
         section id="bodies" class="choices" {
             h2 { "Errors by body" }
-            (by_figure(evaluation, |figure, quantity| chart::joints(&evaluation.bodies, &spreads(figure), quantity)))
+            (by_figure(evaluation, |figure, quantity| joints(evaluation, figure, quantity)))
         }
     }
 }
@@ -394,54 +415,28 @@ fn swept(sweep: &Sweep) -> Markup {
 }
 
 fn notes(report: &Report<'_>) -> Markup {
+    let words = Words::of(report.evaluation);
     html! {
         section id="notes" {
             h2 { "Notes" }
             dl class="notes" {
                 @for method in methods(report.evaluation) {
-                    div { dt { (method.label()) } dd { (explanation(method)) } }
+                    div { dt { (method.label()) } dd { (words.explanation(method)) } }
                 }
-                div { dt { "Errors" } dd {
-                    "Every step, every body, in the world, against the clip in its own dimensions: the angle between desired and \
-                     actual rotation, the distance between desired and actual joint. Leaf joints are head, hands and feet."
-                } }
-                div { dt { "The paper" } dd {
-                    "D. Notman, P. Carlisle and R. Manning tracked some 80 punches and 40 kicks of one actor, 22,560 frames, with a \
-                     figure of 18 bodies in a game engine."
-                } }
+                div { dt { "Errors" } dd { (words.errors()) } }
+                @if words.either(true, false) {
+                    div { dt { "The paper" } dd {
+                        "D. Notman, P. Carlisle and R. Manning tracked some 80 punches and 40 kicks of one actor, 22,560 frames, with a \
+                         figure of 18 bodies in a game engine."
+                    } }
+                }
             }
             @if !report.notices.is_empty() {
                 details {
-                    summary { "What was done to the clips before" }
+                    summary { "What was done to the " (words.either("clips", "rig")) " before" }
                     ul class="small" { @for notice in report.notices { li { (notice) } } }
                 }
             }
-        }
-    }
-}
-
-fn explanation(method: MethodName) -> &'static str {
-    match method {
-        MethodName::Local => "Every body is compared with its goal in its parent's frame.",
-        MethodName::World => "Every body is compared with its goal in the world.",
-        MethodName::Egocentric => "Every body is compared with its goal as the pelvis sees it.",
-        MethodName::Accumulated => {
-            "Bodies beyond a chosen one are compared with their goals as that one sees them, all others in the world."
-        }
-        MethodName::LinearCompensation => {
-            "As World, but a body’s goal is turned so that its child comes nearest to where the clip has it. That costs angle \
-             and gains distance, above all on figures of other dimensions."
-        }
-        MethodName::ManifoldProjection => {
-            "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the bending. \
-             With equal dimensions it is World."
-        }
-        MethodName::ResolvedAcceleration => {
-            "Every body’s error in the world obeys one law: the joints together get the accelerations that do that."
-        }
-        MethodName::Recommended => {
-            "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, looks ahead over a \
-             known delay, and cancels what the model has wrong."
         }
     }
 }

@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::Report;
 use super::chart::{ParetoChart, Reference, Spot};
-use super::tables::figure_name;
+use super::words::Words;
 use crate::evaluate::optimum::{Curve, Held, Optimum, WEIGHTS_M};
 use crate::evaluate::pareto::on_front;
 use crate::evaluate::{ErrorTotals, Errors, FigureResult};
@@ -19,12 +20,9 @@ const GROUPS: [Group; 2] =
 const NAMED_M: [f64; 4] = [10.0, 0.5, 0.2, 0.05];
 
 /// The charts of the figure at a place of the evaluation.
-pub(super) fn charts(
-    figure: &FigureResult,
-    place: usize,
-    optimum: Option<&Optimum>,
-) -> [Markup; 2] {
-    let curves = optimum.map_or(&[][..], |optimum| &optimum.scales[place]);
+pub(super) fn charts(figure: &FigureResult, place: usize, report: &Report<'_>) -> [Markup; 2] {
+    let words = Words::of(report.evaluation);
+    let curves = report.optimum.map_or(&[][..], |optimum| &optimum.scales[place]);
     GROUPS.map(|(name, group)| {
         let means =
             |errors: &Errors| [errors.all.angular_mean_deg(), group(errors).linear_mean_cm()];
@@ -39,7 +37,7 @@ pub(super) fn charts(
         });
         let front = ParetoChart {
             title: format!("Mean linear error of {name} (cm)"),
-            condition: figure_name(figure.scale),
+            condition: words.subject(figure.scale),
             spots: spots.collect(),
             joined: Vec::new(),
             references: curves.iter().map(|curve| reference(curve, means)).collect(),

@@ -1,16 +1,13 @@
-//! A clip's playback: where the bodies should be and where they are, packed for the page's script.
+//! A motion's playback: where the bodies should be and where they are, packed for the page's script.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::comparison::farthest;
-use super::scene::{
-    MEASURED_GIRTH, Mannequin, PARTS, POINT_COUNT, Part, Points, TRUNK, reach_m, side_view_rad,
-};
-use crate::evaluate::{Errors, MethodName, Protocol, RunError, track};
-use crate::figure::FigureMotion;
+use super::scene::{Ground, MEASURED_GIRTH, Mannequin, Part, Points};
+use super::view::View;
+use crate::evaluate::{Errors, MethodName, Protocol, RunError, Take, track};
 
 /// The longest playback, in seconds.
 const LONGEST_S: f64 = 30.0;
@@ -18,21 +15,22 @@ const LONGEST_S: f64 = 30.0;
 /// Shortest time between two frames that are kept, in seconds: the script makes those between.
 const FRAME_S: f64 = 0.02;
 
-/// One clip, as every figure moved with every method.
+/// One motion, as every rig moved with every method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Playback {
-    /// The clip's name.
+    /// The motion's name.
     pub clip: String,
-    /// Whether the clip is longer than what is kept.
+    /// Whether the motion is longer than what is kept.
     pub cut: bool,
     /// Time between frames that are kept, in seconds.
     pub dt_s: f64,
+    pub(super) view: View,
     pub(super) mannequin: Mannequin,
     pub(super) desired: Vec<Points>,
     pub(super) runs: Vec<Run>,
 }
 
-/// One figure with one method.
+/// One rig with one method.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Run {
     pub(super) scale: f64,
@@ -44,38 +42,45 @@ pub(super) struct Run {
 }
 
 impl Playback {
-    /// Tracks a clip again with every method on every figure, and keeps what is seen. `stream` is the clip's
-    /// place among the evaluated ones.
+    /// Tracks a motion again with every method on its rig of every scale, and keeps what is seen. `mannequin` is the
+    /// rig's in the motion's dimensions, `stream` the motion's place among the evaluated ones.
     ///
     /// # Errors
     /// [`RunError`], as of any run.
-    pub fn record(
-        motion: &FigureMotion,
+    pub fn record<T: Take>(
+        take: &T,
+        mannequin: Mannequin,
         protocol: &Protocol,
         stream: u64,
     ) -> Result<Self, RunError> {
         let limit_s = protocol.seconds.map_or(LONGEST_S, |seconds| seconds.min(LONGEST_S));
+        // The setup's dimensions are those of the figure.
+        let is_figure = take.rig_name().is_none();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "not negative, and saturates"
         )]
-        let every = (FRAME_S / motion.dt_s).round().max(1.0) as usize;
-        let mannequin = Mannequin::new(motion);
+        let every = (FRAME_S / take.dt_s()).round().max(1.0) as usize;
         let mut desired = Vec::new();
         let mut runs = Vec::new();
         for scale in &protocol.scales {
             for method in &protocol.methods {
                 let setup = protocol.setup_of(*scale, *method);
                 desired.clear();
+                let scaled = if is_figure {
+                    mannequin.scaled_by(&setup.dimensions.factors())
+                } else {
+                    mannequin.clone()
+                };
                 let mut run = Run {
                     scale: *scale,
                     method: *method,
-                    mannequin: mannequin.scaled_by(&setup.dimensions.factors()),
+                    mannequin: scaled,
                     measured: Vec::new(),
                     errors: Vec::new(),
                 };
-                track(motion, &setup, Some(limit_s), stream, |step| {
+                track(take, &setup, Some(limit_s), stream, |step| {
                     if !(step.frame - 1).is_multiple_of(every) {
                         return;
                     }
@@ -90,26 +95,11 @@ impl Playback {
                 runs.push(run);
             }
         }
-        let dt_s = motion.dt_s * every as f64;
-        let cut = motion.rotation.len() as f64 * motion.dt_s > LONGEST_S + dt_s;
-        Ok(Self { clip: motion.name.clone(), cut, dt_s, mannequin, desired, runs })
-    }
-
-    /// Height of the ground: a little below the lowest that a foot should be.
-    pub(super) fn ground_m(&self) -> f64 {
-        let feet =
-            self.desired.iter().flat_map(|points| [14, 17, 21, 22].map(|foot| points[foot].y));
-        feet.fold(f64::INFINITY, f64::min) - 0.03
-    }
-
-    /// The frame to begin with: the one of the farthest reach.
-    pub(super) fn best_frame(&self) -> usize {
-        farthest(self.desired.iter().map(|points| reach_m(points)))
-    }
-
-    /// From where the first frame is seen best.
-    pub(super) fn yaw_rad(&self) -> f64 {
-        self.desired.get(self.best_frame()).map_or(0.0, |points| side_view_rad(points))
+        let dt_s = take.dt_s() * every as f64;
+        let cut = take.frame_count() as f64 * take.dt_s() > LONGEST_S + dt_s;
+        let view = if is_figure { View::of_figure } else { View::of_rig };
+        let view = view(&mannequin, &desired);
+        Ok(Self { clip: take.name().to_owned(), cut, dt_s, view, mannequin, desired, runs })
     }
 
     /// The script's data as JSON that may stand in HTML.
@@ -121,13 +111,15 @@ impl Playback {
         let document = Document {
             dt_s: self.dt_s,
             frames: self.desired.len(),
-            points: POINT_COUNT,
-            start: self.best_frame(),
-            yaw_rad: self.yaw_rad(),
+            points: self.desired.first().map_or(0, Vec::len),
+            start: self.view.frame,
+            yaw_rad: self.view.yaw_rad,
+            target_m: self.view.target_m.map(|target_m| target_m.to_array()),
+            size_m: self.view.size_m,
             unit_m,
-            ground_m: self.ground_m(),
-            parts: PARTS.to_vec(),
-            trunk: TRUNK,
+            ground: self.view.ground,
+            parts: self.mannequin.parts(),
+            trunk: self.mannequin.trunk(),
             girth: self.mannequin.girth(),
             desired: pack(&self.desired, unit_m),
             runs: self
@@ -149,15 +141,18 @@ impl Playback {
 }
 
 #[derive(Serialize)]
-struct Document {
+struct Document<'a> {
     dt_s: f64,
     frames: usize,
     points: usize,
     start: usize,
     yaw_rad: f64,
+    /// `null`: the camera goes with the first point.
+    target_m: Option<[f64; 3]>,
+    size_m: f64,
     unit_m: f64,
-    ground_m: f64,
-    parts: Vec<Part>,
+    ground: Ground,
+    parts: &'a [Part],
     trunk: usize,
     girth: f64,
     /// Frames of points of x, y, z in `unit_m`, i16, little-endian, base64.
@@ -169,7 +164,7 @@ struct Document {
 struct PackedRun {
     scale: f64,
     method: MethodName,
-    /// Factor on the thickness of the measured figure.
+    /// Factor on the thickness of the measured mannequin.
     girth: f64,
     measured: String,
     /// Frames of the four mean errors in hundredths, u16, little-endian, base64.
@@ -220,7 +215,8 @@ mod tests {
         let motion = moving("clip", 400);
         let methods = vec![MethodName::Local];
         let protocol = Protocol { methods, seconds: Some(2.0), ..Protocol::default() };
-        let playback = Playback::record(&motion, &protocol, 0).unwrap();
+        let playback =
+            Playback::record(&motion, Mannequin::of_figure(&motion), &protocol, 0).unwrap();
         assert_eq!(playback.runs.len(), 2);
         // 200 frames are 198 steps, of which every other is kept.
         assert_eq!(playback.desired.len(), 99);

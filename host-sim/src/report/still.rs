@@ -7,31 +7,31 @@ use super::playback::Playback;
 use super::scene::{Camera, STAGE_HEIGHT, STAGE_WIDTH, Stage};
 use crate::evaluate::MethodName;
 
-/// The playback's first frame with the given methods on the figure of one scale.
+/// The playback's first frame with the given methods on the rig of one scale.
 pub(super) fn still(playback: &Playback, scale: f64, methods: &[MethodName]) -> Markup {
-    let frame = playback.best_frame();
+    let view = &playback.view;
+    let frame = view.frame;
     let Some(desired) = playback.desired.get(frame) else {
         return html! {};
     };
     let camera = Camera {
-        target_m: desired[0],
-        yaw_rad: playback.yaw_rad(),
+        target_m: view.target_m.unwrap_or(desired[0]),
+        yaw_rad: view.yaw_rad,
         pitch_rad: 0.22,
-        distance_m: 6.0,
-        focal: 6.0 * STAGE_HEIGHT / (2.7 * playback.mannequin.girth()),
+        distance_m: view.distance_m,
+        focal: view.distance_m * STAGE_HEIGHT / (2.7 * view.size_m),
         center: [0.5 * STAGE_WIDTH, 0.5 * STAGE_HEIGHT],
     };
     html! {
         div class="pair" {
             @for run in playback.runs.iter().filter(|run| run.scale.to_bits() == scale.to_bits() && methods.contains(&run.method)) {
                 @let id = format!("still-{}", run.method);
-                @let girth = playback.mannequin.girth();
                 @let stage = Stage {
                     id: &id,
                     camera,
-                    ground_m: playback.ground_m(),
-                    desired: (desired, girth),
-                    measured: (&run.measured[frame], run.mannequin.girth()),
+                    ground: view.ground,
+                    desired: (&playback.mannequin, desired),
+                    measured: (&run.mannequin, &run.measured[frame]),
                 };
                 @let [deg, cm, ..] = run.errors[frame];
                 svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"

@@ -1,8 +1,9 @@
-//! Tables 1 to 4, ours with the paper's beneath.
+//! Tables of errors. Those of the paper's figure are its tables 1 to 4, the paper's numbers beneath ours.
 
 use maud::{Markup, html};
 
 use super::chart::Ratio;
+use super::words::Words;
 use crate::evaluate::paper::{self, Kind};
 use crate::evaluate::{ErrorTotals, Errors, FigureResult, MethodName, MethodResult};
 
@@ -15,16 +16,17 @@ const GROUPS: [Group; 2] =
     [("All joints", |errors| &errors.all), ("Leaf joints", |errors| &errors.leaf)];
 
 /// One table; `None` if there is no Local to divide by.
-pub(super) fn table(figure: &FigureResult, kind: Kind) -> Option<Markup> {
+pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Option<Markup> {
     let local = figure.method(MethodName::Local);
     if kind == Kind::Normalised {
         local?;
     }
-    let published = paper::Figure::of_scale(figure.scale);
+    let published = words.published(figure);
+    let caption = caption(&words.subject(figure.scale), published, kind);
     Some(html! {
         figure class="table" {
-            figcaption { (caption(figure.scale, kind)) }
-            div class="scroll" tabindex="0" role="region" aria-label=(caption(figure.scale, kind)) {
+            figcaption { (caption) }
+            div class="scroll" tabindex="0" role="region" aria-label=(caption) {
                 table {
                     thead {
                         tr {
@@ -138,24 +140,14 @@ fn opposite(ours: f64, paper: f64) -> bool {
         && (paper - 1.0).abs() > PRINTED
 }
 
-fn caption(scale: f64, kind: Kind) -> Markup {
-    let number = paper::Figure::of_scale(scale).map(|figure| figure.table(kind));
+fn caption(subject: &str, published: Option<&paper::Figure>, kind: Kind) -> Markup {
     html! {
-        @if let Some(number) = number { b { "Table " (number) "." } " " }
-        (figure_name(scale)) ": "
+        @if let Some(figure) = published { b { "Table " (figure.table(kind)) "." } " " }
+        (subject) ": "
         @match kind {
             Kind::Normalised => "errors divided by Local’s",
             Kind::Numerical => "errors as they are",
         }
-    }
-}
-
-/// The figure of a scale, in words.
-pub(super) fn figure_name(scale: f64) -> String {
-    if (scale - 1.0).abs() < 1e-9 {
-        "Figure of the clip’s dimensions".into()
-    } else {
-        format!("Figure of {scale} times the clip’s dimensions")
     }
 }
 
@@ -167,11 +159,11 @@ fn number(value: f64, kind: Kind) -> String {
 }
 
 /// The means of tables 1 and 2 for a chart; empty if there is no Local to divide by.
-pub(super) fn ratios(figure: &FigureResult) -> Vec<Ratio> {
+pub(super) fn ratios(figure: &FigureResult, words: Words<'_>) -> Vec<Ratio> {
     let Some(local) = figure.method(MethodName::Local) else {
         return Vec::new();
     };
-    let published = paper::Figure::of_scale(figure.scale);
+    let published = words.published(figure);
     let mut rows = Vec::new();
     for (column, names) in
         [["angular, all", "angular, leaf"], ["linear, all", "linear, leaf"]].into_iter().enumerate()

@@ -3,3 +3,4 @@
 mod page;
 mod report;
 mod rig;
+mod rig_report;

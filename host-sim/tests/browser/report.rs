@@ -6,6 +6,7 @@ use sinew_sim::evaluate::optimum::optimum;
 use sinew_sim::evaluate::{Protocol, evaluate};
 use sinew_sim::figure::FigureMotion;
 use sinew_sim::pipeline::{Settings, prepare};
+use sinew_sim::report::scene::Mannequin;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 use std::path::Path;
 
@@ -26,6 +27,7 @@ fn write_report(folder: &Path) {
     std::fs::write(&csv, "beta,kp,all_linear_mean_cm\n0,100,3\n1,100,2\n0,200,1\n1,200,\n")
         .unwrap();
     let evaluation = evaluate(&motions, &protocol, |_| ()).unwrap();
+    let mannequin = Mannequin::of_figure(&motions[0]);
     let report = Report {
         command: "sinew evaluate",
         settings: &[("Plant", "rapier".into())],
@@ -34,7 +36,7 @@ fn write_report(folder: &Path) {
         dt_s: motions[0].dt_s,
         comparison: Some(&Comparison::new(&motions[0], &protocol, 1.1).unwrap()),
         optimum: Some(&optimum(&motions, &protocol).unwrap()),
-        playback: Some(&Playback::record(&motions[0], &protocol, 0).unwrap()),
+        playback: Some(&Playback::record(&motions[0], mannequin, &protocol, 0).unwrap()),
         sweep: Some(&Sweep::read(&csv).unwrap()),
     };
     report.write(folder).unwrap();

@@ -12,7 +12,8 @@ use sinew_sim::report::file::write_all;
 
 use crate::autoencoder::{self, Example, Group, Method, Study};
 use sinew_sim::report::scene::{
-    Camera, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m, side_view_rad,
+    Camera, Ground, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m,
+    side_view_rad,
 };
 
 /// Width and height of a figure in the picture of reconstructions.
@@ -134,9 +135,9 @@ fn row(example: &Example, skeleton: &Skeleton, latent: usize) -> Option<Vec<Cell
             let stage = Stage {
                 id: &id,
                 camera,
-                ground_m: low - 0.04 * girth,
-                desired: (&desired, girth),
-                measured: (&measured, girth),
+                ground: Ground::at(low - 0.04 * girth),
+                desired: (&mannequin, &desired),
+                measured: (&mannequin, &measured),
             };
             let distance_cm = autoencoder::distance_cm(skeleton, &example.original, pose);
             Some(Cell { method: *method, drawn: stage.draw(), distance_cm })

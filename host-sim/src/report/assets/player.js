@@ -1,5 +1,5 @@
 
-// The playback: the same mannequin, camera and light as in the stills.
+// The playback: the same mannequins, camera and light as in the stills.
 (() => {
   const player = document.getElementById("player");
   if (!player) return;
@@ -16,7 +16,6 @@
     errors: new Uint16Array(bytes(run.errors)),
   }));
   const last = data.frames - 1;
-  const PELVIS = 0;
 
   // The points of a track at a time in frames, between its two nearest.
   const pointsAt = (track, time) => {
@@ -33,19 +32,20 @@
   };
 
   // ---- State ----
-  const START = { yaw: data.yaw_rad, pitch: 0.2, distance: 5.7 * data.girth };
+  const START = { yaw: data.yaw_rad, pitch: 0.2, distance: 5.7 * data.size_m };
   const camera = { ...START };
   let time = Number(scrubber.value);
   let playing = false;
   let before = null;
   let asked = false;
-  // What the camera looks at goes with the pelvis, without its quick moves.
+  // What the camera looks at stays, or goes with the first point without its quick moves.
   const target = (time) => {
+    if (data.target_m) return data.target_m;
     const width = Math.round(0.6 / data.dt_s);
     const sum = [0, 0, 0];
     let n = 0;
     for (let frame = Math.floor(time) - width; frame <= time + width; frame += 2) {
-      const at = Math.min(Math.max(frame, 0), last) * data.points * 3 + PELVIS * 3;
+      const at = Math.min(Math.max(frame, 0), last) * data.points * 3;
       for (const axis of [0, 1, 2]) sum[axis] += desired[at + axis] * data.unit_m;
       n += 1;
     }
@@ -59,7 +59,7 @@
     return (p) => {
       const x = p[0] - target[0], y = p[1] - target[1], z = p[2] - target[2];
       const depth = camera.distance - (x * cp * sy + y * sp + z * cp * cy);
-      const scale = focal / Math.max(depth, 0.1);
+      const scale = focal / Math.max(depth, 0.1 * data.size_m);
       return {
         x: width / 2 + scale * (x * cy - z * sy),
         y: height / 2 - scale * (-x * sp * sy + y * cp - z * sp * cy),
@@ -107,11 +107,11 @@
 
   // The trunk is one body of many parts; every other part is one of its own.
   const all = data.parts.map((_, i) => i);
-  const GROUPS = [all.slice(0, data.trunk), ...all.slice(data.trunk).map((i) => [i])];
+  const GROUPS = [all.slice(0, data.trunk), ...all.slice(data.trunk).map((i) => [i])].filter((group) => group.length > 0);
 
-  const RADIUS = 1.6;
+  const { height_m: GROUND, radius_m: RADIUS, grid_m: GRID } = data.ground;
   const drawGround = (context, project, center) => {
-    const at = (x, z) => project([x, data.ground_m, z]);
+    const at = (x, z) => project([x, GROUND, z]);
     const path = new Path2D();
     for (let i = 0; i < 48; i += 1) {
       const p = at(center[0] + RADIUS * Math.sin(i * Math.PI / 24), center[2] + RADIUS * Math.cos(i * Math.PI / 24));
@@ -122,8 +122,9 @@
     context.fill(path);
     const lines = new Path2D();
     for (const across of [0, 2]) {
-      for (let step = -4; step <= 4; step += 1) {
-        const middle = Math.round(center[across] * 2) / 2 + step / 2;
+      const most = Math.ceil(RADIUS / GRID + 0.5);
+      for (let step = -most; step <= most; step += 1) {
+        const middle = (Math.round(center[across] / GRID) + step) * GRID;
         const off = middle - center[across];
         if (Math.abs(off) >= RADIUS) continue;
         const half = Math.sqrt(RADIUS * RADIUS - off * off);
@@ -160,7 +161,7 @@
       const drawn = data.parts.map(([a, b, from, to, rFrom, rTo]) => {
         const ends = [[mix(points[a], points[b], from), rFrom], [mix(points[a], points[b], to), rTo]];
         const below = ends.map(([p, r]) => {
-          const s = project([p[0], data.ground_m, p[2]]);
+          const s = project([p[0], GROUND, p[2]]);
           return { x: s.x, y: s.y, r: r * girth * s.scale * 0.55 };
         });
         capsule(shadow, ...below);
@@ -245,7 +246,7 @@
     ask();
   };
   const zoom = (factor) => {
-    camera.distance = Math.min(Math.max(camera.distance * factor, 2 * data.girth), 15 * data.girth);
+    camera.distance = Math.min(Math.max(camera.distance * factor, 2 * data.size_m), 15 * data.size_m);
     ask();
   };
   const KEYS = {

@@ -26,7 +26,7 @@ pub use groups::{Kinds, groups};
 pub use heat_map::heat_map;
 pub use histogram::{Histograms, Panel};
 pub use intervals::{Interval, Row, intervals};
-pub(super) use joints::joints;
+pub(super) use joints::{ROW, joints, room};
 pub(super) use legend::{legend, legend_lines};
 pub(super) use pareto::{Joined, ParetoChart, Reference, Spot};
 pub use plane::{Plane, planes};

@@ -42,7 +42,8 @@ impl Camera {
         let up = towards.cross(right);
         let from_target = point_m - self.target_m;
         let depth_m = self.distance_m - from_target.dot(towards);
-        let scale = self.focal / depth_m.max(0.1);
+        // What is beside the camera or behind it is not near without end.
+        let scale = self.focal / depth_m.max(self.distance_m / 60.0);
         let [x, y] = self.center;
         Projected {
             x: x + scale * from_target.dot(right),

@@ -1,125 +1,40 @@
-//! The figure as a mannequin: round parts between the points of its skeleton.
-
-use core::array;
+//! A rig as a mannequin: round parts between the points of its bodies.
 
 use glam::DVec3;
 
-use crate::figure::{BODIES, BODY_COUNT, FigureMotion};
 use crate::plant::Pose;
 
-/// Bodies whose segment ends at no joint: head, hands, feet.
-const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
-
-/// Points of a figure: the joints, then the ends of head, hands and feet.
-pub const POINT_COUNT: usize = BODY_COUNT + ENDS.len();
-
-/// Points of a figure in the world, in metres.
-pub type Points = [DVec3; POINT_COUNT];
+/// Points of a mannequin in the world, in metres.
+pub type Points = Vec<DVec3>;
 
 /// A round part: between which points, from which to which share of the way, and how thick at both ends, in
-/// metres for a leg of [`LEG_M`].
+/// metres for a girth of 1.
 pub(in crate::report) type Part = (usize, usize, f64, f64, f64, f64);
 
-/// Number of the first parts that make one body of many, the trunk: they hide each other by no depth.
-pub(in crate::report) const TRUNK: usize = 6;
-
-/// The mannequin's parts. They have no other meaning than to be looked at.
-pub(in crate::report) const PARTS: [Part; 19] = [
-    (12, 15, 0.0, 1.0, 0.09, 0.09),
-    (0, 2, 0.0, 1.0, 0.108, 0.112),
-    (2, 3, 0.0, 0.8, 0.118, 0.085),
-    (2, 5, 0.35, 0.85, 0.095, 0.068),
-    (2, 9, 0.35, 0.85, 0.095, 0.068),
-    (3, 18, -0.1, 0.4, 0.05, 0.047),
-    (3, 18, 0.52, 0.68, 0.09, 0.095),
-    (5, 6, 0.0, 1.0, 0.05, 0.04),
-    (6, 7, 0.0, 1.0, 0.04, 0.029),
-    (7, 19, 0.1, 0.9, 0.034, 0.026),
-    (9, 10, 0.0, 1.0, 0.05, 0.04),
-    (10, 11, 0.0, 1.0, 0.04, 0.029),
-    (11, 20, 0.1, 0.9, 0.034, 0.026),
-    (12, 13, 0.0, 1.0, 0.08, 0.055),
-    (13, 14, 0.0, 1.0, 0.055, 0.036),
-    (14, 21, 0.0, 1.0, 0.042, 0.03),
-    (15, 16, 0.0, 1.0, 0.08, 0.055),
-    (16, 17, 0.0, 1.0, 0.055, 0.036),
-    (17, 22, 0.0, 1.0, 0.042, 0.03),
-];
-
-/// Length of the leg that [`PARTS`] are for.
-const LEG_M: f64 = 0.86;
-
-/// The measured figure is drawn inside the desired one, this much thinner: where they agree, an even white
+/// The measured mannequin is drawn inside the desired one, this much thinner: where they agree, an even white
 /// rim is left, and where they do not, red stands out of it.
 pub(in crate::report) const MEASURED_GIRTH: f64 = 0.74;
 
-/// Shorter than this a segment has no direction, in metres.
-const SHORTEST_M: f64 = 1e-3;
-
-/// Hands and feet among the points.
-pub(in crate::report) const HANDS_AND_FEET: [usize; 4] = [7, 11, 14, 17];
-
-/// How far beside the pelvis a hand or a foot is at most, in metres.
-pub fn reach_m(points: &[DVec3]) -> f64 {
-    farthest_reach(points).length()
-}
-
-/// From the pelvis to the farthest hand or foot beside it, level, in metres.
-fn farthest_reach(points: &[DVec3]) -> DVec3 {
-    let beside = HANDS_AND_FEET.map(|limb| (points[limb] - points[0]).with_y(0.0));
-    beside
-        .into_iter()
-        .fold(DVec3::ZERO, |best, one| if one.length() > best.length() { one } else { best })
-}
-
-/// From where a figure's farthest reach is seen from its side, a little from in front: angle about the
-/// vertical from the z axis to the x axis.
-pub fn side_view_rad(points: &[DVec3]) -> f64 {
-    /// Straight from the side a figure is flat.
-    const TURN_RAD: f64 = 0.45;
-    let reach = farthest_reach(points);
-    let side = DVec3::new(reach.z, 0.0, -reach.x);
-    // Of the two sides, the one that the chest is turned to.
-    let chest = (points[12] - points[15]).cross(DVec3::Y);
-    let side = if side.dot(chest) < 0.0 { -side } else { side };
-    let turn = if side.cross(reach).y > 0.0 { TURN_RAD } else { -TURN_RAD };
-    libm::atan2(side.x, side.z) + turn
-}
-
-/// What a skeleton says of the mannequin's shape.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The shape of a rig. It has no other meaning than to be looked at.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mannequin {
-    /// Ends of head, hands and feet in their bodies' frames, in metres.
-    ends_m: [DVec3; ENDS.len()],
+    /// The body that each point is on, and where in its frame, in metres.
+    pub(super) points: Vec<(usize, DVec3)>,
+    pub(super) parts: Vec<Part>,
+    /// Number of the first parts that make one body of many, the trunk: they hide each other by no depth.
+    pub(super) trunk: usize,
     /// Factor on the thickness of all parts.
-    girth: f64,
+    pub(super) girth: f64,
 }
 
 impl Mannequin {
-    /// The mannequin on a clip's skeleton.
-    pub fn new(motion: &FigureMotion) -> Self {
-        let legs = BODIES
-            .iter()
-            .zip(&motion.segment_end_m)
-            .filter(|(body, _)| body.name.starts_with("thigh") || body.name.starts_with("shank"));
-        let girth = 0.5 * legs.map(|(_, end)| end.length()).sum::<f64>() / LEG_M;
-        let ends_m = ENDS.map(|body| {
-            let end = motion.segment_end_m[body];
-            if end.length() > SHORTEST_M {
-                return end;
-            }
-            // A skeleton without ends: as its parent goes on.
-            motion.offset_m[body].normalize_or(DVec3::Y) * (0.16 * girth)
-        });
-        Self { ends_m, girth }
-    }
-
     /// Every body in its own factor's dimensions, and as thick as they are on average.
     pub(in crate::report) fn scaled_by(&self, factors: &[f64]) -> Self {
-        let mean = factors.iter().sum::<f64>() / BODY_COUNT as f64;
+        let mean = factors.iter().sum::<f64>() / factors.len() as f64;
         Self {
-            ends_m: array::from_fn(|end| self.ends_m[end] * factors[ENDS[end]]),
+            points: self.points.iter().map(|(body, at)| (*body, *at * factors[*body])).collect(),
             girth: self.girth * mean,
+            ..self.clone()
         }
     }
 
@@ -128,14 +43,23 @@ impl Mannequin {
         self.girth
     }
 
-    /// The figure's points at poses of its bodies in the world.
+    /// The largest radius of a part, in metres.
+    pub(in crate::report) fn thickest_m(&self) -> f64 {
+        let radii = self.parts.iter().flat_map(|part| [part.4, part.5]);
+        self.girth * radii.fold(0.0, f64::max)
+    }
+
+    pub(in crate::report) fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    pub(in crate::report) fn trunk(&self) -> usize {
+        self.trunk
+    }
+
+    /// Its points at poses of the bodies in the world.
     pub fn points(&self, poses: &[Pose]) -> Points {
-        array::from_fn(|point| match point.checked_sub(BODY_COUNT) {
-            None => poses[point].position_m,
-            Some(end) => {
-                let pose = poses[ENDS[end]];
-                pose.position_m + pose.rotation * self.ends_m[end]
-            }
-        })
+        let in_world = |(body, at): &(usize, DVec3)| poses[*body].point(*at);
+        self.points.iter().map(in_world).collect()
     }
 }

@@ -34,7 +34,7 @@ impl Stage<'_> {
     pub(in crate::report) fn frame(&self) -> Markup {
         let (desired, measured) = self.figures();
         let mut parts = String::new();
-        for group in Self::order(&desired, &measured) {
+        for group in self.order(&desired, &measured) {
             for (figure, drawn) in [("white", &desired), ("red", &measured)] {
                 for part in &drawn[group.clone()] {
                     parts += &path(figure, part);
@@ -42,7 +42,7 @@ impl Stage<'_> {
             }
         }
         html! {
-            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
+            path class="shadow" d=(self.shadow(self.desired, 1.0)) {}
             (PreEscaped(parts))
         }
     }

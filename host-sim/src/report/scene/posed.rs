@@ -12,7 +12,7 @@ pub fn posed(motion: &FigureMotion, frame: usize) -> (Mannequin, Points) {
         let rotation = BODIES[body].parent.map_or(local, |parent| poses[parent].rotation * local);
         poses.push(Pose { rotation, position_m });
     }
-    let mannequin = Mannequin::new(motion);
+    let mannequin = Mannequin::of_figure(motion);
     let points = mannequin.points(&poses);
     (mannequin, points)
 }

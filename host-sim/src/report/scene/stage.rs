@@ -1,22 +1,22 @@
-//! A stage with two figures on it: where the bodies should be, and where they are.
+//! A stage with two mannequins on it: where the bodies should be, and where they are.
 
-use core::f64::consts::PI;
 use core::ops::Range;
 
 use glam::DVec3;
 use maud::{Markup, html};
 
 use super::camera::{Camera, Projected};
-use super::mannequin::{MEASURED_GIRTH, PARTS, Points, TRUNK};
+use super::ground::Ground;
+use super::mannequin::{MEASURED_GIRTH, Mannequin};
 use super::outline::capsule;
-use crate::report::chart::{line, px};
-use crate::report::labels::{self, Circle, Ground, Label, Rectangle};
+use crate::report::chart::px;
+use crate::report::labels::{self, Circle, Label, Rectangle};
 
 pub const STAGE_WIDTH: f64 = 480.0;
 pub const STAGE_HEIGHT: f64 = 500.0;
 
 /// Labels stay off the edges, and below the title.
-const LABELS: Ground = Ground {
+const LABELS: labels::Ground = labels::Ground {
     bounds: Rectangle {
         left: 10.0,
         top: 62.0,
@@ -29,9 +29,6 @@ const LABELS: Ground = Ground {
     gap: 5.0,
 };
 
-/// Radius of the ground, in metres.
-const GROUND_M: f64 = 1.6;
-
 /// Figures in one picture, seen by one camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage<'a> {
@@ -39,12 +36,12 @@ pub struct Stage<'a> {
     pub id: &'a str,
     /// The camera.
     pub camera: Camera,
-    /// Height of the ground.
-    pub ground_m: f64,
-    /// Where the bodies should be, and the girth of that figure.
-    pub desired: (&'a Points, f64),
-    /// Where they are, and the girth of that figure.
-    pub measured: (&'a Points, f64),
+    /// What they stand on, around the camera's target.
+    pub ground: Ground,
+    /// Where the bodies should be: a mannequin and its points.
+    pub desired: (&'a Mannequin, &'a [DVec3]),
+    /// Where they are: a mannequin of the same parts, and its points.
+    pub measured: (&'a Mannequin, &'a [DVec3]),
 }
 
 /// A part in the picture.
@@ -57,11 +54,11 @@ impl Stage<'_> {
     /// Stage, shadows and figures, as the content of an SVG.
     pub fn draw(&self) -> Markup {
         let (desired, measured) = self.figures();
-        let groups = Self::order(&desired, &measured);
+        let groups = self.order(&desired, &measured);
         html! {
             (self.backdrop())
-            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
-            path class="shadow" d=(self.shadow(self.measured.0, self.measured.1 * MEASURED_GIRTH)) {}
+            path class="shadow" d=(self.shadow(self.desired, 1.0)) {}
+            path class="shadow" d=(self.shadow(self.measured, MEASURED_GIRTH)) {}
             @for group in groups {
                 @for part in group.clone() { (self.part("desired", WHITE, part, &desired[part])) }
                 @for part in group { (self.part("measured", RED, part, &measured[part])) }
@@ -71,32 +68,28 @@ impl Stage<'_> {
 
     /// Stage, shadow and the desired figure alone, from the lit side to the dark one in these colours.
     pub fn draw_desired(&self, shades: [&str; 3]) -> Markup {
-        let parts = self.parts(self.desired.0, self.desired.1);
-        let mut order: Vec<usize> = (TRUNK..PARTS.len()).collect();
-        let trunk_m = parts[..TRUNK].iter().map(|part| part.depth_m).sum::<f64>() / TRUNK as f64;
-        order.sort_by(|a, b| parts[*b].depth_m.total_cmp(&parts[*a].depth_m));
-        let behind = order.partition_point(|part| parts[*part].depth_m > trunk_m);
-        order.splice(behind..behind, 0..TRUNK);
+        let parts = self.parts(self.desired, 1.0);
         html! {
             (self.backdrop())
-            path class="shadow" d=(self.shadow(self.desired.0, self.desired.1)) {}
-            @for part in order { (self.part("desired", shades, part, &parts[part])) }
+            path class="shadow" d=(self.shadow(self.desired, 1.0)) {}
+            @for part in self.order(&parts, &parts).into_iter().flatten() {
+                (self.part("desired", shades, part, &parts[part]))
+            }
         }
     }
 
     /// The parts of both figures.
     pub(super) fn figures(&self) -> (Vec<Drawn>, Vec<Drawn>) {
-        (
-            self.parts(self.desired.0, self.desired.1),
-            self.parts(self.measured.0, self.measured.1 * MEASURED_GIRTH),
-        )
+        (self.parts(self.desired, 1.0), self.parts(self.measured, MEASURED_GIRTH))
     }
 
     /// Parts from the farthest to the nearest. A part of one figure stays with that of the other, so that the two
     /// never hide each other by accident.
-    pub(super) fn order(desired: &[Drawn], measured: &[Drawn]) -> Vec<Range<usize>> {
-        let others = (TRUNK..PARTS.len()).map(|part| part..part + 1);
-        let mut groups: Vec<Range<usize>> = std::iter::once(0..TRUNK).chain(others).collect();
+    pub(super) fn order(&self, desired: &[Drawn], measured: &[Drawn]) -> Vec<Range<usize>> {
+        let trunk = self.desired.0.trunk();
+        let others = (trunk..desired.len()).map(|part| part..part + 1);
+        let mut groups: Vec<Range<usize>> =
+            (trunk > 0).then_some(0..trunk).into_iter().chain(others).collect();
         let depth_m = |group: &Range<usize>| {
             let both = desired[group.clone()].iter().chain(&measured[group.clone()]);
             both.map(|part| part.depth_m).sum::<f64>() / group.len() as f64
@@ -113,7 +106,7 @@ impl Stage<'_> {
                 rect width=(px(STAGE_WIDTH)) height=(px(STAGE_HEIGHT)) rx="10" {}
             }
             rect class="stage" width=(px(STAGE_WIDTH)) height=(px(STAGE_HEIGHT)) rx="10" {}
-            g clip-path={ "url(#" (clip) ")" } { (self.ground()) }
+            g clip-path={ "url(#" (clip) ")" } { (self.ground.draw(&self.camera)) }
         }
     }
 
@@ -142,12 +135,14 @@ impl Stage<'_> {
         desired.iter().chain(&measured).flat_map(along).collect()
     }
 
-    fn parts(&self, points: &Points, girth: f64) -> Vec<Drawn> {
+    fn parts(&self, (mannequin, points): (&Mannequin, &[DVec3]), thinner: f64) -> Vec<Drawn> {
+        let girth = mannequin.girth() * thinner;
         let circle = |point_m: DVec3, radius_m: f64| {
             let seen = self.camera.project(point_m);
             (Circle { x: seen.x, y: seen.y, r: radius_m * girth * seen.scale }, seen.depth_m)
         };
-        PARTS
+        mannequin
+            .parts()
             .iter()
             .map(|(a, b, from, to, r_from, r_to)| {
                 let (start, near) = circle(points[*a].lerp(points[*b], *from), *r_from);
@@ -186,41 +181,20 @@ impl Stage<'_> {
         }
     }
 
-    fn ground(&self) -> Markup {
-        let center = DVec3::new(self.camera.target_m.x, self.ground_m, self.camera.target_m.z);
-        let rim = (0..48).map(|index| {
-            let (sin, cos) = libm::sincos(f64::from(index) * PI / 24.0);
-            self.place(center + DVec3::new(sin, 0.0, cos) * GROUND_M)
-        });
-        let mut lines = String::new();
-        // The grid stays where it is in the world: half metres.
-        for step in -4..=4 {
-            for across in [DVec3::X, DVec3::Z] {
-                let along = DVec3::new(across.z, 0.0, across.x);
-                let middle = libm::round(center.dot(across) * 2.0) * 0.5 + f64::from(step) * 0.5;
-                let off = middle - center.dot(across);
-                if off.abs() >= GROUND_M {
-                    continue;
-                }
-                let half = libm::sqrt(GROUND_M * GROUND_M - off * off);
-                let at = |way: f64| self.place(center + across * off + along * (half * way));
-                lines += &line([at(-1.0), at(1.0)]);
-            }
-        }
-        html! {
-            path class="ground" d={ (line(rim)) "Z" } {}
-            path class="ground-line" d=(lines) {}
-        }
-    }
-
     /// The figure's shadow under a light from straight above, as one path: where parts overlap it is not
     /// darker.
-    pub(super) fn shadow(&self, points: &Points, girth: f64) -> String {
+    pub(super) fn shadow(
+        &self,
+        (mannequin, points): (&Mannequin, &[DVec3]),
+        thinner: f64,
+    ) -> String {
+        let girth = mannequin.girth() * thinner;
         let below = |point_m: DVec3, radius_m: f64| {
-            let seen = self.camera.project(DVec3::new(point_m.x, self.ground_m, point_m.z));
+            let seen = self.camera.project(DVec3::new(point_m.x, self.ground.height_m, point_m.z));
             Circle { x: seen.x, y: seen.y, r: radius_m * girth * seen.scale * 0.55 }
         };
-        PARTS
+        mannequin
+            .parts()
             .iter()
             .map(|(a, b, from, to, r_from, r_to)| {
                 capsule(
