@@ -109,7 +109,10 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     }
     if let Some(rig) = rig {
         let takes = args.clips.exercises(rig)?;
-        return args.evaluate(&takes, &protocol, |_, _| Ok(()));
+        let plan = args.page.plan(&takes, rig.notes.clone())?;
+        return args.evaluate(&takes, &protocol, |folder, evaluation| {
+            plan.write(folder, &takes, &protocol, evaluation)
+        });
     }
     let (motions, notices) = args.clips.read()?;
     tell(&notices);

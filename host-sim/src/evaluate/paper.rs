@@ -66,6 +66,17 @@ pub enum Kind {
     Numerical,
 }
 
+impl Kind {
+    /// Decimals to print: those of the paper, and two more of the smaller errors of a user's rig.
+    pub fn decimals(self, of_rig: bool) -> usize {
+        match (self, of_rig) {
+            (Self::Normalised, _) => 3,
+            (Self::Numerical, false) => 2,
+            (Self::Numerical, true) => 4,
+        }
+    }
+}
+
 impl Figure {
     /// The paper's figure of this scale, if it has one.
     pub fn of_scale(scale: f64) -> Option<&'static Self> {

@@ -22,6 +22,7 @@ pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Opti
         local?;
     }
     let published = words.published(figure);
+    let decimals = kind.decimals(words.either(false, true));
     let caption = caption(&words.subject(figure.scale), published, kind);
     Some(html! {
         figure class="table" {
@@ -68,11 +69,11 @@ pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Opti
                                 tr {
                                     th scope="row" { (result.method.label()) }
                                     @for column in 0..4 {
-                                        (cell(ours[column], theirs.map(|row| row[column]), kind))
+                                        (cell(ours[column], theirs.map(|row| row[column]), kind, decimals))
                                     }
                                     // Of whole poses, and none of the paper's.
                                     @if group_name == GROUPS[0].0 {
-                                        (cell(weighted(result, local, kind), None, kind))
+                                        (cell(weighted(result, local, kind), None, kind, decimals))
                                     } @else {
                                         td {}
                                     }
@@ -96,13 +97,14 @@ fn weighted(result: &MethodResult, local: Option<&MethodResult>, kind: Kind) -> 
 }
 
 /// Our number, and beneath it the paper's and how far ours is from it.
-fn cell(ours: f64, paper: Option<f64>, kind: Kind) -> Markup {
+fn cell(ours: f64, paper: Option<f64>, kind: Kind, decimals: usize) -> Markup {
+    let number = |value: f64| format!("{value:.decimals$}");
     html! {
         td class="number" {
-            span class="ours" { (number(ours, kind)) }
+            span class="ours" { (number(ours)) }
             @if let Some(paper) = paper {
                 span class="theirs" {
-                    (number(paper, kind))
+                    (number(paper))
                     @let difference = difference_percent(ours, paper);
                     @if let Some(difference) = difference {
                         " " span class="difference" {
@@ -148,13 +150,6 @@ fn caption(subject: &str, published: Option<&paper::Figure>, kind: Kind) -> Mark
             Kind::Normalised => "errors divided by Local’s",
             Kind::Numerical => "errors as they are",
         }
-    }
-}
-
-fn number(value: f64, kind: Kind) -> String {
-    match kind {
-        Kind::Normalised => format!("{value:.3}"),
-        Kind::Numerical => format!("{value:.2}"),
     }
 }
 

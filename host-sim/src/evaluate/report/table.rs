@@ -41,7 +41,7 @@ pub fn tables(evaluation: &Evaluation) -> String {
     }
     for kind in [Kind::Normalised, Kind::Numerical] {
         for figure in &evaluation.figures {
-            let Some(table) = table(figure, published(evaluation, figure), kind) else {
+            let Some(table) = table(evaluation, figure, kind) else {
                 continue;
             };
             write(&mut out, format_args!("\n{}\n{table}\n", heading(evaluation, figure, kind)));
@@ -86,15 +86,14 @@ fn heading(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> String
 }
 
 /// The table of one figure; `None` if there is nothing to divide by.
-fn table(
-    figure: &FigureResult,
-    published: Option<&'static paper::Figure>,
-    kind: Kind,
-) -> Option<Table> {
+fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<Table> {
     let local = figure.method(MethodName::Local);
     if kind == Kind::Normalised {
         local?;
     }
+    let published = published(evaluation, figure);
+    let decimals = kind.decimals(evaluation.rig.is_some());
+    let number = |value: f64| format!("{value:.decimals$}");
     let header = [
         "joints",
         "method",
@@ -107,7 +106,7 @@ fn table(
     // All rows' of a column are as wide as Local's, to a digit that happens not to be there.
     let bracket_widths = published
         .and_then(|figure| figure.row(kind, MethodName::Local))
-        .map_or([0; 4], |row| row.all.map(|value| number(value, kind).len() + 2));
+        .map_or([0; 4], |row| row.all.map(|value| number(value).len() + 2));
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN).set_header(header);
     for (joints, group) in [("all", group_all as Group), ("leaf", group_leaf as Group)] {
@@ -126,9 +125,9 @@ fn table(
             });
             let mut cells = vec![joints.to_owned(), result.method.label().to_owned()];
             for column in 0..4 {
-                let ours = number(ours[column], kind);
+                let ours = number(ours[column]);
                 cells.push(match published {
-                    Some(Some(row)) => format!("{ours} ({})", number(row[column], kind)),
+                    Some(Some(row)) => format!("{ours} ({})", number(row[column])),
                     // Under the others' first number.
                     Some(None) => format!("{ours} {:1$}", "", bracket_widths[column]),
                     None => ours,
@@ -138,9 +137,9 @@ fn table(
             let weighted = |result: &MethodResult| result.total.weighted.mean_cm();
             cells.push(match (joints, kind, local) {
                 ("all", Kind::Normalised, Some(local)) => {
-                    number(weighted(result) / weighted(local), kind)
+                    number(weighted(result) / weighted(local))
                 }
-                ("all", ..) => number(weighted(result), kind),
+                ("all", ..) => number(weighted(result)),
                 _ => String::new(),
             });
             table.add_row(cells);
@@ -160,11 +159,4 @@ fn group_all(errors: &Errors) -> [f64; 4] {
 
 fn group_leaf(errors: &Errors) -> [f64; 4] {
     errors.leaf.figures()
-}
-
-fn number(value: f64, kind: Kind) -> String {
-    match kind {
-        Kind::Normalised => format!("{value:.3}"),
-        Kind::Numerical => format!("{value:.2}"),
-    }
 }

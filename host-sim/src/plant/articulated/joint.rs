@@ -109,6 +109,9 @@ impl Joint {
                 axes[1] = second;
             }
             Freedom::Free => axes[..3].copy_from_slice(&DVec3::AXES),
+            Freedom::Spherical if !self.is_near_end(in_parent) => {
+                axes[..3].copy_from_slice(&DVec3::AXES);
+            }
             Freedom::Spherical => {
                 // The first is the one that leads to the end of the range.
                 let (axis, _) = self.swing(in_parent);
@@ -128,6 +131,15 @@ impl Joint {
             _ => {}
         }
         slides
+    }
+
+    /// Whether a ball joint may come to the end of its range in a step. Elsewhere its friction acts along the axes of the
+    /// body, as that of three drives does.
+    fn is_near_end(&self, in_parent: &Pose) -> bool {
+        /// Share of the range: no rig goes through the rest of it in a step.
+        const NEAR: f64 = 0.8;
+        let [_, end] = self.ranges[0];
+        end.is_finite() && self.swing(in_parent).1 > NEAR * end
     }
 
     /// Axis and angle of a ball joint's turn from its placement.
@@ -151,7 +163,7 @@ impl Joint {
         let none = [f64::NEG_INFINITY, f64::INFINITY];
         let back = if self.kind == Freedom::Spherical { BACK_RAD_S } else { 0.0 };
         let (range, at) = match self.kind {
-            Freedom::Spherical if way == 0 => {
+            Freedom::Spherical if way == 0 && self.is_near_end(in_parent) => {
                 ([f64::NEG_INFINITY, self.ranges[0][1]], self.swing(in_parent).1)
             }
             Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {

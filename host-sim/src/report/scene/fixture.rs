@@ -27,5 +27,5 @@ pub(in crate::report) fn arm() -> Mechanism {
             ..Link::on(parent, joint, up)
         }
     };
-    Mechanism { bodies: joints.into_iter().enumerate().map(link).collect() }
+    Mechanism { bodies: joints.into_iter().enumerate().map(link).collect(), linked: Vec::new() }
 }

@@ -123,7 +123,7 @@ mod tests {
         let parts = Mannequin::of_rig(&arm).parts;
         assert!(parts.iter().any(|part| (part.0, part.1) == (0, 0)), "a ball at the base");
 
-        let alone = Mechanism { bodies: arm.bodies[..1].to_vec() };
+        let alone = Mechanism { bodies: arm.bodies[..1].to_vec(), linked: Vec::new() };
         let mannequin = Mannequin::of_rig(&alone);
         assert_eq!((mannequin.points.len(), mannequin.parts.len()), (2, 1));
         assert!(mannequin.parts[0].4 > 0.0);

@@ -1,0 +1,135 @@
+//! `--rig`: a user's rig tracks motions of its own joints, as a person calls it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn sinew(arguments: &[&str]) -> Output {
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew")).args(arguments).output();
+    output.expect("the command starts")
+}
+
+#[track_caller]
+fn printed(arguments: &[&str]) -> String {
+    let output = sinew(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// An arm to start from, mounted so.
+fn arm(folder: &Path, mount: &str) -> String {
+    let path = folder.join("arm.toml");
+    let text = printed(&["rig", "new", "--arm", "6"]);
+    let (name, rest) = text.split_once("\n\n").expect("its name stands apart");
+    std::fs::write(&path, format!("{name}\n\n[mount]\nrotation_xyzw = {mount}\n\n{rest}")).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Mean angular errors of all bodies, of each motion of a rig.
+fn means_deg(rig: &str, more: &[&str]) -> Vec<f64> {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    printed(
+        &[&["evaluate", "--rig", rig, "--methods", "recommended", "--out", out], more].concat(),
+    );
+    let mut clips = csv::Reader::from_path(folder.path().join("clips.csv")).unwrap();
+    let records = clips.records().map(Result::unwrap).filter(|record| &record[3] == "all");
+    records.map(|record| record[5].parse().unwrap()).collect()
+}
+
+/// What the rigs must reach, deg.
+const GOAL_DEG: f64 = 0.1;
+
+#[test]
+fn an_arm_follows_however_it_is_mounted() {
+    let folder = tempfile::tempdir().unwrap();
+    // On the floor, on a wall, upside down.
+    for mount in ["[0, 0, 0, 1]", "[0, 0, 0.7071067811865476, 0.7071067811865476]", "[1, 0, 0, 0]"]
+    {
+        let rig = arm(folder.path(), mount);
+        for masses in ["0", "0.15"] {
+            let set = format!("disturbance.masses={masses}");
+            let means = means_deg(&rig, &["--seconds", "20", "--set", &set]);
+            assert_eq!(means.len(), 4);
+            let all = means.iter().sum::<f64>() / 4.0;
+            assert!(all > 0.0 && all < GOAL_DEG, "{mount}, masses {masses}: {means:?}");
+        }
+    }
+}
+
+#[test]
+fn all_commands_take_a_rig_and_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = arm(folder.path(), "[0, 0, 0, 1]");
+    let table = printed(&["evaluate", "--rig", &rig, "--seconds", "2"]);
+    assert!(table.contains("base of the rig: held by a stand"), "{table}");
+    assert!(table.contains("Rig arm") && table.contains("Recommended"), "{table}");
+    assert!(!table.contains("paper"), "{table}");
+    let accumulated =
+        printed(&["evaluate", "--rig", &rig, "--seconds", "2", "--methods", "accumulated"]);
+    assert!(accumulated.contains("Accumulated"), "its reference is the base by default");
+    let robust = printed(&["robustness", "--rig", &rig, "--seconds", "1", "--seeds", "2"]);
+    assert!(robust.starts_with("rig arm") && !robust.contains("times the dim"), "{robust}");
+    let late = ["--seconds", "1", "--rates", "500", "--methods", "world"];
+    let late = printed(&[&["latency", "--rig", &rig][..], &late].concat());
+    assert!(late.starts_with("rig arm"), "{late}");
+
+    let sweep = folder.path().join("sweep.toml");
+    std::fs::write(&sweep, "[[grid]]\ncontroller.method = ['local', 'recommended']\n").unwrap();
+    let out = folder.path().join("out");
+    let [file, out] = [&sweep, &out].map(|path| path.to_str().unwrap());
+    let again = ["sweep", file, "--rig", &rig, "--seconds", "1", "--out", out];
+    assert!(printed(&again).contains("2 cells; 8 runs made"));
+    assert!(printed(&again).contains("0 runs made, 8 taken over"));
+}
+
+#[test]
+fn what_a_rig_has_by_itself_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = arm(folder.path(), "[0, 0, 0, 1]");
+    let face = folder.path().join("face.toml");
+    printed(&["rig", "new", "--face", "-o", face.to_str().unwrap()]);
+    let face = face.to_str().unwrap();
+    for (arguments, part) in [
+        (&["evaluate", "--rig", &rig, "--scale", "1.1"][..], "cannot be used with"),
+        (&["evaluate", "--rig", &rig, "--clips", "a.bvh"], "cannot be used with"),
+        (&["evaluate", "--rig", &rig, "--set", "root=fixed"], "the rig has its own"),
+        (&["evaluate", "--rig", &rig, "--set", "controller.reference=pelvi"], "a body of the rig"),
+        (&["evaluate", "--rig", &rig, "--shares", "0"], "shares: expected shares from 0.01 to 1"),
+        (&["evaluate", "--shares", "0.5"], "--rig"),
+        (&["evaluate", "--rig", face], "sinew rig view"),
+        (&["evaluate", "--rig", "none.toml"], "none.toml"),
+    ] {
+        let output = sinew(arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains(part), "{arguments:?}: {told}");
+    }
+}
+
+/// The robots of `SINEW_DATA` that a rig can be made of as they are.
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn robots_follow_within_a_tenth_of_a_degree() {
+    let data: PathBuf = std::env::var_os("SINEW_DATA").expect("SINEW_DATA").into();
+    for file in [
+        "urdf/poppy-humanoid/Poppy_Humanoid.urdf",
+        "urdf/robotis-op3/robotis_op3.urdf",
+        "urdf/open-duck-mini/open_duck_mini_v2.urdf",
+        "urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml",
+        "foreign/urdf/so100.urdf",
+        "foreign/urdf/panda.urdf",
+        "foreign/urdf/h1.urdf",
+    ] {
+        let rig = data.join(file);
+        for masses in ["0", "0.15"] {
+            let set = format!("disturbance.masses={masses}");
+            let means = means_deg(rig.to_str().unwrap(), &["--seconds", "20", "--set", &set]);
+            let all = means.iter().sum::<f64>() / 4.0;
+            assert!(all > 0.0 && all < GOAL_DEG, "{file}, masses {masses}: {means:?}");
+        }
+    }
+    let reachy = data.join("urdf/reachy-mini/reachy_mini.urdf");
+    let output = sinew(&["evaluate", "--rig", reachy.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("5 closed loops"));
+}
