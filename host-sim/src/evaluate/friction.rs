@@ -1,19 +1,20 @@
 //! Friction that the drives know and feed forward.
 
+use glam::DVec3;
 use sinew_core::Wrench;
-use sinew_core::coordinates::DofCommand;
-use sinew_core::glam::Vec3;
 use sinew_rig::drive::Friction;
 use sinew_rig::mechanism::{Freedom, Link};
 
 use super::controller::narrow;
-use super::setup::RigTick;
+use super::reference::{Performance, rotation_vector};
+use crate::plant::Pose;
 
 /// The drives of a rig whose joints have friction.
 pub(super) struct FrictionFeed {
     /// Of each body's joint: its friction along every freedom, and the most that its drive gives.
     joints: Vec<(Friction, f32)>,
-    commands: Vec<DofCommand>,
+    now: Vec<Pose>,
+    next: Vec<Pose>,
 }
 
 impl FrictionFeed {
@@ -28,37 +29,42 @@ impl FrictionFeed {
             (friction.unwrap_or_default(), narrow(most))
         };
         let joints: Vec<_> = links.iter().map(joint).collect();
-        if joints.iter().all(|(friction, _)| friction.is_none()) {
-            return None;
-        }
-        let freedoms = links.iter().map(|link| link.joint.kind().degrees_of_freedom()).sum();
-        Some(Self { joints, commands: vec![DofCommand::default(); freedoms] })
+        let rubs = joints.iter().any(|(friction, _)| !friction.is_none());
+        rubs.then(|| Self { joints, now: Vec::new(), next: Vec::new() })
     }
 
-    /// Adds to the wrenches of the joints, body axes, what their friction takes at the speeds that they are to have, as
-    /// far as the drives can.
-    pub(super) fn add(&mut self, links: &[Link], tick: &mut RigTick<'_>, wrenches: &mut [Wrench]) {
-        tick.dof_commands(&mut self.commands).expect("one for each degree of freedom");
-        let mut commands = self.commands.iter();
-        for ((link, wrench), (friction, most)) in links.iter().zip(wrenches).zip(&self.joints) {
-            let count = link.joint.kind().degrees_of_freedom();
-            let own: Vec<&DofCommand> = commands.by_ref().take(count).collect();
+    /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to have
+    /// from a frame to the next, as far as the drives can.
+    pub(super) fn add(
+        &mut self,
+        performance: &Performance<'_>,
+        frame: usize,
+        wrenches: &mut [Wrench],
+    ) {
+        let Performance { take, setup, links } = *performance;
+        take.joint_poses(setup, frame, &mut self.now);
+        take.joint_poses(setup, frame + 1, &mut self.next);
+        let poses = self.now.iter().zip(&self.next);
+        let joints = links.iter().zip(&self.joints).zip(poses).zip(wrenches);
+        for (((link, (friction, most)), (now, next)), wrench) in joints {
             if friction.is_none() || link.joint == Freedom::Free {
                 continue;
             }
-            // Where the axes of a universal joint are follows from where it is to be: a little beside where it is.
-            let at: Vec<f64> = own.iter().map(|command| f64::from(command.position)).collect();
-            let (turns, slides) = link.joint.axes(&at);
-            let axes = |axes: Vec<glam::DVec3>| axes.into_iter().map(|axis| axis.as_vec3());
-            let (turns, slides): (Vec<Vec3>, Vec<Vec3>) =
-                (axes(turns).collect(), axes(slides).collect());
-            for (axis, command) in turns.iter().zip(&own) {
-                let wanted = axis.dot(wrench.moment_nm);
-                wrench.moment_nm += *axis * more(wanted, friction.effort(command.velocity), *most);
+            let moved = now.inside(next);
+            let [spin_rad_s, slide_m_s] =
+                [rotation_vector(moved.rotation), moved.position_m].map(|way| way / take.dt_s());
+            let placement = Pose { rotation: link.rotation, position_m: link.position_m };
+            let (turns, slides) = link.joint.axes(&link.joint.along(&placement.inside(now)));
+            let takes = |axis: &DVec3, speed: DVec3| friction.effort(narrow(axis.dot(speed)));
+            for axis in &turns {
+                let along = axis.as_vec3();
+                let more = more(along.dot(wrench.moment_nm), takes(axis, spin_rad_s), *most);
+                wrench.moment_nm += along * more;
             }
-            for (axis, command) in slides.iter().zip(&own) {
-                let wanted = axis.dot(wrench.force_n);
-                wrench.force_n += *axis * more(wanted, friction.effort(command.velocity), *most);
+            for axis in &slides {
+                let along = axis.as_vec3();
+                let more = more(along.dot(wrench.force_n), takes(axis, slide_m_s), *most);
+                wrench.force_n += along * more;
             }
         }
     }

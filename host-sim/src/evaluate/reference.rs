@@ -115,6 +115,6 @@ pub(super) fn one_step_before(start: &[MovingPose], dt_s: f64) -> Vec<Pose> {
 }
 
 /// Axis times angle, by the shorter way.
-fn rotation_vector(q: DQuat) -> DVec3 {
+pub(super) fn rotation_vector(q: DQuat) -> DVec3 {
     if q.w < 0.0 { (-q).to_scaled_axis() } else { q.to_scaled_axis() }
 }

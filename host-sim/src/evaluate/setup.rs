@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{
-    MethodName, SettingError, Settings, Tick, Timing, Tracker, TrackerError,
-};
+use sinew_core::tracker::{MethodName, SettingError, Settings, Timing, Tracker, TrackerError};
 use sinew_rig::mechanism::{Link, Mechanism};
 use thiserror::Error;
 
@@ -19,9 +17,6 @@ use crate::plant::PlantSettings;
 
 /// A rig's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
 pub type RigTracker = Tracker<CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
-
-/// What one of its ticks asks for.
-pub(super) type RigTick<'t> = Tick<'t, CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///

@@ -114,7 +114,7 @@ pub fn track(
         rig.joint_poses(plant.poses(), &mut now);
         sensors.read(rig.links(), &mut now);
         let tick = i32::try_from(frame).map_err(|_| RunError::TooLong { frames: steps })?;
-        let mut tick = tracker.step(&mut frames, tick, now.as_slice()).map_err(refused(frame))?;
+        let tick = tracker.step(&mut frames, tick, now.as_slice()).map_err(refused(frame))?;
         let torques = tick.torques();
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
@@ -123,7 +123,7 @@ pub fn track(
         wanted.clear();
         wanted.extend(torques.iter().map(|torque| torque.value));
         if let Some(friction) = &mut friction {
-            friction.add(rig.links(), &mut tick, &mut wanted);
+            friction.add(&performance, frame, &mut wanted);
         }
         let arriving = delay.pass(wanted.iter().copied());
         set_drive(&mut drive, arriving, plant.poses());
