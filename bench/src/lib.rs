@@ -4,7 +4,10 @@
 
 #![no_std]
 
+#[cfg(feature = "mps2_an386")]
+pub mod emulated;
 pub mod rig;
+pub mod servo;
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{

@@ -369,6 +369,10 @@ fn keep_on_axes(
     let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
     state.pose = *placement * in_joint;
     state.velocity = joint.project_twist(in_joint.rotation, state.velocity);
+    if !matches!(joint, JointKind::Universal { .. }) {
+        // Its axes do not move in the body. From zero on, as the sum below: it has no negative zeros.
+        return Twist::ZERO + joint.project_twist(in_joint.rotation, acceleration);
+    }
     let axes_before = joint.motion_subspace(placement.rotation.conjugate() * before.rotation);
     let axes = joint.motion_subspace(in_joint.rotation);
     let mut carried = Twist::ZERO;

@@ -72,7 +72,9 @@ fn lint_images() -> Result<()> {
         command.env("SINEW_SHOW", firmware::baked(board));
         clippy(image, command)?;
     }
-    for image in [budget::KERNELS, budget::CORE_ALONE, audit::WITH_FAULTS, parity::IMAGE] {
+    for image in
+        [budget::KERNELS, budget::SERVOS, budget::CORE_ALONE, audit::WITH_FAULTS, parity::IMAGE]
+    {
         clippy(image, image.cargo("clippy")?)?;
     }
     Ok(())

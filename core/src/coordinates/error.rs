@@ -1,6 +1,7 @@
 //! Why coordinates of a tree were refused, and the checks of counts and numbers.
 
 use core::fmt;
+use core::iter::repeat_n;
 
 use crate::joint::JointKind;
 use crate::state::StateInputError;
@@ -86,16 +87,13 @@ pub(super) fn check_numbers(
     count: impl Fn(JointKind) -> usize + Copy,
     numbers: &[f32],
 ) -> Result<(), CoordinatesError> {
-    let joints = bodies
-        .iter()
-        .enumerate()
-        .flat_map(move |(joint, body)| core::iter::repeat_n(joint, count(body.joint)));
-    check_count(name, joints.clone().count(), numbers.len())?;
-    for (index, (joint, &value)) in joints.zip(numbers).enumerate() {
-        let usable = value.abs() <= LARGEST;
-        if !usable {
-            return Err(CoordinatesError::Number { name, joint, index, value });
-        }
-    }
-    Ok(())
+    let counts = || bodies.iter().map(|body| count(body.joint));
+    check_count(name, counts().fold(0, usize::saturating_add), numbers.len())?;
+    // Written so that NaN fails.
+    let usable = |value: &f32| value.abs() <= LARGEST;
+    let Some(index) = numbers.iter().position(|value| !usable(value)) else { return Ok(()) };
+    let mut joints = counts().enumerate().flat_map(|(joint, count)| repeat_n(joint, count));
+    let joint = joints.nth(index).unwrap_or_default();
+    let value = numbers.get(index).copied().unwrap_or_default();
+    Err(CoordinatesError::Number { name, joint, index, value })
 }

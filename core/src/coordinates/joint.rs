@@ -79,6 +79,13 @@ impl JointKind {
 
     /// S `numbers`: the twist of speeds or accelerations along the axes, body axes.
     pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
+        // The joints that most rigs have need no columns. From zero on, as the sum below: it has no negative zeros.
+        let turning = |angular| Twist::new(Vec3::ZERO + angular, Vec3::ZERO);
+        match (self, numbers) {
+            (Self::Revolute { axis }, &[speed]) => return turning(axis * speed),
+            (Self::Spherical, &[x, y, z]) => return turning(Vec3::new(x, y, z)),
+            _ => {}
+        }
         self.motion_subspace(rotation)
             .iter()
             .zip(numbers)
@@ -87,6 +94,11 @@ impl JointKind {
 
     /// Sᵀ `twist`: its components along the axes. The rest of `out` stays.
     pub(super) fn components(self, rotation: Quat, twist: Twist, out: &mut [f32]) {
+        match self {
+            Self::Revolute { axis } => return copy([0.0 + axis.dot(twist.angular)], out),
+            Self::Spherical => return copy((Vec3::ZERO + twist.angular).to_array(), out),
+            _ => {}
+        }
         for (column, slot) in self.motion_subspace(rotation).iter().zip(out) {
             *slot = column.angular.dot(twist.angular) + column.linear.dot(twist.linear);
         }

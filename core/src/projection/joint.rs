@@ -76,6 +76,11 @@ impl Joint {
                 )
             }
             JointKind::Spherical => Freedoms::Ball,
+            // As below, with nothing to ask of where it stands.
+            JointKind::Revolute { axis } => {
+                let motion = Twist::new(math::rotate(pose.rotation, axis), Vec3::ZERO);
+                Freedoms::Axes([Axis { motion, held: held(0) }].into_iter().collect())
+            }
             kind => {
                 let subspace = kind.motion_subspace(kind.at(self.along).rotation);
                 Freedoms::Axes(

@@ -18,6 +18,9 @@ pub(crate) const SECTION: &str = "image_bytes";
 pub(crate) const KERNELS: Image =
     Image { package: "sinew-bench", name: "kernels", feature: Some("mps2_an386") };
 
+/// Ticks of rigs of servos.
+pub(crate) const SERVOS: Image = Image { name: "servos", ..KERNELS };
+
 /// World, Linear Compensation and inverse dynamics, and nothing else.
 pub(crate) const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
 
@@ -26,7 +29,7 @@ const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
 
 /// Builds the images.
 pub(crate) fn build() -> Result<()> {
-    for image in [KERNELS, CORE_ALONE] {
+    for image in [KERNELS, SERVOS, CORE_ALONE] {
         let mut cargo = image.cargo("build")?;
         // The frame sizes are a flag of nightly compilers.
         cargo.env("RUSTFLAGS", FLAGS).env("RUSTC_BOOTSTRAP", "1");

@@ -1,15 +1,16 @@
-//! What each kernel and each kind of tick takes, from the image `kernels`.
+//! What each kernel and each kind of tick takes, from the images `kernels` and `servos`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use sinew_image::EMULATED;
 
 use super::figures::{Figures, Place};
+use super::images::{KERNELS, SERVOS};
 use super::stack::{Depth, Frames, deepest};
 use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
+use crate::image::Image;
 
 /// Instructions of the whole kernel, the mean of its runs.
 const INSTRUCTIONS: &str = "instructions";
@@ -27,11 +28,40 @@ const TYPES: &str = "type_bytes";
 /// What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
 const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
 
-/// The functions that whole ticks are called by: what they have on the stack is the tick's.
-const TICKS: [&str; 2] = ["core_tick", "board_tick"];
+/// An image that is measured.
+struct Measured {
+    image: Image,
+    callers: [Caller; 2],
+    /// The numbers of bodies of its rigs.
+    sizes: [&'static str; 3],
+}
 
-/// The numbers of bodies that are measured.
-const SIZES: [&str; 3] = ["6", "18", "32"];
+/// A function that whole ticks are called by: what it has on the stack is the tick's.
+struct Caller {
+    name: &'static str,
+    /// What the rows of its ticks begin with.
+    rows: &'static str,
+}
+
+/// No two of them have a row or a caller of the same name.
+const MEASURED: [Measured; 2] = [
+    Measured {
+        image: KERNELS,
+        callers: [
+            Caller { name: "core_tick", rows: "tick_" },
+            Caller { name: "board_tick", rows: "board_" },
+        ],
+        sizes: ["6", "18", "32"],
+    },
+    Measured {
+        image: SERVOS,
+        callers: [
+            Caller { name: "core_tick_of_rig", rows: "tick_" },
+            Caller { name: "rig_tick", rows: "rig_" },
+        ],
+        sizes: ["6", "12", "20"],
+    },
+];
 
 /// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
 /// does not count.
@@ -61,30 +91,72 @@ pub(crate) struct Kernel {
     worst: u64,
 }
 
-/// Runs the image twice: with a clock that counts instructions, and with a log of them.
-pub(crate) fn measure(image: &Path) -> Result<Kernels> {
-    let elf = Elf::load(image)?;
-    let counted = qemu(EMULATED, image, &["-icount", "shift=0"])?
-        .output()
-        .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
-    let text = String::from_utf8_lossy(&counted.stdout);
-    let errors = String::from_utf8_lossy(&counted.stderr);
-    ensure!(counted.status.success(), "QEMU: {}\n{text}{errors}", counted.status);
-    let trace = trace(image, &elf, ["kernels::begin", "kernels::end"])?;
+/// Measures all images.
+pub(crate) fn measure() -> Result<Vec<Kernels>> {
+    MEASURED.iter().map(Measured::kernels).collect()
+}
 
-    let executed = executed(&elf, &trace, &text)?;
-    let stacks = stacks(&elf, image)?;
-    let mut figures = Figures::default();
-    let at = |section, place: &Place| Place::new(section, &place.row, &place.column);
-    figures.extend(executed.iter().map(|kernel| (kernel.place.clone(), kernel.instructions())));
-    let ticks = executed.iter().filter(|kernel| is_tick(&kernel.place.row));
-    figures.extend(ticks.map(|tick| (at(WORST, &tick.place), tick.worst)));
-    figures.extend(executed.iter().map(|kernel| (at(CYCLES, &kernel.place), kernel.cycles())));
-    figures.extend(stacks.iter().map(|(place, depth)| (place.clone(), depth.bytes)));
-    figures.extend(printed(&text)?);
-    let measured = Kernels { elf, figures, executed, stacks };
-    measured.check_stacks()?;
-    Ok(measured)
+impl Measured {
+    /// Runs the image twice: with a clock that counts instructions, and with a log of them.
+    fn kernels(&self) -> Result<Kernels> {
+        let image = &self.image.path();
+        let elf = Elf::load(image)?;
+        let counted = qemu(EMULATED, image, &["-icount", "shift=0"])?
+            .output()
+            .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
+        let text = String::from_utf8_lossy(&counted.stdout);
+        let errors = String::from_utf8_lossy(&counted.stderr);
+        ensure!(counted.status.success(), "QEMU: {}\n{text}{errors}", counted.status);
+        let trace =
+            trace(image, &elf, ["sinew_bench::emulated::begin", "sinew_bench::emulated::end"])?;
+
+        let executed = executed(&elf, &trace, &text)?;
+        let stacks = self.stacks(&elf)?;
+        let mut figures = Figures::default();
+        let at = |section, place: &Place| Place::new(section, &place.row, &place.column);
+        figures.extend(executed.iter().map(|kernel| (kernel.place.clone(), kernel.instructions())));
+        let ticks = executed.iter().filter(|kernel| self.caller(&kernel.place.row).is_some());
+        figures.extend(ticks.map(|tick| (at(WORST, &tick.place), tick.worst)));
+        figures.extend(executed.iter().map(|kernel| (at(CYCLES, &kernel.place), kernel.cycles())));
+        figures.extend(stacks.iter().map(|(place, depth)| (place.clone(), depth.bytes)));
+        figures.extend(printed(&text)?);
+        self.check_stacks(&figures)?;
+        Ok(Kernels { elf, figures, executed, stacks })
+    }
+
+    /// That of a row of whole ticks, of successive frames; none of what does the same work again and again.
+    fn caller(&self, row: &str) -> Option<&Caller> {
+        self.callers.iter().find(|caller| row.starts_with(caller.rows))
+    }
+
+    fn stacks(&self, elf: &Elf) -> Result<Vec<(Place, Depth)>> {
+        let frames = Frames::load(&self.image.path())?;
+        let mut stacks = Vec::new();
+        for Caller { name, .. } in &self.callers {
+            for bodies in self.sizes {
+                let symbol = format!("{}::{name}::<{bodies}>", self.image.name);
+                let root = elf.named(&symbol);
+                let root = root.with_context(|| format!("the image has no `{symbol}`"))?;
+                let place = Place::new(STATIC_STACK, name, bodies);
+                stacks.push((place, deepest(elf, &frames, root)?));
+            }
+        }
+        Ok(stacks)
+    }
+
+    /// That no tick was seen to take more stack than it can by the call graph.
+    fn check_stacks(&self, figures: &Figures) -> Result<()> {
+        for (place, painted) in figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
+            let caller = self.caller(&place.row);
+            let tick = caller.with_context(|| format!("{place} is of no known tick"))?.name;
+            let bound = figures.get(&Place::new(STATIC_STACK, tick, &place.column));
+            ensure!(
+                bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
+                "{place} is {painted} bytes, more than the frames of {tick} allow ({bound:?})"
+            );
+        }
+        Ok(())
+    }
 }
 
 /// What the runs of each kernel executed, checked against the counts of the other run.
@@ -120,20 +192,6 @@ fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
     Ok(kernels)
 }
 
-fn stacks(elf: &Elf, image: &Path) -> Result<Vec<(Place, Depth)>> {
-    let frames = Frames::load(image)?;
-    let mut stacks = Vec::new();
-    for tick in TICKS {
-        for bodies in SIZES {
-            let name = format!("kernels::{tick}::<{bodies}>");
-            let root = elf.named(&name).with_context(|| format!("the image has no `{name}`"))?;
-            let place = Place::new(STATIC_STACK, tick, bodies);
-            stacks.push((place, deepest(elf, &frames, root)?));
-        }
-    }
-    Ok(stacks)
-}
-
 /// What the image printed of stacks and types.
 fn printed(text: &str) -> Result<Figures> {
     let (mut figures, mut state) = (Figures::default(), Figures::default());
@@ -165,26 +223,6 @@ impl Kernel {
     fn cycles(&self) -> u64 {
         Mix::sum(self.mixes.values()).cycles.div_ceil(self.runs)
     }
-}
-
-impl Kernels {
-    /// That no tick was seen to take more stack than it can by the call graph.
-    fn check_stacks(&self) -> Result<()> {
-        for (place, painted) in self.figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
-            let tick = if place.row.starts_with("board_") { "board_tick" } else { "core_tick" };
-            let bound = self.figures.get(&Place::new(STATIC_STACK, tick, &place.column));
-            ensure!(
-                bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
-                "{place} is {painted} bytes, more than the frames of {tick} allow ({bound:?})"
-            );
-        }
-        Ok(())
-    }
-}
-
-/// Whether these are whole ticks, of successive frames, and not the same work again and again.
-fn is_tick(kernel: &str) -> bool {
-    kernel.starts_with("tick_") || kernel.starts_with("board_")
 }
 
 /// What a line such as `kernel=rnea bodies=18` says of a name.

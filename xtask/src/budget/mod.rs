@@ -20,7 +20,7 @@ use trace::Mix;
 
 pub(crate) use figures::{Figures, Place};
 pub(crate) use file::{Budget, FILE};
-pub(crate) use images::{CORE_ALONE, KERNELS, size};
+pub(crate) use images::{CORE_ALONE, KERNELS, SERVOS, size};
 pub(crate) use kernels::{field, number};
 pub(crate) use tables::{aligned, section};
 pub(crate) use trace::qemu;
@@ -42,8 +42,8 @@ pub(crate) fn run(accept: bool, boards: impl FnOnce() -> Result<Figures>) -> Res
     );
     let mut figures = boards()?;
     images::build()?;
-    let kernels = kernels::measure(&images::KERNELS.path())?;
-    figures.extend(kernels.figures.clone());
+    let kernels = kernels::measure()?;
+    figures.extend(kernels.iter().flat_map(|measured| measured.figures.clone()));
     figures.extend(images::core_alone()?);
 
     print(&figures, &budget, &kernels);
@@ -81,20 +81,22 @@ pub(crate) fn run(accept: bool, boards: impl FnOnce() -> Result<Figures>) -> Res
     Ok(())
 }
 
-fn print(figures: &Figures, budget: &Budget, kernels: &Kernels) {
+fn print(figures: &Figures, budget: &Budget, measured: &[Kernels]) {
     for section in figures.names(|place| Some(&place.section)) {
         println!("{}", tables::section(figures, Some(budget), section));
     }
-    for (place, depth) in kernels.stacks.iter().filter(|(place, _)| place.column == BODIES) {
-        println!("deepest stack of {} for {BODIES} bodies:", place.row);
-        for (function, bytes) in &depth.path {
-            println!("{bytes:>8}  {}", tables::short_name(&kernels.elf, *function));
+    for kernels in measured {
+        for (place, depth) in kernels.stacks.iter().filter(|(place, _)| place.column == BODIES) {
+            println!("deepest stack of {} for {BODIES} bodies:", place.row);
+            for (function, bytes) in &depth.path {
+                println!("{bytes:>8}  {}", tables::short_name(&kernels.elf, *function));
+            }
+            println!();
         }
-        println!();
     }
-    let of_all: Vec<_> = kernels
-        .executed
+    let of_all: Vec<_> = measured
         .iter()
+        .flat_map(|kernels| &kernels.executed)
         .filter(|kernel| kernel.place.column == BODIES)
         .map(|kernel| (&kernel.place.row, kernel.runs, Mix::sum(kernel.mixes.values())))
         .collect();
@@ -107,7 +109,7 @@ fn print(figures: &Figures, budget: &Budget, kernels: &Kernels) {
 const LARGEST: usize = 25;
 
 /// Where what was promised less of goes, function by function: instructions of a kernel, or bytes of an image.
-fn explain(place: &Place, kernels: &Kernels) -> Result<()> {
+fn explain(place: &Place, measured: &[Kernels]) -> Result<()> {
     let Place { section, row, column } = place;
     if section == images::SECTION {
         let elf = Elf::load(&image::path_of(arm::TARGET, row))?;
@@ -120,16 +122,18 @@ fn explain(place: &Place, kernels: &Kernels) -> Result<()> {
         }));
         println!("{}", tables::aligned(&rows));
     }
-    let kernel = kernels
-        .executed
+    let all = measured
         .iter()
-        .find(|known| known.place.row == *row && known.place.column == *column);
-    if let Some(Kernel { runs, mixes, .. }) = kernel {
+        .flat_map(|kernels| kernels.executed.iter().map(move |kernel| (&kernels.elf, kernel)));
+    let is_meant = |place: &Place| place.row == *row && place.column == *column;
+    if let Some((elf, Kernel { runs, mixes, .. })) =
+        all.into_iter().find(|(_, kernel)| is_meant(&kernel.place))
+    {
         let mut functions: Vec<_> = mixes.iter().collect();
         functions.sort_by_key(|(_, mix)| std::cmp::Reverse(mix.instructions));
         let rows = functions
             .into_iter()
-            .map(|(function, mix)| (tables::short_name(&kernels.elf, *function), *runs, mix));
+            .map(|(function, mix)| (tables::short_name(elf, *function), *runs, mix));
         println!("{}", tables::mixes(&format!("{row}, {column} bodies, by function"), rows));
     }
     Ok(())

@@ -26,7 +26,27 @@ macro_rules! of_sizes {
     };
 }
 
-const TABLES: [Table; 5] = [
+/// Instructions of the ticks of a rig of so many servos, and the RAM of its tracker.
+macro_rules! of_servos {
+    ($joints:literal) => {
+        [
+            concat!("instructions.rig_world_coordinates_revolute.", $joints),
+            concat!("instructions.rig_world_poses_revolute.", $joints),
+            concat!("instructions.rig_recommended_coordinates_revolute.", $joints),
+            concat!("instructions.rig_recommended_poses_revolute.", $joints),
+            concat!("type_bytes.Tracker_without_latency.", $joints),
+        ]
+    };
+}
+
+/// What 20 servos cost, to as many balls.
+macro_rules! to_balls {
+    ($row:literal) => {
+        [concat!("instructions.", $row, "_revolute.20 / instructions.", $row, "_ball.20")]
+    };
+}
+
+const TABLES: [Table; 7] = [
     Table {
         page: "README.md",
         head: "| on a Cortex-M4F, 18 bodies, 57 degrees of freedom | instructions |",
@@ -123,6 +143,23 @@ const TABLES: [Table; 5] = [
             ("tick, Resolved Acceleration", &of_sizes!("tick_resolved_acceleration")),
             ("tick as boards run it, World", &of_sizes!("board_world")),
             ("tick as boards run it, `recommended`", &of_sizes!("board_recommended")),
+        ],
+    },
+    Table {
+        page: "docs/speed.md",
+        head: "| servos | World, coordinates | World, poses | `recommended`, coordinates | `recommended`, poses | RAM, bytes |",
+        rows: &[("6", &of_servos!("6")), ("12", &of_servos!("12")), ("20", &of_servos!("20"))],
+    },
+    Table {
+        page: "docs/speed.md",
+        head: "| 20 joints | servos, to balls |",
+        rows: &[
+            ("inverse dynamics (RNEA)", &to_balls!("rnea")),
+            ("the core's tick, World", &to_balls!("tick_world")),
+            ("a tick, World, coordinates", &to_balls!("rig_world_coordinates")),
+            ("a tick, World, poses", &to_balls!("rig_world_poses")),
+            ("a tick, `recommended`, coordinates", &to_balls!("rig_recommended_coordinates")),
+            ("a tick, `recommended`, poses", &to_balls!("rig_recommended_poses")),
         ],
     },
     Table {

@@ -1,30 +1,24 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to
 //! count what they execute; prints how much stack the ticks take, and how large the types are.
 //!
-//! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
-//! counts once in 40 instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`],
-//! and compares.
+//! Run it with `-icount shift=0`, see [`emulated`].
 
 #![no_std]
 #![no_main]
 
-mod stack;
-
 use core::hint::black_box;
 use core::mem::size_of;
 
-use cortex_m::Peripherals;
-use cortex_m::asm;
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
+use sinew_bench::emulated::{
+    self, FRAMES, GRAVITY_M_S2, LAG_FRAMES, controller, count, count_tick, enlarge, inverse,
+};
 use sinew_bench::rig::{DT_S, Rig};
 use sinew_bench::{Root, figure, poses, states};
-use sinew_core::control::{ControlLaw, Gains, Limited, TorqueLimit};
+use sinew_core::control::{Limited, TorqueLimit};
 use sinew_core::dynamics::{
-    ArticulatedBody, BodyMotion, CompositeBody, Resolved, forward_dynamics, inverse_dynamics,
-    mass_matrix, resolved_acceleration,
+    ArticulatedBody, CompositeBody, Resolved, forward_dynamics, mass_matrix, resolved_acceleration,
 };
 use sinew_core::glam::Vec3;
 use sinew_core::importance::{RestPose, cylinder_surface, descendants_length};
@@ -43,49 +37,19 @@ use sinew_core::{
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
 
-/// How often each is run, after a first time that is not counted. Ticks are of successive frames.
-const RUNS: u16 = 16;
-
-/// So many frames come before the first that is asked for: the rig is late.
-const LAG_FRAMES: usize = 4;
-
-/// As many as the ticks look at, and one more of the rig's.
-const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
-
-/// The performer of shows is as much larger than the rig.
-const LARGER: f32 = 1.1;
-
 /// The commands on their way that observers have room for.
 const ROOM: usize = 8;
 
 /// Of the mass matrix of 32 bodies: three freedoms each, and six of the root.
 const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
 
-const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-const INSTRUCTIONS_PER_COUNT: u32 = 40;
-const COUNTER_MASK: u32 = 0x00ff_ffff;
-
 #[entry]
 fn main() -> ! {
-    match measure_all() {
-        Ok(()) => debug::exit(debug::EXIT_SUCCESS),
-        Err(problem) => {
-            hprintln!("error: {}", problem);
-            debug::exit(debug::EXIT_FAILURE);
-        }
-    }
-    loop {
-        asm::wfi();
-    }
+    emulated::run(measure_all)
 }
 
 #[expect(clippy::large_stack_arrays, reason = "it is what a static begins with, not on the stack")]
 fn measure_all() -> Result<(), &'static str> {
-    let mut syst = Peripherals::take().ok_or("the peripherals are taken")?.SYST;
-    syst.set_clock_source(SystClkSource::Core);
-    syst.set_reload(COUNTER_MASK);
-    syst.clear_current();
-    syst.enable_counter();
     let matrix = cortex_m::singleton!(MATRIX: [f32; MATRIX_LEN] = [0.0; MATRIX_LEN]);
     let matrix = matrix.ok_or("the matrix is taken")?;
     measure::<6>(matrix)?;
@@ -94,50 +58,6 @@ fn measure_all() -> Result<(), &'static str> {
     importance::<18>()?;
     importance::<64>()?;
     distances::<18>()
-}
-
-/// What is executed after this is counted.
-#[inline(never)]
-fn begin() {
-    asm::nop();
-}
-
-/// What is executed after this is not counted. Of another length than [`begin`], or the compiler makes one of both.
-#[inline(never)]
-fn end() {
-    asm::nop();
-    asm::nop();
-}
-
-/// Runs a kernel on rigs of `N` bodies; its argument counts the runs.
-#[inline(never)]
-fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
-    kernel(0);
-    let mut counted = 0;
-    for run in 1..=RUNS {
-        let start = SYST::get_current();
-        begin();
-        kernel(usize::from(run));
-        end();
-        // The counter runs down and wraps at 24 bits.
-        counted += start.wrapping_sub(SYST::get_current()) & COUNTER_MASK;
-    }
-    let instructions = counted * INSTRUCTIONS_PER_COUNT / u32::from(RUNS);
-    hprintln!("kernel={} bodies={} runs={} instructions={}", name, N, RUNS, instructions);
-}
-
-/// A kind of tick: what it executes, and how much stack it has taken.
-fn count_tick<const N: usize, E: Copy>(
-    name: &str,
-    mut tick: impl FnMut(usize) -> Result<(), E>,
-) -> Result<(), &'static str> {
-    let mut result = Ok(());
-    let mut checked = |run| result = result.and(tick(run));
-    count::<N>(name, &mut checked);
-    // Once more from the first frame: what is remembered from tick to tick starts anew.
-    let painted = stack::high_water_bytes(|| (0..=usize::from(RUNS)).for_each(&mut checked));
-    hprintln!("stack={} bodies={} bytes={}", name, N, painted);
-    result.map_err(|_| "a tick was refused")
 }
 
 /// A tick of the core, in a function of its own.
@@ -163,10 +83,11 @@ fn board_tick<const N: usize>(
 }
 
 fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
-    inverse::<N>("rnea_fixed_root", Root::Turning)?;
-    inverse::<N>("rnea_free_root", Root::Floating)?;
-    forward::<N>(matrix)?;
+    let fixed = figure::<N>(N, Root::Turning).map_err(|_| "the rig cannot be")?;
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
+    inverse("rnea_fixed_root", &fixed);
+    inverse("rnea_free_root", &tree);
+    forward::<N>(matrix)?;
     let mut frames = [[Transform::IDENTITY; N]; FRAMES];
     for (index, frame) in frames.iter_mut().enumerate() {
         poses(tree.bodies(), DT_S * index as f32, frame);
@@ -177,22 +98,6 @@ fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     ticks_of_core(&tree, &frames)?;
     ticks_of_boards(&tree, &frames)?;
     types::<N>();
-    Ok(())
-}
-
-fn inverse<const N: usize>(name: &str, root: Root) -> Result<(), &'static str> {
-    let tree = figure::<N>(N, root).map_err(|_| "the rig cannot be")?;
-    let mut joints = [JointState::default(); N];
-    let mut accelerations = [Twist::ZERO; N];
-    states(tree.bodies(), &mut joints, &mut accelerations);
-    let mut scratch = [BodyMotion::default(); N];
-    let mut wrenches = [Wrench::ZERO; N];
-    count::<N>(name, |_| {
-        let (bodies, joints) = black_box((tree.bodies(), &joints[..]));
-        let (scratch, wrenches) = (&mut scratch, &mut wrenches);
-        inverse_dynamics(bodies, joints, &accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
-    });
-    black_box(wrenches);
     Ok(())
 }
 
@@ -379,24 +284,6 @@ fn others<const N: usize>(
     });
     black_box(allowed);
     Ok(())
-}
-
-/// Poses of a performer who is larger than the rig.
-fn enlarge(poses: &mut [Transform]) {
-    for pose in poses.iter_mut().skip(1) {
-        pose.translation_m *= LARGER;
-    }
-}
-
-fn controller<const N: usize>(
-    tree: &Tree<N>,
-    method: Method<N>,
-) -> Result<Controller<N>, &'static str> {
-    // The paper's gain.
-    let gains = Gains::critically_damped(200.0).map_err(|_| "no such gains")?;
-    Controller::new(tree.clone(), gains, method)
-        .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
-        .map_err(|_| "no such controller")
 }
 
 fn ticks_of_core<const N: usize>(

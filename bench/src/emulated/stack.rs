@@ -9,7 +9,7 @@ const PAINTED_BYTES: usize = 64 * 1024;
 /// Bytes that `run` and what it calls have at most on the stack, below the caller's frame.
 #[inline(never)]
 #[expect(unsafe_code, reason = "the stack below the stack pointer is no variable of anyone")]
-pub(crate) fn high_water_bytes(mut run: impl FnMut()) -> usize {
+pub(super) fn high_water_bytes(mut run: impl FnMut()) -> usize {
     let top = cortex_m::register::msp::read() as usize;
     let words = || (top - PAINTED_BYTES..top).step_by(size_of::<u32>());
     for address in words() {

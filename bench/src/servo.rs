@@ -1,0 +1,104 @@
+//! Rigs of servos: joints that turn, on a base that stands still, and a motion of their angles.
+
+use sinew_core::coordinates::CoordinatesError;
+use sinew_core::glam::Vec3;
+use sinew_core::{Body, JointKind, JointStates, Transform, Tree, TreeError, math};
+
+use crate::{Root, figure};
+
+/// The most joints of a rig here.
+pub const MOST_JOINTS: usize = 20;
+
+/// What all joints of a rig are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joints {
+    /// A servo each.
+    Revolute,
+    /// Balls that make the same motion as the servos.
+    Ball,
+}
+
+/// A rig of `N` joints and as many bodies, of the shape of [`figure`]; the base is no body of it.
+///
+/// # Errors
+/// [`TreeError`] as [`figure`].
+pub fn rig<const N: usize>(joints: Joints) -> Result<Tree<N>, TreeError> {
+    let mut tree = Tree::new();
+    for (index, body) in figure::<N>(N, Root::Turning)?.bodies().iter().enumerate() {
+        let joint = match joints {
+            Joints::Revolute => JointKind::Revolute { axis: axis(index) },
+            Joints::Ball => JointKind::Spherical,
+        };
+        tree.push(Body { joint, ..*body })?;
+    }
+    Ok(tree)
+}
+
+/// What a rig of at most [`MOST_JOINTS`] does at an instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant {
+    /// Poses of the joints in their parents' frames.
+    pub poses: [Transform; MOST_JOINTS],
+    /// Positions of the joints: angles in rad, or quaternions.
+    pub q: [f32; 4 * MOST_JOINTS],
+    /// Speeds along the degrees of freedom, rad/s.
+    pub qd: [f32; 3 * MOST_JOINTS],
+    /// Accelerations along the degrees of freedom, rad/s².
+    pub qdd: [f32; 3 * MOST_JOINTS],
+}
+
+impl Instant {
+    /// Nothing yet.
+    pub const NOTHING: Self = Self {
+        poses: [Transform::IDENTITY; MOST_JOINTS],
+        q: [0.0; 4 * MOST_JOINTS],
+        qd: [0.0; 3 * MOST_JOINTS],
+        qdd: [0.0; 3 * MOST_JOINTS],
+    };
+
+    /// What a [`rig`] does at a time: each joint swings by 0.6 rad.
+    ///
+    /// # Errors
+    /// [`CoordinatesError`] if the rig has more joints than there is room for.
+    pub fn of<const N: usize>(tree: &Tree<N>, time_s: f32) -> Result<Self, CoordinatesError> {
+        let mut instant = Self::NOTHING;
+        let (mut q, mut qd, mut qdd) =
+            (instant.q.iter_mut(), instant.qd.iter_mut(), instant.qdd.iter_mut());
+        for (index, body) in tree.bodies().iter().enumerate() {
+            let (sine, cosine) = math::sin_cos(3.0 * time_s + index as f32);
+            let [angle, speed, acceleration] = [0.6 * sine, 1.8 * cosine, -5.4 * sine];
+            let about = axis(index);
+            if body.joint == JointKind::Spherical {
+                write(math::exp(about * angle).to_array(), &mut q);
+                write((about * speed).to_array(), &mut qd);
+                write((about * acceleration).to_array(), &mut qdd);
+            } else {
+                write([angle], &mut q);
+                write([speed], &mut qd);
+                write([acceleration], &mut qdd);
+            }
+        }
+        let mut states = JointStates::rest(tree);
+        let q = instant.q.get(..tree.coordinate_count()).unwrap_or_default();
+        states.set_coordinates_at_rest(tree, q)?;
+        for (pose, state) in instant.poses.iter_mut().zip(states.as_slice()) {
+            *pose = state.pose;
+        }
+        Ok(instant)
+    }
+}
+
+/// The axis of a joint: x, y and z in turns.
+fn axis(joint: usize) -> Vec3 {
+    match joint % 3 {
+        0 => Vec3::X,
+        1 => Vec3::Y,
+        _ => Vec3::Z,
+    }
+}
+
+fn write<'a, const K: usize>(numbers: [f32; K], to: &mut impl Iterator<Item = &'a mut f32>) {
+    for (number, slot) in numbers.into_iter().zip(to) {
+        *slot = number;
+    }
+}
