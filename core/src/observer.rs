@@ -366,7 +366,7 @@ fn keep_on_axes(
     if matches!(joint, JointKind::Spherical | JointKind::Free) {
         return acceleration;
     }
-    let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
+    let in_joint = joint.nearest(&(placement.inverse() * state.pose));
     state.pose = *placement * in_joint;
     state.velocity = joint.project_twist(in_joint.rotation, state.velocity);
     if !matches!(joint, JointKind::Universal { .. }) {
