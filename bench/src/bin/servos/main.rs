@@ -1,5 +1,5 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs of servos, as their owners run them, and the same of joints
-//! that are balls. As the image `kernels`, but apart: what the compiler inlines there is to stay as it is.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs of servos, as their owners run them, and the same of
+//! joints that are balls. As the image `kernels`, but apart: what the compiler inlines there is to stay as it is.
 
 #![no_std]
 #![no_main]
