@@ -14,6 +14,7 @@ mod xml;
 
 pub use error::{ImportError, Place};
 pub use note::{Note, NoteKind};
+pub use xml::document;
 
 use std::collections::BTreeMap;
 

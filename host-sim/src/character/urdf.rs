@@ -8,7 +8,8 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
+use sinew_rig::import::document;
 
 use super::error::{Place, Refusal, refuse};
 use super::{Character, JOINT_COUNT_MAX, Joint};
@@ -21,9 +22,9 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let text = core::str::from_utf8(bytes).map_err(|error| {
         refuse("a URDF", "UTF-8", "other bytes").at(Place::Byte(error.valid_up_to()))
     })?;
-    let document = Document::parse(text).map_err(|error| {
-        let at = error.pos();
-        refuse("a URDF", "XML", &error).at(Place::Line(at.row, at.col))
+    let document = document(text).map_err(|error| {
+        let at = Place::Line(error.place.line, error.place.column);
+        refuse("a URDF", error.expected, error.found).at(at)
     })?;
     let robot = document.root_element();
     if !robot.has_tag_name("robot") {

@@ -35,8 +35,8 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frames: Option<f64>,
 
-    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints, each in
-    /// turn and all together, on the exact plant.
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints, each
+    /// in turn and all together, on the exact plant.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
@@ -55,6 +55,9 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
     motion_seed: u64,
 }
+
+/// What is tracked, of either kind.
+type Takes = Vec<Box<dyn Take>>;
 
 type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
 
@@ -79,11 +82,8 @@ impl ClipArgs {
     }
 
     /// What is tracked, of either kind, and what was done to the clips before.
-    pub(super) fn takes(
-        &self,
-        rig: Option<&Loaded>,
-    ) -> anyhow::Result<(Vec<Box<dyn Take>>, Vec<String>)> {
-        fn boxed<T: Take + 'static>(takes: Vec<T>) -> Vec<Box<dyn Take>> {
+    pub(super) fn takes(&self, rig: Option<&Loaded>) -> anyhow::Result<(Takes, Vec<String>)> {
+        fn boxed<T: Take + 'static>(takes: Vec<T>) -> Takes {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn Take>).collect()
         }
         match rig {

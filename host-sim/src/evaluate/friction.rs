@@ -33,8 +33,8 @@ impl FrictionFeed {
         rubs.then(|| Self { joints, now: Vec::new(), next: Vec::new() })
     }
 
-    /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to have
-    /// from a frame to the next, as far as the drives can.
+    /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to
+    /// have from a frame to the next, as far as the drives can.
     pub(super) fn add(
         &mut self,
         performance: &Performance<'_>,

@@ -71,7 +71,8 @@ fn frame_count(take: &dyn Take, seconds: Option<f64>) -> usize {
 ///
 /// From frame n the controller has the motion's frames n to n+2, and the plant's poses of now and one step
 /// before; its torques take the plant to frame n+1, and there it is compared with the motion. The drives add what the
-/// friction of their joints takes, which they know. The rig starts on the motion's pose and with its velocity, with its own dimensions.
+/// friction of their joints takes, which they know. The rig starts on the motion's pose and with its velocity, with its
+/// own dimensions.
 ///
 /// Measured velocities are backward differences of what the joints' sensors tell, as firmware has them.
 /// `stream` tells motions apart in what is random of a run.

@@ -43,7 +43,8 @@ struct File {
 }
 
 impl SweepFile {
-    /// Reads a sweep file, for a rig of the user or for the figure. Of a rig, the plant is the exact one if none is named.
+    /// Reads a sweep file, for a rig of the user or for the figure. Of a rig, the plant is the exact one if none is
+    /// named.
     ///
     /// The cells of a grid go through its lists, the last key in alphabetical order fastest. Keys may be
     /// dotted, in quotes too, or lie in tables.

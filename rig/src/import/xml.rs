@@ -8,8 +8,11 @@ use super::error::{ImportError, Place};
 /// Larger numbers are damage: their squares and products must stay finite, in f32 too.
 const NUMBER_MAX: f64 = 1e6;
 
-/// The document of a text.
-pub(super) fn document(text: &str) -> Result<Document<'_>, ImportError> {
+/// The XML document of a text. Refuses what would take a reader of XML minutes, before it tries.
+///
+/// # Errors
+/// [`ImportError`] with line and column.
+pub fn document(text: &str) -> Result<Document<'_>, ImportError> {
     refuse_slow(text)?;
     Document::parse(text).map_err(|error| {
         let expected = match &error {

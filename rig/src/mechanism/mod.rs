@@ -24,8 +24,8 @@ pub struct Mechanism {
     pub linked: Vec<LinkedRange>,
 }
 
-/// A limit that joins two joints of one axis: `factor · q + other_factor · q_other` stays in a range. Equal ends tie the
-/// joint to the other.
+/// A limit that joins two joints of one axis: `factor · q + other_factor · q_other` stays in a range. Equal ends tie
+/// the joint to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkedRange {
     /// Body of the joint.

@@ -20,6 +20,13 @@ fn robot(text: &str) -> Result<Character, Refusal> {
 }
 
 #[test]
+fn name_spaces_that_would_take_minutes_are_refused_at_once() {
+    let spaces = " xmlns:a='a'".repeat(10_000);
+    let refusal = urdf::parse(format!("<robot{spaces}/>").as_bytes(), "x".into()).unwrap_err();
+    assert!(refusal.to_string().contains("name spaces"), "{refusal}");
+}
+
+#[test]
 fn joints_of_a_rig_come_from_the_root_outwards() {
     let character = robot(ROBOT).unwrap();
     let names: Vec<_> = character.joints().iter().map(|j| (j.name.as_str(), j.parent)).collect();

@@ -1,8 +1,8 @@
 //! Built-in motions of a rig's own joints: each in turn, then all together.
 //!
 //! An axis goes from place to place by minimum jerk (Flash and Hogan 1985), at rest in each: smooth up to its
-//! acceleration, within its range, and at a stated share of what it can. A ball joint goes along the three components of
-//! its rotation vector. A root that is free, and other free bodies, stay where they are at home.
+//! acceleration, within its range, and at a stated share of what it can. A ball joint goes along the three components
+//! of its rotation vector. A root that is free, and other free bodies, stay where they are at home.
 
 mod axis;
 mod course;

@@ -133,8 +133,8 @@ impl Joint {
         slides
     }
 
-    /// Whether a ball joint may come to the end of its range in a step. Elsewhere its friction acts along the axes of the
-    /// body, as that of three drives does.
+    /// Whether a ball joint may come to the end of its range in a step. Elsewhere its friction acts along the axes of
+    /// the body, as that of three drives does.
     fn is_near_end(&self, in_parent: &Pose) -> bool {
         /// Share of the range: no rig goes through the rest of it in a step.
         const NEAR: f64 = 0.8;
