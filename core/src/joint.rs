@@ -213,20 +213,6 @@ impl JointKind {
         }
     }
 
-    /// The pose in the joint frame that a joint with one or two axes can take next to `in_joint`: [`Self::at`] of
-    /// [`Self::along`], of a hinge without its angle.
-    pub(crate) fn nearest(self, in_joint: &Transform) -> Transform {
-        match self {
-            Self::Revolute { axis } => {
-                let Quat { x, y, z, w } = in_joint.rotation;
-                let twist = axis * axis.dot(Vec3::new(x, y, z));
-                let rotation = math::unit(Quat::from_xyzw(twist.x, twist.y, twist.z, w));
-                Transform::new(rotation, Vec3::ZERO)
-            }
-            _ => self.at(self.along(in_joint)),
-        }
-    }
-
     /// Pose in the joint frame of a joint that has one or two axes; the identity for the other kinds.
     pub(crate) fn at(self, along: [f32; 2]) -> Transform {
         let [a, b] = along;

@@ -311,7 +311,13 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             angular: math::log(to_body * measured.rotation),
             linear: to_body * (measured.translation_m - before.pose.translation_m),
         };
-        let in_joint = body.placement.rotation.conjugate() * before.pose.rotation;
+        // Only the axes of a universal joint depend on where it stands.
+        let in_joint = match body.joint {
+            JointKind::Universal { .. } => {
+                body.placement.rotation.conjugate() * before.pose.rotation
+            }
+            _ => Quat::IDENTITY,
+        };
         let off = body.joint.project_twist(in_joint, came + scaled(expected, -1.0));
         if !made.limited {
             let learnt = scaled(off, self.settings.disturbance_gain_per_s2);
@@ -366,7 +372,18 @@ fn keep_on_axes(
     if matches!(joint, JointKind::Spherical | JointKind::Free) {
         return acceleration;
     }
-    let in_joint = joint.nearest(&(placement.inverse() * state.pose));
+    if let JointKind::Revolute { axis } = joint {
+        // Its twist about the axis, which needs no angle.
+        let Quat { x, y, z, w } = placement.rotation.conjugate() * state.pose.rotation;
+        let twist = axis * axis.dot(Vec3::new(x, y, z));
+        let twist = math::unit(Quat::from_xyzw(twist.x, twist.y, twist.z, w));
+        let translation_m = placement.translation_m;
+        state.pose = Transform { rotation: placement.rotation * twist, translation_m };
+        let along = |v: Vec3| Twist::new(axis * axis.dot(v), Vec3::ZERO);
+        state.velocity = along(state.velocity.angular);
+        return along(acceleration.angular);
+    }
+    let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
     state.pose = *placement * in_joint;
     state.velocity = joint.project_twist(in_joint.rotation, state.velocity);
     if !matches!(joint, JointKind::Universal { .. }) {
