@@ -126,7 +126,7 @@ fn what_is_no_rig_is_refused_with_its_line() {
             .to_string()
             .contains("expected the element `robot`, found `sdf`")
     );
-    assert!(message("</robot>", "").contains("a URDF: expected XML"));
+    assert!(message("</robot>", "").contains("a URDF: expected well-formed XML"));
 }
 
 proptest! {
