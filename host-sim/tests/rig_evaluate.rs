@@ -113,7 +113,6 @@ fn robots_follow_within_a_tenth_of_a_degree() {
         "urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml",
         "foreign/urdf/so100.urdf",
         "foreign/urdf/panda.urdf",
-        "foreign/urdf/h1.urdf",
     ] {
         let rig = data.join(file);
         for masses in ["0", "0.15"] {
