@@ -73,8 +73,8 @@ fn all_commands_take_a_rig_and_say_so() {
     let out = folder.path().join("out");
     let [file, out] = [&sweep, &out].map(|path| path.to_str().unwrap());
     let again = ["sweep", file, "--rig", &rig, "--seconds", "1", "--out", out];
-    assert!(printed(&again).contains("2 cells; 8 runs made"));
-    assert!(printed(&again).contains("0 runs made, 8 taken over"));
+    assert!(printed(&again).contains("2 cells; 4 runs made"));
+    assert!(printed(&again).contains("0 runs made, 4 taken over"));
 }
 
 #[test]
@@ -90,7 +90,14 @@ fn what_a_rig_has_by_itself_is_refused() {
         (&["evaluate", "--rig", &rig, "--set", "root=fixed"], "the rig has its own"),
         (&["evaluate", "--rig", &rig, "--set", "controller.reference=pelvi"], "a body of the rig"),
         (&["evaluate", "--rig", &rig, "--shares", "0"], "shares: expected shares from 0.01 to 1"),
+        (&["evaluate", "--rig", &rig, "--shares", "0.5,0.5"], "shares: expected each share once"),
         (&["evaluate", "--shares", "0.5"], "--rig"),
+        // Not lost rigs, but rigs that this plant does not simulate.
+        (&["evaluate", "--rig", &rig, "--plant", "rapier"], "a rotor has inertia"),
+        (
+            &["robustness", "--rig", &rig, "--plant", "rapier", "--seconds", "1"],
+            "a rotor has inertia",
+        ),
         (&["evaluate", "--rig", face], "sinew rig view"),
         (&["evaluate", "--rig", "none.toml"], "none.toml"),
     ] {
@@ -99,6 +106,35 @@ fn what_a_rig_has_by_itself_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
         assert!(told.contains(part), "{arguments:?}: {told}");
     }
+}
+
+#[test]
+fn a_rig_that_is_too_weak_is_told_and_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = arm(folder.path(), "[0, 0, 0, 1]");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let tip = text.rfind("mass_kg = ").unwrap();
+    let end = tip + text[tip..].find('\n').unwrap();
+    std::fs::write(&path, format!("{}mass_kg = 2.5{}", &text[..tip], &text[end..])).unwrap();
+    let methods = ["--methods", "recommended", "--seconds", "10"];
+    let output = sinew(&[&["evaluate", "--rig", &path][..], &methods].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("FAULT: joint bend2: gravity asks for"), "{told}");
+    assert!(told.contains("method recommended: not followed"), "{told}");
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert!(table.contains("torques cut by the drives' limits: Recommended"), "{table}");
+}
+
+#[test]
+fn a_setup_in_a_file_keeps_the_exact_plant() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = arm(folder.path(), "[0, 0, 0, 1]");
+    let setup = folder.path().join("setup.toml");
+    std::fs::write(&setup, "plant.substeps = 2\n").unwrap();
+    let file = ["--setup", setup.to_str().unwrap(), "--seconds", "1", "--methods", "world"];
+    let table = printed(&[&["evaluate", "--rig", &rig][..], &file].concat());
+    assert!(table.contains("articulated-body algorithm in f64, 2 substep(s)"), "{table}");
 }
 
 /// The robots of `SINEW_DATA` that a rig can be made of as they are.

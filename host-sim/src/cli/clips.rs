@@ -35,12 +35,12 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frames: Option<f64>,
 
-    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints, each
-    /// in turn and all together, on the exact plant.
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints on the
+    /// exact plant: all together, and for `evaluate` each in turn.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Speeds of these motions, as shares of each joint's largest speed and acceleration, above 0 to 1.
+    /// Speeds of these motions, as shares of each joint's largest speed and acceleration, 0.01 to 1.
     #[arg(
         long,
         value_name = "SHARE,..",
@@ -62,7 +62,7 @@ type Takes = Vec<Box<dyn Take>>;
 type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
 
 /// Rate of control and plant of a user's rig, Hz.
-const RIG_RATE_HZ: f64 = 500.0;
+pub(super) const RIG_RATE_HZ: f64 = 500.0;
 
 impl ClipArgs {
     /// The user's rig, if one is named; what its import changed is said on standard error.
@@ -70,24 +70,26 @@ impl ClipArgs {
         self.rig.as_deref().map(read).transpose()
     }
 
-    /// The motions of a rig's own joints.
-    pub(super) fn exercises(&self, rig: &Loaded) -> anyhow::Result<Vec<Exercise>> {
+    /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
+    pub(super) fn exercises(&self, rig: &Loaded, in_turn: bool) -> anyhow::Result<Vec<Exercise>> {
         let settings = Exercises {
             rate_hz: self.rate.unwrap_or(RIG_RATE_HZ),
             shares: self.shares.clone(),
             seed: self.motion_seed,
+            in_turn,
             ..Exercises::default()
         };
         Ok(exercises(&rig.description.name, &rig.mechanism, &settings)?)
     }
 
-    /// What is tracked, of either kind, and what was done to the clips before.
+    /// What is tracked, of either kind, and what was done to the clips before. Of a rig, the motions of all joints
+    /// together: those in turn take long, and most joints stand still.
     pub(super) fn takes(&self, rig: Option<&Loaded>) -> anyhow::Result<(Takes, Vec<String>)> {
         fn boxed<T: Take + 'static>(takes: Vec<T>) -> Takes {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn Take>).collect()
         }
         match rig {
-            Some(rig) => Ok((boxed(self.exercises(rig)?), Vec::new())),
+            Some(rig) => Ok((boxed(self.exercises(rig, false)?), Vec::new())),
             None => self.read().map(|(motions, lines)| (boxed(motions), lines)),
         }
     }

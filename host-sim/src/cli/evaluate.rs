@@ -8,13 +8,16 @@ use std::process::ExitCode;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_rig::Mechanism;
+use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
+use sinew_sim::evaluate::robustness::TRACKS_BELOW_DEG;
 use sinew_sim::evaluate::{
     EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
 };
-use sinew_sim::plant::PlantKind;
 
-use super::clips::{ClipArgs, seconds, tell};
+use sinew_sim::rig::Loaded;
+
+use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::page::PageArgs;
 use super::setup::SetupArgs;
@@ -26,7 +29,8 @@ use super::setup::SetupArgs;
 /// own numbers. Standard error names all that is skipped or filled in a clip.
 ///
 /// A clip of f frames makes f - 2 steps: forward differences look two frames ahead. If a figure is lost, the
-/// evaluation ends with exit code 1, and names clip, method and frame. Bad input is exit code 2.
+/// evaluation ends with exit code 1, and names clip, method and frame. Bad input is exit code 2. A rig of yours
+/// (`--rig`) that follows a motion worse than 10 degrees in the mean is exit code 1, too.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -108,7 +112,8 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     }
     if let Some(rig) = rig {
-        let takes = args.clips.exercises(rig)?;
+        tell_faults(rig)?;
+        let takes = args.clips.exercises(rig, true)?;
         let plan = args.page.plan(&takes, rig.notes.clone())?;
         return args.evaluate(&takes, &protocol, |folder, evaluation| {
             plan.write(folder, &takes, &protocol, evaluation)
@@ -134,7 +139,7 @@ impl Args {
                 seconds,
             },
             Some(_) => Protocol {
-                setup: self.setup.setup_on(PlantKind::Articulated, rig)?,
+                setup: self.setup.setup_on_exact(rig)?,
                 scales: vec![1.0],
                 methods: methods.unwrap_or_else(|| MethodName::ALL.to_vec()),
                 seconds,
@@ -155,7 +160,7 @@ impl Args {
         let evaluation = match result {
             Ok(evaluation) => evaluation,
             // The figure was lost: a result, and a bad one.
-            Err(error @ EvaluateError::Run { .. }) => {
+            Err(error @ EvaluateError::Run { .. }) if error.is_loss() => {
                 note(format_args!("error: {error}"));
                 return Ok(ExitCode::FAILURE);
             }
@@ -164,14 +169,49 @@ impl Args {
         if let Some(folder) = &self.out {
             write_files(folder, &evaluation)?;
             page(folder, &evaluation)?;
+            if evaluation.rig.is_some() {
+                note(format_args!("wrote {}", folder.join("index.html").display()));
+            }
         }
         print(&match self.format {
             Format::Table => report::tables(&evaluation),
             Format::Json => report::json(&evaluation),
             Format::Csv => report::result_csv(&evaluation),
         })?;
-        Ok(ExitCode::SUCCESS)
+        Ok(told_flailing(&evaluation))
     }
+}
+
+/// Says what of a rig is too weak for its own weight, as `sinew rig check` finds it.
+fn tell_faults(rig: &Loaded) -> anyhow::Result<()> {
+    let servos = Servos::of(&rig.description, &rig.mechanism)?;
+    let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1 };
+    let review = Review::of(&rig.mechanism, &servos, control)?;
+    for Finding { about, text, .. } in
+        review.findings.iter().filter(|finding| finding.severity == Severity::Fault)
+    {
+        note(format_args!("FAULT: {about}: {text}"));
+    }
+    Ok(())
+}
+
+/// Names the motions of a rig that were not followed. A rig on a stand cannot be lost: it flails where it stands.
+fn told_flailing(evaluation: &Evaluation) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    let results = evaluation.figures.iter().flat_map(|figure| &figure.methods);
+    for result in results.filter(|_| evaluation.rig.is_some()) {
+        for (clip, errors) in evaluation.clips.iter().zip(&result.clips) {
+            let mean_deg = errors.all.angular_mean_deg();
+            if mean_deg > TRACKS_BELOW_DEG {
+                let (method, motion) = (result.method, &clip.name);
+                note(format_args!(
+                    "error: motion {motion}, method {method}: not followed, the mean error is {mean_deg:.1} deg"
+                ));
+                code = ExitCode::FAILURE;
+            }
+        }
+    }
+    code
 }
 
 fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {

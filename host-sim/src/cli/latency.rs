@@ -9,7 +9,6 @@ use sinew_sim::command::{ThreadArgs, print, with_progress};
 use sinew_sim::evaluate::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
 use sinew_sim::evaluate::{Setup, Take};
 use sinew_sim::figure::Dimensions;
-use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -59,7 +58,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let rig = args.clips.rig()?;
     let rig = rig.as_ref();
-    let mut setup = args.setup.setup_on(PlantKind::Articulated, rig.map(|rig| &rig.mechanism))?;
+    let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     ensure!(
         setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,
         "disturbance.latency_steps, controller.observer.predict: expected to be left out, the table varies them"

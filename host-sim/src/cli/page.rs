@@ -16,7 +16,8 @@ use sinew_sim::command::note;
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip, or motion of the rig, that the report plays back. Default: the first.
+    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; of a rig
+    /// the last motion, which is the fastest with all joints.
     #[arg(long, value_name = "CLIP", requires = "out")]
     playback: Option<String>,
 
@@ -38,7 +39,9 @@ pub(super) struct Plan {
 impl PageArgs {
     /// Finds the clip or motion and reads the sweep.
     pub(super) fn plan(&self, takes: &[impl Take], notices: Vec<String>) -> anyhow::Result<Plan> {
-        let take = self.playback.as_deref().map_or(Ok(0), |wanted| {
+        let of_rig = takes.first().is_some_and(|take| take.rig_name().is_some());
+        let default = if of_rig { takes.len() - 1 } else { 0 };
+        let take = self.playback.as_deref().map_or(Ok(default), |wanted| {
             let place = takes.iter().position(|take| take.name() == wanted);
             place.with_context(|| {
                 let names: Vec<&str> = takes.iter().map(Take::name).collect();

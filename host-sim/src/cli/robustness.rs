@@ -3,13 +3,12 @@
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use sinew_sim::command::{ThreadArgs, print, with_progress};
 use sinew_sim::evaluate::robustness::{Trial, as_built, median, trial};
 use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Take as _, step_count};
 use sinew_sim::figure::Dimensions;
-use sinew_sim::plant::PlantKind;
 
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -67,7 +66,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let rig = args.clips.rig()?;
     let rig = rig.as_ref();
-    let mut setup = args.setup.setup_on(PlantKind::Articulated, rig.map(|rig| &rig.mechanism))?;
+    let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     let disturbance = &setup.disturbance;
     ensure!(
         *disturbance
@@ -103,6 +102,13 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         };
         seeds.iter().map(of_seed).collect()
     });
+    for trial in trials.iter().flatten() {
+        if let Err(error) = trial
+            && !error.kind.is_loss()
+        {
+            bail!("{error}");
+        }
+    }
     let mut text = format!(
         "{}, {steps} steps of {:.0} Hz on each of {} rigs{}; plant: {}\n\
          masses off by up to 15 %, joint sensors of 12 bits, torques one step late\n\

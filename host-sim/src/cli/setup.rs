@@ -33,31 +33,26 @@ pub(super) struct SetupArgs {
 }
 
 impl SetupArgs {
-    /// The setup, on another plant than the paper's if none is named.
-    pub(super) fn setup_on(
-        &self,
-        plant: PlantKind,
-        rig: Option<&Mechanism>,
-    ) -> anyhow::Result<Setup> {
-        let mut setup = self.setup(rig)?;
-        if self.plant.is_none()
-            && self.setup.is_none()
-            && !self.set.iter().any(|set| set.starts_with("plant.kind"))
-        {
-            setup.plant.kind = plant;
-        }
-        Ok(setup)
+    /// The setup, on the exact plant instead of the paper's if none is named anywhere.
+    pub(super) fn setup_on_exact(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
+        self.read(rig, toml::Table::from_iter([("plant".to_owned(), exact().into())]))
     }
 
     /// The setup for a rig of the user, or for the figure.
     pub(super) fn setup(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
-        let mut setup = toml::Table::new();
+        self.read(rig, toml::Table::new())
+    }
+
+    /// The setup on top of `defaults`.
+    fn read(&self, rig: Option<&Mechanism>, defaults: toml::Table) -> anyhow::Result<Setup> {
+        let mut setup = defaults;
         if let Some(file) = &self.setup {
             let text =
                 std::fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
             // Alone, errors point at the file's lines.
             Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
-            setup = text.parse().with_context(|| format!("{}", file.display()))?;
+            let own: toml::Table = text.parse().with_context(|| format!("{}", file.display()))?;
+            merge(&mut setup, own);
         }
         for assignment in &self.set {
             let Some((key, value)) = assignment.split_once('=') else {
@@ -89,6 +84,21 @@ impl SetupArgs {
         }
         setup.check()?;
         Ok(setup)
+    }
+}
+
+/// The exact plant.
+fn exact() -> toml::Table {
+    toml::Table::from_iter([("kind".to_owned(), "articulated".into())])
+}
+
+/// Puts the keys of one table over those of another.
+fn merge(table: &mut toml::Table, over: toml::Table) {
+    for (key, value) in over {
+        match (table.get_mut(&key).and_then(toml::Value::as_table_mut), value) {
+            (Some(inner), toml::Value::Table(over)) => merge(inner, over),
+            (_, value) => _ = table.insert(key, value),
+        }
     }
 }
 

@@ -33,6 +33,13 @@ pub enum EvaluateError {
     },
 }
 
+impl EvaluateError {
+    /// Whether a rig was lost, which is a result; anything else is bad input.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, Self::Run { kind, .. } if kind.is_loss())
+    }
+}
+
 /// Why a run failed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RunError {
@@ -99,4 +106,11 @@ pub enum RunError {
     /// The plant cannot be built.
     #[error(transparent)]
     Plant(#[from] PlantError),
+}
+
+impl RunError {
+    /// Whether the rig was lost, which is a result; anything else is bad input.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, Self::Diverged { .. } | Self::TorqueNotFinite { .. })
+    }
 }

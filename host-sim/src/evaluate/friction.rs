@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use sinew_core::Wrench;
+use sinew_core::glam::Vec3;
 use sinew_rig::drive::Friction;
 use sinew_rig::mechanism::{Freedom, Link};
 
@@ -34,17 +35,18 @@ impl FrictionFeed {
     }
 
     /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to
-    /// have from a frame to the next, as far as the drives can.
+    /// have from a frame to the next, as far as the drives can. Returns how many drives could not.
     pub(super) fn add(
         &mut self,
         performance: &Performance<'_>,
         frame: usize,
         wrenches: &mut [Wrench],
-    ) {
+    ) -> usize {
         let Performance { take, setup, links } = *performance;
         take.joint_poses(setup, frame, &mut self.now);
         take.joint_poses(setup, frame + 1, &mut self.next);
         let poses = self.now.iter().zip(&self.next);
+        let mut limited = 0;
         let joints = links.iter().zip(&self.joints).zip(poses).zip(wrenches);
         for (((link, (friction, most)), (now, next)), wrench) in joints {
             if friction.is_none() || link.joint == Freedom::Free {
@@ -55,22 +57,20 @@ impl FrictionFeed {
                 [rotation_vector(moved.rotation), moved.position_m].map(|way| way / take.dt_s());
             let placement = Pose { rotation: link.rotation, position_m: link.position_m };
             let (turns, slides) = link.joint.axes(&link.joint.along(&placement.inside(now)));
-            let takes = |axis: &DVec3, speed: DVec3| friction.effort(narrow(axis.dot(speed)));
-            for axis in &turns {
-                let along = axis.as_vec3();
-                let more = more(along.dot(wrench.moment_nm), takes(axis, spin_rad_s), *most);
-                wrench.moment_nm += along * more;
-            }
-            for axis in &slides {
-                let along = axis.as_vec3();
-                let more = more(along.dot(wrench.force_n), takes(axis, slide_m_s), *most);
-                wrench.force_n += along * more;
-            }
+            let takes = |axes: &[DVec3], speed: DVec3| -> Vec3 {
+                let along =
+                    |axis: &DVec3| axis.as_vec3() * friction.effort(narrow(axis.dot(speed)));
+                axes.iter().map(along).sum()
+            };
+            let [moment_nm, force_n] = [
+                wrench.moment_nm + takes(&turns, spin_rad_s),
+                wrench.force_n + takes(&slides, slide_m_s),
+            ];
+            let within =
+                Wrench::new(moment_nm.clamp_length_max(*most), force_n.clamp_length_max(*most));
+            limited += usize::from(within != Wrench::new(moment_nm, force_n));
+            *wrench = within;
         }
+        limited
     }
-}
-
-/// What of `effort` goes on top of `wanted`, which is within the limits.
-fn more(wanted: f32, effort: f32, most: f32) -> f32 {
-    (wanted + effort).clamp(-most, most) - wanted
 }

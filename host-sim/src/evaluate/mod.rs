@@ -114,6 +114,12 @@ pub struct MethodResult {
 }
 
 impl Evaluation {
+    /// How the base of a user's rig is held.
+    pub fn base(&self) -> Option<&'static str> {
+        let how = if self.driven { "driven from outside" } else { "held by a stand" };
+        self.rig.as_ref().map(|_| how)
+    }
+
     /// Number of simulation steps of one figure with one method.
     pub fn frames(&self) -> usize {
         self.clips.iter().map(|clip| clip.frames).sum()

@@ -89,11 +89,8 @@ pub fn largest_latency(
             Ok(errors) if errors.all.angular_mean_deg() < TRACKS_BELOW_DEG => {
                 largest = Some(latency_steps);
             }
-            Ok(_)
-            | Err(Lost {
-                kind: RunError::Diverged { .. } | RunError::TorqueNotFinite { .. },
-                ..
-            }) => break,
+            Ok(_) => break,
+            Err(lost) if lost.kind.is_loss() => break,
             Err(other) => return Err(other),
         }
     }

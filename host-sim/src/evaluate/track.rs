@@ -120,11 +120,11 @@ pub fn track(
         if torques.iter().any(|torque| torque.reason == Some(LimitReason::NotFinite)) {
             return Err(RunError::TorqueNotFinite { frame });
         }
-        let limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
+        let mut limited = torques.iter().filter(|torque| torque.reason.is_some()).count();
         wanted.clear();
         wanted.extend(torques.iter().map(|torque| torque.value));
         if let Some(friction) = &mut friction {
-            friction.add(&performance, frame, &mut wanted);
+            limited += friction.add(&performance, frame, &mut wanted);
         }
         let arriving = delay.pass(wanted.iter().copied());
         set_drive(&mut drive, arriving, plant.poses());

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{FreedomReview, Review};
+use super::{FreedomReview, Review, Voltage};
 use crate::mechanism::{Freedom, GRAVITY_M_S2, Mechanism};
 
 /// How bad it is.
@@ -37,6 +37,12 @@ const LIGHTEST_KG: f64 = 1e-6;
 /// A step at the far end that people see.
 const VISIBLE_MM: f64 = 1.0;
 
+/// Above this share of the voltage that its values are for, a servo is damaged: makers allow up to 1.23 of it.
+const HIGHEST_VOLTAGE: f64 = 1.25;
+
+/// Below this share a servo is noticeably weaker and slower.
+const LOWEST_VOLTAGE: f64 = 0.8;
+
 /// A speed that no servo has without load, rad/s.
 const FASTEST_RAD_S: f64 = 50.0;
 
@@ -52,6 +58,12 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
         }
     }
     of_bodies(mechanism, &mut add);
+    of_friction(mechanism, &mut add);
+    of_voltages(&review.voltages, &mut add);
+    if review.mass_kg <= 0.0 {
+        let text = "none are given: loads and currents are not known, whatever the table says";
+        add(Severity::Note, "masses".to_owned(), text.to_owned());
+    }
     of_servos(mechanism, review, &mut add);
     add(
         Severity::Note,
@@ -168,6 +180,42 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
                      {size_m:.3} m: are its units g and mm?"
                 ),
             );
+        }
+    }
+}
+
+fn of_friction(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, String)) {
+    for link in &mechanism.bodies {
+        let speed = if link.speed.is_finite() { link.speed } else { 0.0 };
+        let takes = link.friction + link.damping * speed;
+        if takes > link.effort {
+            add(
+                Severity::Warning,
+                format!("joint {}", link.joint_name),
+                format!(
+                    "friction takes {takes:.3} of the {:.3} that its drive gives, at its largest speed of {speed:.2}: it does \
+                     not get there",
+                    link.effort
+                ),
+            );
+        }
+    }
+}
+
+fn of_voltages(voltages: &[Voltage], add: &mut impl FnMut(Severity, String, String)) {
+    for Voltage { servos, model, supply_v, model_v } in voltages {
+        let about = || format!("servos {}", servos.join(", "));
+        let share = supply_v / model_v;
+        if share > HIGHEST_VOLTAGE {
+            let text =
+                format!("{supply_v} V would damage a {model}, whose values are for {model_v} V");
+            add(Severity::Fault, about(), text);
+        } else if share < LOWEST_VOLTAGE {
+            let text = format!(
+                "values of a {model} are for {model_v} V: at {supply_v} V it has some {:.0} % of the torque and speed in the table",
+                100.0 * share
+            );
+            add(Severity::Warning, about(), text);
         }
     }
 }

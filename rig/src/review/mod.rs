@@ -120,8 +120,23 @@ pub struct Review {
     /// If servos are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current: Option<CurrentReview>,
+    /// What feeds each kind of servo; empty if the supply is not known.
+    pub voltages: Vec<Voltage>,
     /// What is wrong or doubtful, the worst first.
     pub findings: Vec<Finding>,
+}
+
+/// What feeds the servos of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Voltage {
+    /// Names of the servos.
+    pub servos: Vec<String>,
+    /// Their kind.
+    pub model: String,
+    /// What the supply gives, V.
+    pub supply_v: f64,
+    /// What the kind's values are for, V.
+    pub model_v: f64,
 }
 
 /// What is known of the servos.
@@ -133,6 +148,8 @@ pub struct Servos {
     pub stall_current_a: f64,
     /// What the supply gives, A.
     pub supply_a: Option<f64>,
+    /// What feeds each kind; empty if the supply is not known.
+    pub voltages: Vec<Voltage>,
 }
 
 impl Review {
@@ -186,6 +203,7 @@ impl Review {
             stall_a: servos.stall_current_a,
             supply_a: servos.supply_a,
         });
+        let voltages = servos.voltages.clone();
         let mut review = Self {
             mass_kg: mechanism.bodies.iter().map(|link| link.mass_kg).sum(),
             bodies: mechanism.bodies.len(),
@@ -194,6 +212,7 @@ impl Review {
             stable_kp_per_s2: omega * omega,
             by_freedom,
             current,
+            voltages,
             findings: Vec::new(),
         };
         review.findings = finding::findings(mechanism, &review);
@@ -213,7 +232,9 @@ pub enum ReviewError {
 }
 
 fn holding_current_a(freedom: &FreedomReview) -> Option<f64> {
-    freedom.servo.as_ref().map(|servo| servo.current_per_effort * freedom.gravity_effort)
+    // No servo takes more than what it stalls with.
+    let held = |stall: f64| freedom.gravity_effort.min(stall);
+    freedom.servo.as_ref().map(|servo| servo.current_per_effort * held(servo.stall))
 }
 
 fn finite(limit: f64) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Capability, Servos};
+use super::{Capability, Servos, Voltage};
 use crate::actuation::{Actuation, DriveOf};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
@@ -46,8 +46,28 @@ impl Servos {
             by_freedom: mechanism.bodies.iter().flat_map(of_link).collect(),
             stall_current_a: models.iter().map(|model| model.stall_current_a.value).sum(),
             supply_a: rig.supply.map(|supply| supply.current_a),
+            voltages: voltages(rig),
         })
     }
+}
+
+/// What feeds each kind of servo, in the order of the file.
+fn voltages(rig: &Description) -> Vec<Voltage> {
+    let mut voltages: Vec<Voltage> = Vec::new();
+    let Some(supply) = rig.supply else { return voltages };
+    for servo in &rig.servos {
+        if let Some(known) = voltages.iter_mut().find(|known| known.model == servo.model) {
+            known.servos.push(servo.name.clone());
+        } else if let Some(model) = rig.servo_model(&servo.model) {
+            voltages.push(Voltage {
+                servos: vec![servo.name.clone()],
+                model: servo.model.clone(),
+                supply_v: supply.voltage_v,
+                model_v: model.voltage_v.value,
+            });
+        }
+    }
+    voltages
 }
 
 /// What the servos of one drive can do for each of its freedoms alone.

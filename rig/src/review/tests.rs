@@ -87,6 +87,7 @@ fn a_review_says_what_is_too_heavy() {
         by_freedom: vec![Some(capability(6.0)), Some(capability(20.0))],
         stall_current_a: 3.0,
         supply_a: Some(2.0),
+        voltages: Vec::new(),
     };
     let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
     let review = Review::of(&arm, &servos, control).unwrap();
@@ -137,4 +138,33 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_supply_that_is_too_high_or_too_low_is_found() {
+    let mut rig = crate::new::arm(6).unwrap();
+    let mut of = |voltage_v: f64| {
+        rig.supply.as_mut().unwrap().voltage_v = voltage_v;
+        let mechanism = rig.mechanism().unwrap();
+        let servos = Servos::of(&rig, &mechanism).unwrap();
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let review = Review::of(&mechanism, &servos, control).unwrap();
+        let found = review.findings.iter().find(|finding| finding.text.contains(" V"));
+        found.map(|finding| finding.severity)
+    };
+    assert_eq!(of(5.0), None);
+    assert_eq!(of(24.0), Some(Severity::Fault));
+    assert_eq!(of(3.0), Some(Severity::Warning));
+}
+
+#[test]
+fn friction_that_no_drive_overcomes_is_found() {
+    let mut arm = arm();
+    let hinge = &mut arm.bodies[1];
+    (hinge.friction, hinge.damping, hinge.speed, hinge.effort) = (1.0, 2.0, 8.0, 15.0);
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let review = Review::of(&arm, &Servos::default(), control).unwrap();
+    let found =
+        review.findings.iter().any(|finding| finding.text.starts_with("friction takes 17.000"));
+    assert!(found, "{:?}", review.findings);
 }

@@ -21,10 +21,16 @@ pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower
     for one in &mechanism.linked {
         let [least, most] = one.range;
         let tied = least.to_bits() == most.to_bits();
-        if tied && !followers.iter().any(|other| other.body == one.body) {
-            let factor = -one.other_factor / one.factor;
-            let (body, leader) = (one.body, one.other);
-            followers.push(Follower { body, leader, factor, offset: most / one.factor });
+        let follows = |body: usize| followers.iter().any(|other| other.body == body);
+        // The joint follows the other, or the other way round if it follows a third one already.
+        let ends = [
+            (one.body, one.factor, one.other, one.other_factor),
+            (one.other, one.other_factor, one.body, one.factor),
+        ];
+        let free = ends.into_iter().find(|(body, factor, ..)| *factor != 0.0 && !follows(*body));
+        if tied && let Some((body, factor, leader, of_leader)) = free {
+            let one = Follower { body, leader, factor: -of_leader / factor, offset: most / factor };
+            followers.push(one);
         }
     }
     let followers: Vec<Follower> = followers

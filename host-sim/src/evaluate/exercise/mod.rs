@@ -32,6 +32,8 @@ pub struct Exercises {
     /// Shares of the largest speed and acceleration of every axis that it goes at, above 0 and at most 1: two motions
     /// for each.
     pub shares: Vec<f64>,
+    /// Whether the joints go each in turn, too, in a motion of their own.
+    pub in_turn: bool,
     /// How long all joints move together, s.
     pub seconds: f64,
     /// Seed of where they go then.
@@ -40,7 +42,7 @@ pub struct Exercises {
 
 impl Default for Exercises {
     fn default() -> Self {
-        Self { rate_hz: 500.0, shares: vec![0.2, 0.6], seconds: 10.0, seed: 1 }
+        Self { rate_hz: 500.0, shares: vec![0.2, 0.6], in_turn: true, seconds: 10.0, seed: 1 }
     }
 }
 
@@ -77,7 +79,8 @@ pub enum ExerciseError {
     NoMass,
     /// There is nothing to move.
     #[error(
-        "the rig has no joint that moves; expected a hinge, a slide, a universal or a ball joint"
+        "the rig has no joint that can move; expected a hinge, a slide, a universal or a ball joint with room in its range and in \
+         the limits that join it to others"
     )]
     NothingMoves,
 }
@@ -110,20 +113,24 @@ pub fn exercises(
         axes.push(Axis::of_joint(link)?);
     }
     let followers = tie(mechanism, &mut axes);
-    if axes.iter().all(Vec::is_empty) {
+    if !axes.iter().flatten().any(|axis| axis.most > axis.least) {
         return Err(ExerciseError::NothingMoves);
     }
-    if mechanism.bodies.iter().all(|link| link.mass_kg == 0.0) {
+    if mechanism.bodies.iter().all(|link| link.mass_kg == 0.0 && link.rotor_inertia == 0.0) {
         return Err(ExerciseError::NoMass);
     }
     let mechanism = Arc::new(mechanism.clone());
     let mut exercises = Vec::with_capacity(2 * settings.shares.len());
     for share in &settings.shares {
-        let together = together(&axes, *share, settings);
-        for (kind, mut courses) in [("in_turn", in_turn(&axes, *share)), ("together", together)] {
+        let in_turn = settings.in_turn.then(|| ("in_turn", in_turn(&axes, *share)));
+        let together = Some(("together", together(&axes, *share, settings)));
+        for (kind, mut courses) in in_turn.into_iter().chain(together) {
             follow(&followers, &mut courses);
             let ends = courses.iter().flatten().map(Course::end_s);
-            let last = ends.fold(0.0, f64::max) * settings.rate_hz;
+            let last_s = ends.fold(0.0, f64::max);
+            // All together they stop at once, wherever they are.
+            let last_s = if kind == "together" { last_s.min(settings.seconds) } else { last_s };
+            let last = last_s * settings.rate_hz;
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -131,7 +138,7 @@ pub fn exercises(
             )]
             let frames = last.ceil() as usize + 3;
             exercises.push(Exercise {
-                name: format!("{kind}_{:.0}", share * 100.0),
+                name: format!("{kind}_{}", (share * 1e4).round() / 100.0),
                 rig: name.to_owned(),
                 mechanism: Arc::clone(&mechanism),
                 dt_s: settings.rate_hz.recip(),
@@ -152,6 +159,10 @@ impl Exercises {
         if !(1.0..=3600.0).contains(&self.seconds) {
             return fault("seconds", "1 to 3600 s", self.seconds);
         }
+        let repeated = |(index, share): (usize, &f64)| self.shares[..index].contains(share);
+        if let Some(place) = self.shares.iter().enumerate().position(repeated) {
+            return fault("shares", "each share once", self.shares[place]);
+        }
         match self.shares.iter().find(|share| !(0.01..=1.0).contains(*share)) {
             Some(share) => fault("shares", "shares from 0.01 to 1", *share),
             None => Ok(()),
@@ -170,12 +181,14 @@ impl Take for Exercise {
 
     fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
         for link in &self.mechanism.bodies {
+            see(&[link.parent.map_or(-1.0, |parent| parent as f64)]);
             see(&link.position_m.to_array());
             see(&link.rotation.to_array());
             see(&[link.mass_kg, link.rotor_inertia, link.friction, link.damping, link.effort]);
             see(&link.center_of_mass_m.to_array());
             see(&link.inertia_kg_m2.to_cols_array());
             let (turns, slides) = link.joint.axes(&link.home);
+            see(&[turns.len() as f64, slides.len() as f64]);
             for axis in turns.iter().chain(&slides) {
                 see(&axis.to_array());
             }

@@ -178,8 +178,30 @@ fn what_cannot_be_moved_is_refused_in_words() {
     let mut bad = good.clone();
     bad.bodies[2].home = vec![];
     assert!(refused(&bad, &Exercises::default()).starts_with("joint joint_2: expected 1"));
+    let mut tied = good.clone();
+    tied.bodies.truncate(3);
+    tied.linked = vec![between(1, 2, 1.0, [0.0, 0.0]), between(1, 2, -1.0, [0.0, 0.0])];
+    assert!(refused(&tied, &Exercises::default()).contains("no joint that can move"));
     let stiff = Mechanism { bodies: vec![good.bodies[0].clone()], linked: Vec::new() };
-    assert!(refused(&stiff, &Exercises::default()).contains("no joint that moves"));
+    assert!(refused(&stiff, &Exercises::default()).contains("no joint that can move"));
+}
+
+fn between(body: usize, other: usize, factor: f64, range: [f64; 2]) -> LinkedRange {
+    LinkedRange { body, other, factor: 1.0, other_factor: factor, range }
+}
+
+#[test]
+fn a_joint_may_be_tied_to_two() {
+    let mut mechanism = arm(DQuat::IDENTITY);
+    mechanism.linked = vec![between(1, 2, -1.0, [0.0, 0.0]), between(1, 3, -2.0, [0.0, 0.0])];
+    let together = exercises("arm", &mechanism, &Exercises::default()).unwrap().swap_remove(1);
+    let mut largest: f64 = 0.0;
+    for frame in 0..together.frames {
+        let at = |body: usize| together.courses[body][0].at(frame as f64 * together.dt_s);
+        assert!((at(1) - at(2)).abs() < 1e-12 && (at(1) - 2.0 * at(3)).abs() < 1e-12);
+        largest = largest.max(at(1).abs());
+    }
+    assert!(largest > 0.3, "they move: {largest}");
 }
 
 #[test]

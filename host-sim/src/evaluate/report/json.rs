@@ -12,6 +12,9 @@ struct Document<'a> {
     schema: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     rig: Option<&'a str>,
+    /// How the base of a user's rig is held.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    base: Option<&'static str>,
     plant: Description,
     setup: &'a Setup,
     frames: usize,
@@ -107,6 +110,7 @@ pub fn json(evaluation: &Evaluation) -> String {
     let document = Document {
         schema: "sinew-evaluate/1",
         rig: evaluation.rig.as_deref(),
+        base: evaluation.base(),
         plant: evaluation.setup.plant.description(),
         setup: &evaluation.setup,
         frames: evaluation.frames(),

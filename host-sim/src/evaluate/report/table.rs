@@ -28,9 +28,11 @@ pub fn tables(evaluation: &Evaluation) -> String {
             widest_gap_m(evaluation) * 1000.0,
         ),
     );
-    if evaluation.rig.is_some() {
-        let base = if evaluation.driven { "driven from outside" } else { "held by a stand" };
+    if let Some(base) = evaluation.base() {
         write(&mut out, format_args!("base of the rig: {base}\n"));
+    }
+    if let Some(line) = limited(evaluation) {
+        write(&mut out, format_args!("{line}\n"));
     }
     let differences = evaluation.setup.differences();
     if !differences.is_empty() {
@@ -54,6 +56,21 @@ pub fn tables(evaluation: &Evaluation) -> String {
         );
     }
     out
+}
+
+/// How often the drives of a rig could not give what was wanted, if ever.
+fn limited(evaluation: &Evaluation) -> Option<String> {
+    evaluation.rig.as_ref()?;
+    let methods = evaluation.figures.iter().flat_map(|figure| &figure.methods);
+    let shares: Vec<String> = methods
+        .filter(|result| result.total.limited > 0)
+        .map(|result| {
+            let percent = 100.0 * result.total.limited as f64 / result.total.all.n as f64;
+            format!("{} {percent:.2} %", result.method.label())
+        })
+        .collect();
+    (!shares.is_empty())
+        .then(|| format!("torques cut by the drives' limits: {}", shares.join(", ")))
 }
 
 fn widest_gap_m(evaluation: &Evaluation) -> f64 {

@@ -136,10 +136,14 @@ impl Joint {
     /// Whether a ball joint may come to the end of its range in a step. Elsewhere its friction acts along the axes of
     /// the body, as that of three drives does.
     fn is_near_end(&self, in_parent: &Pose) -> bool {
-        /// Share of the range: no rig goes through the rest of it in a step.
-        const NEAR: f64 = 0.8;
+        /// The slowest control that there is.
+        const STEP_S: f64 = 0.1;
+        /// More than it can gain by speeding up within a step.
+        const MARGIN_RAD: f64 = 0.1;
         let [_, end] = self.ranges[0];
-        end.is_finite() && self.swing(in_parent).1 > NEAR * end
+        // The same along any three axes.
+        let speed_rad_s = DVec3::from_slice(&self.speeds[..3]).length();
+        end.is_finite() && self.swing(in_parent).1 + STEP_S * speed_rad_s + MARGIN_RAD >= end
     }
 
     /// Axis and angle of a ball joint's turn from its placement.
