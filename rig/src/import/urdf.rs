@@ -172,7 +172,7 @@ fn tell_unread(
         count(joint.node, &OF_JOINT, " of a joint");
     }
     for (what, count) in unread {
-        let text = "elements that say nothing a rig has";
+        let text = "elements that no rig needs, or that stand where a URDF has none";
         notes.add_of(NoteKind::LeftOut, text, format!("{what}: {count}"));
     }
     let meshes = links.iter().flat_map(Node::descendants);

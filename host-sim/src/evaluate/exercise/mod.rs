@@ -116,7 +116,7 @@ pub fn exercises(
     if !axes.iter().flatten().any(|axis| axis.most > axis.least) {
         return Err(ExerciseError::NothingMoves);
     }
-    if mechanism.bodies.iter().all(|link| link.mass_kg == 0.0 && link.rotor_inertia == 0.0) {
+    if mechanism.bodies.iter().all(|link| link.mass_kg == 0.0) {
         return Err(ExerciseError::NoMass);
     }
     let mechanism = Arc::new(mechanism.clone());

@@ -43,8 +43,8 @@ pub(super) fn refuse(
         notes.add(NoteKind::Doubtful, text);
         return Ok(());
     }
-    let expected = "a tree in which every joint has a drive; the option cut leaves joints out with all beyond them, \
-                    open-loops takes the tree as it is";
+    let expected = "a tree in which every joint has a drive; the option cut (`--cut JOINT,..`) leaves joints out with \
+                    all beyond them, open-loops (`--open-loops`) takes the tree as it is";
     Err(xml::refuse(robot, expected, format!("{} {text}", loops.len())))
 }
 
