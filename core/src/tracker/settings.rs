@@ -186,8 +186,8 @@ impl<B: Default + Clone> Settings<B> {
     /// The same with the method [`MethodName::Recommended`] spelled out for a rig that acts once in `dt_s` seconds: the
     /// settings that it stands for. Gains and the projection's weights stay.
     ///
-    /// A tracker of settings that are spelled out does not check its [`Timing`]: for simulations of drives that come
-    /// too late.
+    /// A tracker of settings that are spelled out does not check its [`Timing`](super::Timing): for simulations of
+    /// drives that come too late.
     #[must_use]
     pub fn effective(self, dt_s: f32) -> Self {
         let recommended = self.method == MethodName::Recommended;
