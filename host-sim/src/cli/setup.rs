@@ -35,24 +35,23 @@ pub(super) struct SetupArgs {
 impl SetupArgs {
     /// The setup, on the exact plant instead of the paper's if none is named anywhere.
     pub(super) fn setup_on_exact(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
-        self.read(rig, toml::Table::from_iter([("plant".to_owned(), exact().into())]))
+        self.read(rig, true)
     }
 
     /// The setup for a rig of the user, or for the figure.
     pub(super) fn setup(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
-        self.read(rig, toml::Table::new())
+        self.read(rig, false)
     }
 
-    /// The setup on top of `defaults`.
-    fn read(&self, rig: Option<&Mechanism>, defaults: toml::Table) -> anyhow::Result<Setup> {
-        let mut setup = defaults;
+    /// The setup; `exact`: on the exact plant if none is named anywhere.
+    fn read(&self, rig: Option<&Mechanism>, exact: bool) -> anyhow::Result<Setup> {
+        let mut setup = toml::Table::new();
         if let Some(file) = &self.setup {
             let text =
                 std::fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
             // Alone, errors point at the file's lines.
             Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
-            let own: toml::Table = text.parse().with_context(|| format!("{}", file.display()))?;
-            merge(&mut setup, own);
+            setup = text.parse().with_context(|| format!("{}", file.display()))?;
         }
         for assignment in &self.set {
             let Some((key, value)) = assignment.split_once('=') else {
@@ -67,6 +66,9 @@ impl SetupArgs {
             Setup::from_table(setup.clone())
                 .and_then(|setup| setup.check_for(rig))
                 .with_context(|| format!("--set {assignment}"))?;
+        }
+        if exact {
+            Setup::prefer_exact_plant(&mut setup);
         }
         let mut setup = Setup::from_table(setup)?;
         setup.check_for(rig)?;
@@ -84,21 +86,6 @@ impl SetupArgs {
         }
         setup.check()?;
         Ok(setup)
-    }
-}
-
-/// The exact plant.
-fn exact() -> toml::Table {
-    toml::Table::from_iter([("kind".to_owned(), "articulated".into())])
-}
-
-/// Puts the keys of one table over those of another.
-fn merge(table: &mut toml::Table, over: toml::Table) {
-    for (key, value) in over {
-        match (table.get_mut(&key).and_then(toml::Value::as_table_mut), value) {
-            (Some(inner), toml::Value::Table(over)) => merge(inner, over),
-            (_, value) => _ = table.insert(key, value),
-        }
     }
 }
 

@@ -22,12 +22,15 @@ impl FrictionFeed {
     /// That of a rig; `None` if no joint has friction.
     pub(super) fn of(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
         let joint = |link: &Link| {
-            let friction = Friction::new(narrow(link.friction), narrow(link.damping));
+            // What is finite in f64 stays so.
+            let [coulomb, viscous] =
+                [link.friction, link.damping].map(|x| x.min(f64::from(f32::MAX)));
+            let friction = Friction::new(narrow(coulomb), narrow(viscous));
             let most = match link.joint {
                 Freedom::Prismatic(_) => link.effort,
                 _ => link.effort.min(torque_limit_nm),
             };
-            (friction.unwrap_or_default(), narrow(most))
+            (friction.expect("checked with the rig to be from 0"), narrow(most))
         };
         let joints: Vec<_> = links.iter().map(joint).collect();
         let rubs = joints.iter().any(|(friction, _)| !friction.is_none());

@@ -130,6 +130,15 @@ impl Setup {
         Ok(setup)
     }
 
+    /// Puts the exact plant into the table of a setup that names none: rigs of the user have rotors, which the paper's
+    /// plant has no coordinate for.
+    pub fn prefer_exact_plant(table: &mut toml::Table) {
+        let plant = table.entry("plant").or_insert_with(|| toml::Table::new().into());
+        if let Some(plant) = plant.as_table_mut() {
+            plant.entry("kind").or_insert_with(|| "articulated".into());
+        }
+    }
+
     /// Checks every value; NaN is refused.
     ///
     /// # Errors

@@ -64,14 +64,8 @@ impl SweepFile {
         let file = || PathBuf::from(path);
         let mut content: File = toml::from_str(&text)
             .map_err(|source| SweepError::Toml { file: file(), source: Box::new(source) })?;
-        if rig.is_some()
-            && let Some(plant) = content
-                .setup
-                .entry("plant")
-                .or_insert_with(|| toml::Table::new().into())
-                .as_table_mut()
-        {
-            plant.entry("kind").or_insert_with(|| "articulated".into());
+        if rig.is_some() {
+            Setup::prefer_exact_plant(&mut content.setup);
         }
 
         let mut cells: Vec<Cell> = Vec::new();

@@ -1,6 +1,6 @@
 //! What the friction of a joint takes, fed forward.
 
-use crate::limited::NotFinite;
+use super::{DriveError, bounded};
 
 /// Below this speed Coulomb friction is fed forward in part only, rad/s or m/s: a joint that is to stand still gets
 /// none, and a target that trembles does not make the drive buzz.
@@ -14,7 +14,8 @@ pub const FULL_SPEED: f32 = 0.01;
 /// assert!((joint.effort(3.0) - 0.16).abs() < 1e-6);
 /// assert_eq!(joint.effort(-3.0), -joint.effort(3.0));
 /// assert_eq!(joint.effort(0.0), 0.0);
-/// # Ok::<(), sinew_rig::limited::NotFinite>(())
+/// assert!(Friction::new(-0.1, 0.0).is_err());
+/// # Ok::<(), sinew_rig::drive::DriveError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Friction {
@@ -29,14 +30,13 @@ impl Friction {
     /// That of a joint: Coulomb friction in N m or N, viscous friction in N m s/rad or N s/m.
     ///
     /// # Errors
-    /// [`NotFinite`] if a number is none.
-    pub fn new(coulomb: f32, viscous: f32) -> Result<Self, NotFinite> {
-        for (what, found) in [("coulomb", coulomb), ("viscous", viscous)] {
-            if !found.is_finite() {
-                return Err(NotFinite { what, found });
-            }
-        }
-        Ok(Self { coulomb: coulomb.max(0.0), viscous: viscous.max(0.0) })
+    /// [`DriveError::Number`] if a number is not finite, or negative.
+    pub fn new(coulomb: f32, viscous: f32) -> Result<Self, DriveError> {
+        let from_zero = |what, found| bounded(what, 0, found, [0.0, f32::MAX]);
+        Ok(Self {
+            coulomb: from_zero("coulomb friction", coulomb)?,
+            viscous: from_zero("viscous friction", viscous)?,
+        })
     }
 
     /// Whether there is none.

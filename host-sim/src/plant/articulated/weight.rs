@@ -50,11 +50,9 @@ fn ways(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<Way> {
     let mut ways = Vec::new();
     for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
         let in_parent = link.parent.map_or(at.pose, |parent| start[parent].pose.inside(&at.pose));
-        let joint = Pose {
-            rotation: link.rotation.conjugate() * in_parent.rotation,
-            position_m: link.rotation.conjugate() * (in_parent.position_m - link.position_m),
-        };
-        let (turns, slides) = link.joint.axes(&link.joint.along(&joint));
+        let placement = Pose { rotation: link.rotation, position_m: link.position_m };
+        let in_joint = placement.inside(&in_parent);
+        let (turns, slides) = link.joint.axes(&link.joint.along(&in_joint));
         for axis in turns {
             let angular = at.pose.rotation * axis;
             ways.push(Way { body, angular, linear: at.pose.position_m.cross(angular) });
