@@ -1,0 +1,189 @@
+//! A bus of Dynamixel servos, as a rig sees it.
+
+mod cycle;
+mod servo;
+mod setup;
+
+use heapless::Vec;
+
+use super::fast::FastReader;
+use super::frame::MAX_ID;
+use super::group::SyncWriter;
+use super::instruction::Instruction;
+use super::parser::Parser;
+use super::table::address;
+use crate::servo_state::servos_of;
+use crate::{EncodeError, Request, Schedule, SetupError};
+use servo::{Goals, Servo};
+pub use setup::{Mode, ServoSetup, Settings, traffic};
+
+/// Current or load, velocity and position: 126 to 135.
+const MOTION_LEN: u16 = 10;
+/// Supply and temperature: 144 to 146.
+const SLOW_LEN: u16 = 3;
+/// A question for [`SLOW_LEN`] bytes, and its answer.
+const EXTRA_LEN: u32 = 14 + 11 + 3;
+/// The longest reply: a status of [`MOTION_LEN`] bytes, stuffed at worst.
+const LONGEST: usize = 32;
+
+/// Up to `S` servos. Status Return Level (68) should be 1: writes are not answered.
+#[derive(Debug, Clone)]
+pub struct Bus<const S: usize> {
+    servos: Vec<Servo, S>,
+    schedule: Schedule,
+    settings: Settings,
+    parser: Parser<LONGEST>,
+    awaits: Awaits,
+    tick: u32,
+    retries_left: u8,
+    /// Who was asked again last.
+    retried: usize,
+    /// Whose supply and temperature are read next.
+    slow: usize,
+    slow_is_due: bool,
+}
+
+#[derive(Debug, Clone)]
+enum Awaits {
+    Nothing,
+    /// Replies of all that are awaited, one by one.
+    Each,
+    /// One packet of all that are awaited, in their order.
+    Fast(FastReader<LONGEST>),
+    /// One servo's bytes from an address.
+    One {
+        servo: usize,
+        address: u16,
+        length: u16,
+    },
+}
+
+impl<const S: usize> Bus<S> {
+    /// A bus of these servos.
+    ///
+    /// # Errors
+    /// [`SetupError`] names the servo and what is wrong with it.
+    pub fn new(
+        setups: &[ServoSetup],
+        schedule: Schedule,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let servos =
+            servos_of(setups, |setup| setup.id, MAX_ID, |setup| Servo::new(setup, &schedule))?;
+        Ok(Self {
+            servos,
+            schedule,
+            settings,
+            parser: Parser::new(),
+            awaits: Awaits::Nothing,
+            tick: 0,
+            retries_left: 0,
+            retried: 0,
+            slow: 0,
+            slow_is_due: false,
+        })
+    }
+
+    /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
+    fn write_goals<const K: usize>(
+        &self,
+        out: &mut [u8],
+        from: usize,
+        address: u16,
+        goal: impl Fn(&Goals) -> Option<[u8; K]>,
+    ) -> Result<usize, EncodeError> {
+        if !self.servos.iter().any(|servo| goal(&servo.goals).is_some()) {
+            return Ok(from);
+        }
+        let length = u16::try_from(K).map_err(|_| EncodeError::Length)?;
+        let mut packet = SyncWriter::new(out.get_mut(from..).unwrap_or_default(), address, length);
+        for servo in &self.servos {
+            if let Some(bytes) = goal(&servo.goals) {
+                packet.push(servo.setup.id, &bytes);
+            }
+        }
+        packet.finish().map(|len| from.saturating_add(len))
+    }
+
+    /// Torque goes off before anything else, and on after everything else: a servo never moves to an old goal.
+    fn write_all_goals(&self, out: &mut [u8]) -> Result<usize, EncodeError> {
+        let torque = |goals: &Goals, on: bool| {
+            goals.torque.filter(|wanted| *wanted == on).map(|on| [u8::from(on)])
+        };
+        let end = self.write_goals(out, 0, address::TORQUE_ENABLE, |goals| torque(goals, false))?;
+        let end = self
+            .write_goals(out, end, address::POSITION_P, |goals| goals.gain.map(u16::to_le_bytes))?;
+        let end =
+            self.write_goals(out, end, address::GOAL_PWM, |goals| goals.pwm.map(i16::to_le_bytes))?;
+        let end = self.write_goals(out, end, address::GOAL_CURRENT, |goals| {
+            goals.current.map(i16::to_le_bytes)
+        })?;
+        let end = self.write_goals(out, end, address::PROFILE_VELOCITY, |goals| {
+            let ([a, b, c, d], [e, f, g, h]) =
+                (goals.speed?.to_le_bytes(), goals.position?.to_le_bytes());
+            Some([a, b, c, d, e, f, g, h])
+        })?;
+        let end = self.write_goals(out, end, address::GOAL_POSITION, |goals| {
+            goals.position.filter(|_| goals.speed.is_none()).map(i32::to_le_bytes)
+        })?;
+        self.write_goals(out, end, address::TORQUE_ENABLE, |goals| torque(goals, true))
+    }
+
+    /// Notes who was asked by itself and has not answered.
+    fn note_silence(&mut self) {
+        let Awaits::One { servo, address: address::PRESENT_CURRENT, .. } = self.awaits else {
+            return;
+        };
+        if let Some(servo) = self.servos.get_mut(servo) {
+            servo.is_left_out = true;
+        }
+        self.awaits = Awaits::Nothing;
+    }
+
+    /// Whom to ask by itself: the first of the group that has not answered, for it may be what keeps those behind it
+    /// from being read; then those that are left out, in turn.
+    fn next_missing(&self) -> Option<usize> {
+        let missing = |is_left_out| {
+            let all = self.servos.iter().enumerate();
+            all.filter(move |(_, servo)| servo.state.is_awaited && servo.is_left_out == is_left_out)
+                .map(|(index, _)| index)
+        };
+        let mut in_turn = missing(true);
+        let behind = in_turn.find(|index| *index > self.retried);
+        missing(false).next().or(behind).or_else(|| missing(true).next())
+    }
+
+    fn request(&self, len: usize, reply_len: usize) -> Request {
+        let count = |bytes: usize| u32::try_from(bytes).unwrap_or(u32::MAX);
+        let timing = self.schedule.timing();
+        let turns = if matches!(self.awaits, Awaits::Each) {
+            let awaited = |servo: &&Servo| servo.is_in_group && servo.state.is_awaited;
+            self.servos.iter().filter(awaited).count().saturating_sub(1)
+        } else {
+            0
+        };
+        let more_us = count(turns).saturating_mul(timing.return_delay_us);
+        let time_us = timing.request_us(count(len), count(reply_len)).saturating_add(more_us);
+        Request { len, reply_len, time_us }
+    }
+
+    /// Asks one servo, if there is time.
+    fn ask_one(
+        &mut self,
+        servo: usize,
+        (address, length): (u16, u16),
+        left_us: u32,
+        out: &mut [u8],
+    ) -> Result<Option<Request>, EncodeError> {
+        let Some(id) = self.servos.get(servo).map(|servo| servo.setup.id) else { return Ok(None) };
+        let len = Instruction::Read { address, length }.encode(id, out)?;
+        let before = core::mem::replace(&mut self.awaits, Awaits::One { servo, address, length });
+        let request = self.request(len, usize::from(length).saturating_add(11));
+        if request.time_us > left_us {
+            self.awaits = before;
+            return Ok(None);
+        }
+        self.parser.clear();
+        Ok(Some(request))
+    }
+}

@@ -1,0 +1,195 @@
+//! The items of all models, by address.
+
+use crate::table::Range::{Any, Between, PlusMinus, Within};
+use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, Unit};
+
+/// Addresses that this crate uses itself.
+pub mod address {
+    /// Model number.
+    pub const MODEL_NUMBER: u16 = 0;
+    /// Firmware version.
+    pub const FIRMWARE: u16 = 6;
+    /// Id.
+    pub const ID: u16 = 7;
+    /// Code of the baud rate.
+    pub const BAUD: u16 = 8;
+    /// Return delay, 2 us.
+    pub const RETURN_DELAY: u16 = 9;
+    /// Operating mode.
+    pub const OPERATING_MODE: u16 = 11;
+    /// A second id that is obeyed, not answered.
+    pub const SECONDARY_ID: u16 = 12;
+    /// Temperature limit.
+    pub const TEMPERATURE_LIMIT: u16 = 31;
+    /// Highest supply.
+    pub const MAX_VOLTAGE: u16 = 32;
+    /// Lowest supply.
+    pub const MIN_VOLTAGE: u16 = 34;
+    /// PWM limit.
+    pub const PWM_LIMIT: u16 = 36;
+    /// Current limit.
+    pub const CURRENT_LIMIT: u16 = 38;
+    /// Velocity limit.
+    pub const VELOCITY_LIMIT: u16 = 44;
+    /// Most position.
+    pub const MAX_POSITION: u16 = 48;
+    /// Least position.
+    pub const MIN_POSITION: u16 = 52;
+    /// Which hardware errors switch torque off.
+    pub const SHUTDOWN: u16 = 63;
+    /// Torque on or off.
+    pub const TORQUE_ENABLE: u16 = 64;
+    /// Which instructions are answered.
+    pub const STATUS_LEVEL: u16 = 68;
+    /// Whether a write waits for an action.
+    pub const REGISTERED: u16 = 69;
+    /// Hardware errors.
+    pub const HARDWARE_ERROR: u16 = 70;
+    /// Position P gain.
+    pub const POSITION_P: u16 = 84;
+    /// Bus watchdog, 20 ms; -1 when it has run out.
+    pub const BUS_WATCHDOG: u16 = 98;
+    /// Goal PWM.
+    pub const GOAL_PWM: u16 = 100;
+    /// Goal current.
+    pub const GOAL_CURRENT: u16 = 102;
+    /// Goal velocity.
+    pub const GOAL_VELOCITY: u16 = 104;
+    /// Profile velocity; the goal position follows.
+    pub const PROFILE_VELOCITY: u16 = 112;
+    /// Goal position.
+    pub const GOAL_POSITION: u16 = 116;
+    /// Whether it moves.
+    pub const MOVING: u16 = 122;
+    /// Present current, or load.
+    pub const PRESENT_CURRENT: u16 = 126;
+    /// Present velocity.
+    pub const PRESENT_VELOCITY: u16 = 128;
+    /// Present position.
+    pub const PRESENT_POSITION: u16 = 132;
+    /// Present supply.
+    pub const PRESENT_VOLTAGE: u16 = 144;
+    /// Present temperature.
+    pub const PRESENT_TEMPERATURE: u16 = 146;
+}
+
+/// Which models have an item.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Only {
+    All,
+    /// Those that measure current.
+    Current,
+    /// Those that do not.
+    Load,
+    X330,
+    X540,
+    /// All of the X series.
+    X,
+    Mx,
+}
+
+/// The highest PWM, which is the whole supply.
+pub(in crate::dynamixel) const PWM_COUNTS: i32 = 885;
+pub(in crate::dynamixel) const POSITION: Unit =
+    Unit { symbol: "rad", scale: core::f32::consts::TAU / 4096.0 };
+pub(in crate::dynamixel) const VELOCITY: Unit =
+    Unit { symbol: "rad/s", scale: 0.229 * RAD_S_PER_RPM };
+const ACCELERATION: Unit = Unit { symbol: "rad/s2", scale: 214.577 * RAD_S_PER_RPM / 60.0 };
+const PWM: Unit = Unit { symbol: "1", scale: 1.0 / PWM_COUNTS as f32 };
+const TWO_MICROSECONDS: Unit = Unit { symbol: "s", scale: 2e-6 };
+const MILLISECOND: Unit = Unit { symbol: "s", scale: 1e-3 };
+const TWENTY_MILLISECONDS: Unit = Unit { symbol: "s", scale: 0.02 };
+
+const MAP: MemoryMap = MemoryMap { ram_from: address::TORQUE_ENABLE };
+
+const fn signed(item: Item) -> Item {
+    Item { sign: Sign::TwosComplement, ..item }
+}
+
+/// All items. What models have of their own is filled in by [`super::Table`].
+pub(super) const ITEMS: &[(Only, Item)] = &[
+    (Only::All, MAP.read(0, 2, "Model Number", Unit::NONE)),
+    (Only::All, MAP.read(2, 4, "Model Information", Unit::NONE)),
+    (Only::All, MAP.read(6, 1, "Firmware Version", Unit::NONE)),
+    (Only::All, MAP.write(7, 1, "ID", Unit::NONE, Between(0, 252), 1)),
+    (Only::All, MAP.write(8, 1, "Baud Rate", Unit::NONE, Between(0, 7), 1)),
+    (Only::All, MAP.write(9, 1, "Return Delay Time", TWO_MICROSECONDS, Between(0, 254), 250)),
+    (Only::All, MAP.write(10, 1, "Drive Mode", Unit::NONE, Between(0, 13), 0)),
+    (Only::All, MAP.write(11, 1, "Operating Mode", Unit::NONE, Between(0, 16), 3)),
+    (Only::All, MAP.write(12, 1, "Secondary(Shadow) ID", Unit::NONE, Between(0, 255), 255)),
+    (Only::All, MAP.write(13, 1, "Protocol Type", Unit::NONE, Between(1, 22), 2)),
+    (
+        Only::All,
+        signed(MAP.write(20, 4, "Homing Offset", POSITION, Between(-1_044_479, 1_044_479), 0)),
+    ),
+    (Only::All, MAP.write(24, 4, "Moving Threshold", VELOCITY, Between(0, 1_023), 10)),
+    (Only::All, MAP.write(31, 1, "Temperature Limit", Unit::CELSIUS, Between(0, 100), 80)),
+    (Only::All, MAP.write(32, 2, "Max Voltage Limit", Unit::DECIVOLT, Any, 0)),
+    (Only::All, MAP.write(34, 2, "Min Voltage Limit", Unit::DECIVOLT, Any, 0)),
+    (Only::All, MAP.write(36, 2, "PWM Limit", PWM, Between(0, PWM_COUNTS), PWM_COUNTS)),
+    (Only::Current, MAP.write(38, 2, "Current Limit", Unit::NONE, Any, 0)),
+    (Only::Mx, MAP.write(40, 4, "Acceleration Limit", ACCELERATION, Between(0, 32_767), 32767)),
+    (Only::All, MAP.write(44, 4, "Velocity Limit", VELOCITY, Between(0, 1_023), 0)),
+    (Only::All, MAP.write(48, 4, "Max Position Limit", POSITION, Between(0, 4_095), 4095)),
+    (Only::All, MAP.write(52, 4, "Min Position Limit", POSITION, Between(0, 4_095), 0)),
+    (Only::X540, MAP.write(56, 1, "External Port Mode 1", Unit::NONE, Between(0, 3), 3)),
+    (Only::X540, MAP.write(57, 1, "External Port Mode 2", Unit::NONE, Between(0, 3), 3)),
+    (Only::X540, MAP.write(58, 1, "External Port Mode 3", Unit::NONE, Between(0, 3), 3)),
+    (Only::X, MAP.write(60, 1, "Startup Configuration", Unit::NONE, Between(0, 3), 0)),
+    (Only::X330, MAP.write(62, 1, "PWM Slope", Unit::NONE, Between(1, 255), 140)),
+    (Only::All, MAP.write(63, 1, "Shutdown", Unit::NONE, Any, 52)),
+    (Only::All, MAP.write(64, 1, "Torque Enable", Unit::NONE, Between(0, 1), 0)),
+    (Only::All, MAP.write(65, 1, "LED", Unit::NONE, Between(0, 1), 0)),
+    (Only::All, MAP.write(68, 1, "Status Return Level", Unit::NONE, Between(0, 2), 2)),
+    (Only::All, MAP.read(69, 1, "Registered Instruction", Unit::NONE)),
+    (Only::All, MAP.read(70, 1, "Hardware Error Status", Unit::NONE)),
+    (Only::All, MAP.write(76, 2, "Velocity I Gain", Unit::NONE, Between(0, 16_383), 1920)),
+    (Only::All, MAP.write(78, 2, "Velocity P Gain", Unit::NONE, Between(0, 16_383), 100)),
+    (Only::All, MAP.write(80, 2, "Position D Gain", Unit::NONE, Between(0, 16_383), 0)),
+    (Only::All, MAP.write(82, 2, "Position I Gain", Unit::NONE, Between(0, 16_383), 0)),
+    (Only::All, MAP.write(84, 2, "Position P Gain", Unit::NONE, Between(0, 16_383), 800)),
+    (Only::All, MAP.write(88, 2, "Feedforward 2nd Gain", Unit::NONE, Between(0, 16_383), 0)),
+    (Only::All, MAP.write(90, 2, "Feedforward 1st Gain", Unit::NONE, Between(0, 16_383), 0)),
+    (Only::All, signed(MAP.write(98, 1, "Bus Watchdog", TWENTY_MILLISECONDS, Between(0, 127), 0))),
+    (
+        Only::All,
+        signed(MAP.write(100, 2, "Goal PWM", PWM, PlusMinus(address::PWM_LIMIT), PWM_COUNTS)),
+    ),
+    (
+        Only::Current,
+        signed(MAP.write(102, 2, "Goal Current", Unit::NONE, PlusMinus(address::CURRENT_LIMIT), 0)),
+    ),
+    (
+        Only::All,
+        signed(MAP.write(104, 4, "Goal Velocity", VELOCITY, PlusMinus(address::VELOCITY_LIMIT), 0)),
+    ),
+    (Only::All, MAP.write(108, 4, "Profile Acceleration", ACCELERATION, Between(0, 32_767), 0)),
+    (Only::All, MAP.write(112, 4, "Profile Velocity", VELOCITY, Between(0, 32_767), 0)),
+    (
+        Only::All,
+        signed(MAP.write(
+            116,
+            4,
+            "Goal Position",
+            POSITION,
+            Within(address::MIN_POSITION, address::MAX_POSITION),
+            0,
+        )),
+    ),
+    (Only::All, MAP.read(120, 2, "Realtime Tick", MILLISECOND)),
+    (Only::All, MAP.read(122, 1, "Moving", Unit::NONE)),
+    (Only::All, MAP.read(123, 1, "Moving Status", Unit::NONE)),
+    (Only::All, signed(MAP.read(124, 2, "Present PWM", PWM))),
+    (Only::Current, signed(MAP.read(126, 2, "Present Current", Unit::NONE))),
+    (Only::Load, signed(MAP.read(126, 2, "Present Load", Unit::PER_MILLE))),
+    (Only::All, signed(MAP.read(128, 4, "Present Velocity", VELOCITY))),
+    (Only::All, signed(MAP.read(132, 4, "Present Position", POSITION))),
+    (Only::All, signed(MAP.read(136, 4, "Velocity Trajectory", VELOCITY))),
+    (Only::All, signed(MAP.read(140, 4, "Position Trajectory", POSITION))),
+    (Only::All, MAP.read(144, 2, "Present Input Voltage", Unit::DECIVOLT)),
+    (Only::All, MAP.read(146, 1, "Present Temperature", Unit::CELSIUS)),
+    (Only::X, MAP.read(147, 1, "Backup Ready", Unit::NONE)),
+    (Only::X540, MAP.write(152, 2, "External Port Data 1", Unit::NONE, Any, 0)),
+    (Only::X540, MAP.write(154, 2, "External Port Data 2", Unit::NONE, Any, 0)),
+    (Only::X540, MAP.write(156, 2, "External Port Data 3", Unit::NONE, Any, 0)),
+];

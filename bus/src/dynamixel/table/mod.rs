@@ -1,0 +1,160 @@
+//! Control tables of the X and MX series.
+//!
+//! Source: e-manual, the page of each servo. Addresses and sizes were compared with the tables inside ROBOTIS's
+//! `dynamixel-sdk` 4.1.0: see `tests/dynamixel_tables.rs`. Where those two differ, a comment says so.
+
+mod items;
+mod models;
+
+pub use items::address;
+pub(super) use items::{POSITION, PWM_COUNTS, VELOCITY};
+pub use models::{Current, Family, MODELS, Model};
+
+use crate::table::{Access, Area, Item, Range, Sign, Unit};
+use items::{ITEMS, Only};
+
+/// The control table of a model with a firmware.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Table {
+    /// The model.
+    pub model: &'static Model,
+    /// Its firmware; the indirect data of small servos moved with 52.
+    pub firmware: u8,
+}
+
+/// A run of indirect addresses, and the data that they lead to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Indirect {
+    /// Address of the first indirect address, of 2 bytes each.
+    pub addresses: u16,
+    /// Address of the first byte of data.
+    pub data: u16,
+    /// How many there are.
+    pub count: u16,
+}
+
+impl Table {
+    /// The table of the model with this number.
+    pub fn of(model_number: u16, firmware: u8) -> Option<Self> {
+        MODELS
+            .iter()
+            .find(|model| model.number == model_number)
+            .map(|model| Self { model, firmware })
+    }
+
+    /// How many bytes it spans.
+    pub fn size(&self) -> usize {
+        let ends =
+            self.indirect().into_iter().flatten().map(|run| run.data.saturating_add(run.count));
+        usize::from(ends.max().unwrap_or(0))
+    }
+
+    /// All items but the indirect ones, by address.
+    pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
+        ITEMS.iter().filter(|(only, _)| self.has(*only)).map(|(_, item)| self.adapted(*item))
+    }
+
+    /// The item that has this address.
+    pub fn at(&self, address: u16) -> Option<Item> {
+        self.items().find(|item| item.contains(address)).or_else(|| self.indirect_item(address))
+    }
+
+    /// The item of this name, as the maker writes it; case and what separates words do not matter.
+    pub fn named(&self, name: &str) -> Option<Item> {
+        self.items().find(|item| item.is_named(name))
+    }
+
+    /// Its indirect addresses.
+    pub fn indirect(&self) -> [Option<Indirect>; 2] {
+        match self.model.family {
+            Family::X330 => {
+                let data = if self.firmware < 52 { 224 } else { 208 };
+                [Some(Indirect { addresses: 168, data, count: 20 }), None]
+            }
+            Family::X430 | Family::X540 | Family::Mx => [
+                Some(Indirect { addresses: 168, data: 224, count: 28 }),
+                Some(Indirect { addresses: 578, data: 634, count: 28 }),
+            ],
+        }
+    }
+
+    fn has(&self, only: Only) -> bool {
+        let family = self.model.family;
+        match only {
+            Only::All => true,
+            Only::Current => self.model.current.is_some(),
+            Only::Load => self.model.current.is_none(),
+            Only::X330 => family == Family::X330,
+            Only::X540 => family == Family::X540,
+            Only::X => family != Family::Mx,
+            Only::Mx => family == Family::Mx,
+        }
+    }
+
+    /// The item with what this model has of its own.
+    fn adapted(&self, mut item: Item) -> Item {
+        let model = self.model;
+        match item.address {
+            address::MODEL_NUMBER => item.initial = model.number.into(),
+            address::FIRMWARE => item.initial = self.firmware.into(),
+            address::BAUD => {
+                item.range = Range::Between(0, if model.family == Family::X330 { 6 } else { 7 });
+            }
+            address::TEMPERATURE_LIMIT => item.initial = model.temperature_limit.into(),
+            address::MAX_VOLTAGE | address::MIN_VOLTAGE => {
+                let [least, most] = model.voltage_limits.map(i32::from);
+                item.range = Range::Between(least, most);
+                item.initial = if item.address == address::MAX_VOLTAGE { most } else { least };
+            }
+            address::VELOCITY_LIMIT => {
+                item.initial = model.velocity_limit.into();
+                item.range =
+                    Range::Between(0, if model.family == Family::X330 { 2047 } else { 1023 });
+            }
+            address::SHUTDOWN => item.initial = model.shutdown.into(),
+            address::POSITION_P => item.initial = model.position_p.into(),
+            address::CURRENT_LIMIT | address::GOAL_CURRENT | address::PRESENT_CURRENT => {
+                if let Some(current) = model.current {
+                    item.unit = Unit { symbol: "A", scale: current.unit_a };
+                    if item.address == address::CURRENT_LIMIT {
+                        item.initial = current.limit.into();
+                        item.range = Range::Between(0, current.limit.into());
+                    }
+                }
+            }
+            _ => {}
+        }
+        item
+    }
+
+    fn indirect_item(&self, address: u16) -> Option<Item> {
+        let item = |address, size, name, range, initial| Item {
+            address,
+            size,
+            name,
+            access: Access::ReadWrite,
+            area: Area::Ram,
+            sign: Sign::Unsigned,
+            unit: Unit::NONE,
+            range,
+            initial,
+        };
+        let last = i32::try_from(self.size().saturating_sub(1)).unwrap_or(i32::MAX);
+        self.indirect().into_iter().flatten().find_map(|run| {
+            let slot = |first: u16, size: u16| {
+                let index = address.checked_sub(first)?.checked_div(size)?;
+                (index < run.count)
+                    .then_some((index, first.saturating_add(index.saturating_mul(size))))
+            };
+            if let Some((index, start)) = slot(run.addresses, 2) {
+                let initial = run.data.saturating_add(index).into();
+                return Some(item(start, 2, "Indirect Address", Range::Between(64, last), initial));
+            }
+            slot(run.data, 1).map(|(_, start)| item(start, 1, "Indirect Data", Range::Any, 0))
+        })
+    }
+}
+
+/// Bits per second by the code at [`address::BAUD`].
+pub const BAUDS: [u32; 8] =
+    [9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000];

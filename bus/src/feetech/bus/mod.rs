@@ -1,0 +1,139 @@
+//! A bus of Feetech servos of one family, as a rig sees it.
+
+mod cycle;
+mod servo;
+mod setup;
+
+use heapless::Vec;
+
+use super::frame::MAX_ID;
+use super::instruction::{Instruction, SyncWriter};
+use super::parser::Parser;
+use super::table::address;
+use crate::servo_state::servos_of;
+use crate::{EncodeError, Request, Schedule, SetupError};
+use servo::Servo;
+pub use setup::{Mode, ServoSetup, Settings, traffic};
+
+const LONGEST: usize = 32;
+/// Time and PWM share an address; bit 10 is the sign of PWM.
+const PWM_ADDRESS: u8 = 44;
+
+/// Up to `S` servos.
+///
+/// A goal position switches a servo's torque on by itself. So none is sent before
+/// [`Command::Torque`](crate::Command::Torque) has, nor after it was taken back.
+///
+/// SCS servos know no sync read: they are asked one by one. Response level (8) may be 0 or 1: only reads are asked
+/// for an answer.
+#[derive(Debug, Clone)]
+pub struct Bus<const S: usize> {
+    servos: Vec<Servo, S>,
+    schedule: Schedule,
+    settings: Settings,
+    parser: Parser<LONGEST>,
+    /// Bytes of the adapter's echo that are still to come.
+    echo_left: usize,
+    /// Asked by itself; else all that are awaited answer one after the other.
+    asked: Option<usize>,
+    tick: u32,
+    retries_left: u8,
+}
+
+impl<const S: usize> Bus<S> {
+    /// A bus of these servos.
+    ///
+    /// # Errors
+    /// [`SetupError`] names the servo and what is wrong with it.
+    pub fn new(
+        setups: &[ServoSetup],
+        schedule: Schedule,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let servos = servos_of(
+            setups,
+            |setup| setup.id,
+            MAX_ID,
+            |setup| Servo::new(setup, settings.family, &schedule),
+        )?;
+        Ok(Self {
+            servos,
+            schedule,
+            settings,
+            parser: Parser::new(),
+            echo_left: 0,
+            asked: None,
+            tick: 0,
+            retries_left: 0,
+        })
+    }
+
+    /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
+    fn write_goals<const K: usize>(
+        &self,
+        out: &mut [u8],
+        from: usize,
+        address: u8,
+        goal: impl Fn(&Servo) -> Option<[u8; K]>,
+    ) -> Result<usize, EncodeError> {
+        if !self.servos.iter().any(|servo| goal(servo).is_some()) {
+            return Ok(from);
+        }
+        let length = u8::try_from(K).map_err(|_| EncodeError::Length)?;
+        let out = out.get_mut(from..).unwrap_or_default();
+        let mut packet = SyncWriter::new(out, self.settings.family, address, length);
+        for servo in &self.servos {
+            if let Some(bytes) = goal(servo) {
+                packet.push(servo.setup.id, &bytes);
+            }
+        }
+        packet.finish().map(|len| from.saturating_add(len))
+    }
+
+    /// Torque goes off before anything else, and on after everything else. A goal position switches torque on by
+    /// itself, so [`Servo::command`] takes goals only while torque is to be on.
+    fn write_all_goals(&self, out: &mut [u8]) -> Result<usize, EncodeError> {
+        let family = self.settings.family;
+        let torque = |servo: &Servo, on: bool| {
+            servo.torque.filter(|wanted| *wanted == on).map(|on| [u8::from(on)])
+        };
+        let pwm = |servo: &Servo| servo.pwm.map(|pwm| family.goal(pwm, 10));
+        let position = |servo: &Servo| {
+            servo.position.filter(|_| servo.speed.is_none()).map(|goal| family.goal(goal, 15))
+        };
+        // Position, time, speed: a time of 0 leaves it to the speed.
+        let profile = |servo: &Servo| {
+            let ([a, b], [c, d]) =
+                (family.goal(servo.position?, 15), family.goal(servo.speed?, 15));
+            Some([a, b, 0, 0, c, d])
+        };
+        let end = self.write_goals(out, 0, address::TORQUE_ENABLE, |servo| torque(servo, false))?;
+        let end = self.write_goals(out, end, PWM_ADDRESS, pwm)?;
+        let end = self.write_goals(out, end, address::GOAL_POSITION, profile)?;
+        let end = self.write_goals(out, end, address::GOAL_POSITION, position)?;
+        self.write_goals(out, end, address::TORQUE_ENABLE, |servo| torque(servo, true))
+    }
+
+    /// What comes back from so many servos, and how long all of it takes.
+    fn request(&mut self, len: usize, servos: usize) -> Request {
+        let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        let timing = self.schedule.timing();
+        let reply_len =
+            servos.saturating_mul(usize::from(self.settings.family.block_len()).saturating_add(6));
+        let more_us = count(servos.saturating_sub(1)).saturating_mul(timing.return_delay_us);
+        let time_us = timing.request_us(count(len), count(reply_len)).saturating_add(more_us);
+        Request { len, reply_len, time_us }
+    }
+
+    fn begin(&mut self, len: usize) {
+        self.parser.clear();
+        self.echo_left = if self.settings.echo { len } else { 0 };
+    }
+
+    fn ask_one(&mut self, index: usize, out: &mut [u8]) -> Result<usize, EncodeError> {
+        let Some(id) = self.servos.get(index).map(|servo| servo.setup.id) else { return Ok(0) };
+        let length = self.settings.family.block_len();
+        let read = Instruction::Read { address: address::PRESENT_POSITION, length };
+        read.encode(self.settings.family, id, out)
+    }
+}

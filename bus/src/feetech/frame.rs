@@ -1,0 +1,59 @@
+//! The frame of every packet.
+
+use crate::EncodeError;
+use crate::sink::Sink;
+
+/// Id of a packet to all servos.
+pub const BROADCAST: u8 = 0xFE;
+/// The largest id of a servo.
+pub const MAX_ID: u8 = 0xFD;
+/// Header, id and length.
+pub(super) const PREFIX_LEN: usize = 4;
+/// The shortest length: instruction and sum.
+pub(super) const MIN_LENGTH: u8 = 2;
+
+/// A packet whose sum was right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Packet<'a> {
+    /// From or to whom.
+    pub id: u8,
+    /// The instruction; in a reply the status.
+    pub code: u8,
+    /// What follows it, without the sum.
+    pub params: &'a [u8],
+}
+
+/// NOT of the sum, of what stands between header and sum.
+pub(super) fn checksum(bytes: &[u8]) -> u8 {
+    !bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte))
+}
+
+/// Writes one packet.
+pub(super) struct FrameWriter<'a> {
+    sink: Sink<'a>,
+    id: u8,
+}
+
+impl<'a> FrameWriter<'a> {
+    pub(super) fn new(out: &'a mut [u8], id: u8, code: u8) -> Self {
+        let mut sink = Sink::new(out);
+        sink.extend(&[0xFF, 0xFF, id, 0, code]);
+        Self { sink, id }
+    }
+
+    pub(super) fn extend(&mut self, bytes: &[u8]) {
+        self.sink.extend(bytes);
+    }
+
+    pub(super) fn finish(mut self) -> Result<usize, EncodeError> {
+        if self.id > BROADCAST {
+            return Err(EncodeError::Id(self.id));
+        }
+        let length = self.sink.written().len().saturating_sub(PREFIX_LEN).saturating_add(1);
+        let Ok(length) = u8::try_from(length) else { return Err(EncodeError::Length) };
+        self.sink.set(3, length);
+        let sum = checksum(self.sink.written().get(2..).unwrap_or_default());
+        self.sink.extend(&[sum]);
+        self.sink.finish()
+    }
+}

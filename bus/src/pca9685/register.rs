@@ -1,0 +1,31 @@
+//! Registers and their bits.
+
+pub(super) const MODE1: u8 = 0x00;
+pub(super) const MODE2: u8 = 0x01;
+/// `ON_L ON_H OFF_L OFF_H` of channel 0; 4 bytes a channel.
+pub(super) const CHANNEL_0: u8 = 0x06;
+/// The same for all channels at once.
+pub(super) const ALL_CHANNELS: u8 = 0xFA;
+pub(super) const PRESCALE: u8 = 0xFE;
+
+pub(super) const RESTART: u8 = 1 << 7;
+pub(super) const AUTO_INCREMENT: u8 = 1 << 5;
+pub(super) const SLEEP: u8 = 1 << 4;
+pub(super) const ALL_CALL: u8 = 1 << 0;
+/// Totem pole; MODE2. Outputs change at the stop of a write, and are low while OE is high.
+pub(super) const OUTDRV: u8 = 1 << 2;
+/// In the high byte of ON or OFF: always on, always off. Off wins.
+pub(super) const FULL: u8 = 1 << 4;
+
+pub(super) const CHANNELS: usize = 16;
+/// Counts of one period.
+pub(super) const PERIOD: u16 = 4096;
+
+/// The 4 bytes of a channel that gives no pulse.
+pub(super) const OFF: [u8; 4] = [0, 0, 0, FULL];
+
+/// Where channel `index` begins.
+pub(super) fn channel(index: usize) -> u8 {
+    let offset = u8::try_from(index.min(CHANNELS.saturating_sub(1))).unwrap_or(0).saturating_mul(4);
+    CHANNEL_0.saturating_add(offset)
+}

@@ -1,0 +1,164 @@
+//! What a bus knows of one servo, of any protocol.
+
+use heapless::Vec;
+
+use crate::{Command, CommandError, Effort, Feedback, Health, Limit, Plausible, SetupError};
+
+/// Readings and errors of one servo.
+#[derive(Debug, Clone)]
+pub(crate) struct ServoState {
+    pub(crate) feedback: Option<Feedback>,
+    pub(crate) health: Health,
+    position: Plausible,
+    /// It was asked in this tick, and has not answered.
+    pub(crate) is_awaited: bool,
+}
+
+/// One reading, in counts and SI units.
+pub(crate) struct Reading {
+    pub(crate) position: i32,
+    pub(crate) rad_per_count: f32,
+    pub(crate) velocity_rad_s: f32,
+    pub(crate) effort: Effort,
+}
+
+impl ServoState {
+    pub(crate) fn new(position: Plausible) -> Self {
+        Self { feedback: None, health: Health::default(), position, is_awaited: false }
+    }
+
+    /// A tick begins.
+    pub(crate) fn age(&mut self) {
+        if core::mem::take(&mut self.is_awaited) {
+            self.health.missed = self.health.missed.saturating_add(1);
+            self.health.missed_in_a_row = self.health.missed_in_a_row.saturating_add(1);
+        }
+        self.health.age_ticks = self.health.age_ticks.saturating_add(1);
+        if let Some(feedback) = &mut self.feedback {
+            feedback.age_ticks = feedback.age_ticks.saturating_add(1);
+        }
+    }
+
+    /// It has answered; says whether it was asked.
+    pub(crate) fn answered(&mut self) -> bool {
+        self.health.missed_in_a_row = 0;
+        core::mem::take(&mut self.is_awaited)
+    }
+
+    pub(crate) fn take(&mut self, reading: &Reading) {
+        let steps = self.feedback.map_or(1, |feedback| feedback.age_ticks.max(1));
+        let Some(position) = self.position.accept(reading.position, steps) else {
+            self.health.not_believed = self.health.not_believed.saturating_add(1);
+            return;
+        };
+        self.feedback = Some(Feedback {
+            position_rad: position as f32 * reading.rad_per_count,
+            velocity_rad_s: reading.velocity_rad_s,
+            effort: reading.effort,
+            age_ticks: 0,
+        });
+    }
+}
+
+/// The servos of a bus by what they are set up as: ids up to `most_id`, each once.
+pub(crate) fn servos_of<Setup: Copy, Servo, const S: usize>(
+    setups: &[Setup],
+    id_of: impl Fn(&Setup) -> u8,
+    most_id: u8,
+    servo_of: impl Fn(Setup) -> Result<Servo, SetupError>,
+) -> Result<Vec<Servo, S>, SetupError> {
+    let mut servos = Vec::new();
+    for (index, setup) in setups.iter().enumerate() {
+        let id = id_of(setup);
+        if id > most_id {
+            return Err(SetupError::Id(id));
+        }
+        if setups.iter().take(index).any(|other| id_of(other) == id) {
+            return Err(SetupError::Shared(id));
+        }
+        servos.push(servo_of(*setup)?).map_err(|_| SetupError::Capacity { holds: S })?;
+    }
+    Ok(servos)
+}
+
+/// How many counts a servo can turn from one tick to the next, with a margin of two and two counts of noise either way.
+///
+/// The margin: what is read late in one tick may be read early in the next.
+pub(crate) fn step_counts(speed_rad_s: f32, tick_us: u32, rad_per_count: f32) -> u32 {
+    let counts = speed_rad_s * (tick_us as f32 * 1e-6) / rad_per_count;
+    round(2.0 * counts + 4.0, [0, i32::MAX]).unsigned_abs()
+}
+
+/// The nearest whole number within bounds; NaN does not come here.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "`as` holds at the ends of i32, which is what is wanted"
+)]
+pub(crate) fn round(value: f32, [least, most]: [i32; 2]) -> i32 {
+    let half = if value < 0.0 { -0.5 } else { 0.5 };
+    ((value + half) as i32).max(least).min(most)
+}
+
+/// A number in counts within bounds, and whether it was cut.
+pub(crate) fn limited(
+    value: f32,
+    scale: f32,
+    bounds: [i32; 2],
+    limit: Limit,
+) -> (i32, Option<Limit>) {
+    let wanted = round(value / scale, [i32::MIN, i32::MAX]);
+    let [least, most] = bounds;
+    let held = wanted.max(least).min(most);
+    (held, (held != wanted).then_some(limit))
+}
+
+/// A limit in counts, rounded down: what is allowed is never exceeded. A millionth is left to the rounding of f32.
+pub(crate) fn most_counts(limit: f32, scale: f32, ceiling: i32) -> i32 {
+    round(limit / scale * (1.0 + 1e-6) - 0.5, [0, ceiling])
+}
+
+/// A speed as a goal of a profile: rounded up, so that the profile keeps up, and never 0, which would be no limit.
+pub(crate) fn profile_counts(speed_rad_s: f32, scale: f32, most: i32) -> i32 {
+    // Half a count up, but for the rounding of f32 of a speed that is a count already.
+    round(speed_rad_s / scale + 0.499, [1, most])
+}
+
+/// Refuses what is no number, before anything is cut.
+pub(crate) fn check_finite(command: &Command) -> Result<(), CommandError> {
+    let all = |numbers: &[f32], what| {
+        let is_finite = numbers.iter().all(|number| number.is_finite());
+        if is_finite { Ok(()) } else { Err(CommandError::NotFinite(what)) }
+    };
+    match *command {
+        Command::Torque(_) | Command::Stiffness(_) => Ok(()),
+        Command::Position(rad) => all(&[rad], "position"),
+        Command::PositionWithin { position_rad, current_a } => {
+            all(&[position_rad, current_a], "position or current")
+        }
+        Command::PositionAt { position_rad, speed_rad_s } => {
+            all(&[position_rad, speed_rad_s], "position or speed")
+        }
+        Command::Current(a) => all(&[a], "current"),
+        Command::Pwm(ratio) => all(&[ratio], "PWM"),
+    }
+}
+
+/// A range in rad as counts, rounded inwards.
+pub(crate) fn count_range(
+    id: u8,
+    [least, most]: [f32; 2],
+    scale: f32,
+    bounds: [i32; 2],
+) -> Result<[i32; 2], SetupError> {
+    if !(least.is_finite() && most.is_finite() && least <= most) {
+        return Err(SetupError::Setting { id, what: "range_rad" });
+    }
+    let range = [round(least / scale + 0.5, bounds), round(most / scale - 0.5, bounds)];
+    let [low, high] = range;
+    if low > high { Err(SetupError::Setting { id, what: "range_rad" }) } else { Ok(range) }
+}
+
+/// Whether a number is finite and not negative.
+pub(crate) fn check_positive(id: u8, what: &'static str, value: f32) -> Result<(), SetupError> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(SetupError::Setting { id, what }) }
+}
