@@ -1,0 +1,59 @@
+//! Hobby servos: pulses in, nothing out.
+
+use super::Sensed;
+use crate::model::Power;
+
+/// Pulse in the middle, us.
+pub const MIDDLE_US: f64 = 1500.0;
+/// A quarter turn, us. Guess: the common rule.
+pub const QUARTER_TURN_US: f64 = 1000.0;
+/// Dead band, us: SG90 and MG996R.
+const DEAD_BAND_US: f64 = 5.0;
+/// Without a pulse for so long, it lets go, s. Guess: a few periods of 20 ms; some servos hold instead.
+const LOSS_S: f64 = 0.1;
+
+/// The program's state: proportional control.
+#[derive(Debug, Clone)]
+pub struct Firmware {
+    /// The pulse; none if there is none.
+    pub pulse_us: Option<f64>,
+    duty_per_rad: f64,
+    rad_per_count: f64,
+    range_rad: f64,
+    silent_s: f64,
+    last_us: Option<f64>,
+}
+
+impl Firmware {
+    /// One that never had a pulse.
+    pub fn new(duty_per_rad: f64, rad_per_count: f64, range_rad: f64) -> Self {
+        Self {
+            pulse_us: None,
+            duty_per_rad,
+            rad_per_count,
+            range_rad,
+            silent_s: 0.0,
+            last_us: None,
+        }
+    }
+
+    /// A tick.
+    pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
+        if let Some(pulse) = self.pulse_us {
+            (self.last_us, self.silent_s) = (Some(pulse), 0.0);
+        } else {
+            self.silent_s += dt_s;
+        }
+        let Some(pulse) = self.last_us.filter(|_| self.silent_s < LOSS_S) else {
+            self.last_us = None;
+            return Power::Open;
+        };
+        let rad_per_us = std::f64::consts::FRAC_PI_2 / QUARTER_TURN_US;
+        let half = 0.5 * self.range_rad;
+        let goal = (half + (pulse - MIDDLE_US) * rad_per_us).clamp(0.0, self.range_rad);
+        let error = goal - f64::from(sensed.position) * self.rad_per_count;
+        let is_dead = error.abs() < DEAD_BAND_US * rad_per_us;
+        let duty = if is_dead { 0.0 } else { (error * self.duty_per_rad).clamp(-1.0, 1.0) };
+        Power::Duty { duty, limit_a: f64::INFINITY }
+    }
+}

@@ -1,0 +1,137 @@
+//! Kinds of servo by the names that people use for them.
+
+use sinew_rig::description::ServoModel;
+use thiserror::Error;
+
+use crate::model::{Parameters, ParametersError};
+use crate::registers::RegisterTable;
+
+/// What is simulated of a kind of servo.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// Motor, gear, heat, program and registers.
+    Servo(Box<Parameters>),
+    /// Registers only: nobody has identified the rest, or nobody wants it.
+    Registers(RegisterTable),
+}
+
+/// Why there is no such kind.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum KindError {
+    /// No kind has a name that begins so.
+    #[error(
+        "there is no servo called {found:?}; there are {with_physics}, and as registers only {registers}"
+    )]
+    Unknown {
+        /// The name.
+        found: String,
+        /// What there is with physics.
+        with_physics: String,
+        /// What there is without.
+        registers: String,
+    },
+    /// It hangs on no bus.
+    #[error("{0} takes pulses: it hangs on no bus, and nothing can be asked of it")]
+    NoBus(String),
+    /// Its figures make no servo.
+    #[error(transparent)]
+    Parameters(#[from] ParametersError),
+}
+
+impl Kind {
+    /// The kind of this name, or the first whose name begins so; case and what is neither letter nor digit do not
+    /// matter. Kinds with physics come first, in the order of the documentation.
+    ///
+    /// # Errors
+    /// [`KindError`] names the kinds that there are.
+    pub fn named(name: &str) -> Result<Self, KindError> {
+        let wanted = plain(name);
+        let fits = |known: &&str| !wanted.is_empty() && plain(known).starts_with(&wanted);
+        if let Some(known) = ServoModel::built_in_names().find(fits) {
+            if RegisterTable::of(known).is_none() {
+                return Err(KindError::NoBus(known.to_owned()));
+            }
+            return Ok(Self::Servo(Box::new(Parameters::built_in(known)?)));
+        }
+        let table = RegisterTable::names().find(fits).and_then(RegisterTable::of);
+        table.map(Self::Registers).ok_or_else(|| KindError::Unknown {
+            found: name.to_owned(),
+            with_physics: with_physics().collect::<Vec<_>>().join(", "),
+            registers: registers_only().collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// What the maker calls it.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Servo(parameters) => &parameters.name,
+            Self::Registers(table) => table.name(),
+        }
+    }
+
+    /// The same without physics; none if it has no table of registers.
+    pub fn registers(&self) -> Option<RegisterTable> {
+        match self {
+            Self::Servo(parameters) => RegisterTable::of(&parameters.name),
+            Self::Registers(table) => Some(*table),
+        }
+    }
+}
+
+/// Kinds that are simulated whole.
+fn with_physics() -> impl Iterator<Item = &'static str> {
+    ServoModel::built_in_names().filter(|name| RegisterTable::of(name).is_some())
+}
+
+/// Kinds whose registers alone are known.
+fn registers_only() -> impl Iterator<Item = &'static str> {
+    let is_known = |name: &str| with_physics().any(|known| plain(known).starts_with(&plain(name)));
+    RegisterTable::names().filter(move |name| !is_known(name))
+}
+
+fn plain(name: &str) -> String {
+    let letters = name.chars().filter(char::is_ascii_alphanumeric);
+    letters.map(|letter| letter.to_ascii_lowercase()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_need_not_know_the_whole_name() {
+        for (name, known) in [
+            ("xl330", "XL330-M288-T"),
+            ("XL330-m288-t", "XL330-M288-T"),
+            ("sts3215", "STS3215-7.4V"),
+            ("sts3215 12v", "STS3215-12V"),
+            ("mx-64", "MX-64"),
+        ] {
+            let kind = Kind::named(name).unwrap();
+            assert!(matches!(&kind, Kind::Servo(_)) && kind.name() == known, "{name}: {kind:?}");
+            assert!(kind.registers().is_some());
+        }
+        for (name, known) in
+            [("scs0009", "SCS0009"), ("xc330", "XC330-T288"), ("XL330-M077", "XL330-M077")]
+        {
+            let kind = Kind::named(name).unwrap();
+            assert!(
+                matches!(&kind, Kind::Registers(_)) && kind.name() == known,
+                "{name}: {kind:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_there_is_not_is_refused_with_what_there_is() {
+        let message = |name| Kind::named(name).unwrap_err().to_string();
+        for name in ["ax12", "", "-"] {
+            let message = message(name);
+            assert!(message.contains("XL330-M288-T, XL430-W250-T"), "{message}");
+            assert!(message.contains("only MX-106") && message.ends_with("SCS0009"), "{message}");
+            assert!(!message.contains("MG90S"), "{message}");
+        }
+        assert!(message("mg90s").contains("takes pulses"));
+    }
+}

@@ -1,0 +1,261 @@
+//! Numbers of a kind of servo: what `sinew-rig` knows of it, what `models/` adds, and what follows from both.
+
+use serde::Deserialize;
+use sinew_rig::description::{ServoModel, Sourced};
+use thiserror::Error;
+
+const COMMON: &str = include_str!("../../models/common.toml");
+/// What kinds have of their own. The others have what is common.
+const FILES: [(&str, &str); 6] = [
+    ("XL330-M288-T", include_str!("../../models/xl330-m288-t.toml")),
+    ("XL430-W250-T", include_str!("../../models/xl430-w250-t.toml")),
+    ("XM430-W350-T", include_str!("../../models/xm430-w350-t.toml")),
+    ("MX-64", include_str!("../../models/mx-64.toml")),
+    ("STS3215-7.4V", include_str!("../../models/sts3215-7.4v.toml")),
+    ("STS3215-12V", include_str!("../../models/sts3215-12v.toml")),
+];
+
+/// Why there are no parameters.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ParametersError {
+    /// No kind has this name.
+    #[error("there is no servo called {0}; there are {known}", known = known())]
+    Unknown(String),
+    /// A file of `models/` cannot be read.
+    #[error("models/{name}: {message}")]
+    File {
+        /// Which.
+        name: String,
+        /// Why.
+        message: String,
+    },
+    /// The maker's figures contradict each other.
+    #[error("{name}: {what}")]
+    Contradiction {
+        /// Which kind.
+        name: String,
+        /// What does not go together.
+        what: &'static str,
+    },
+}
+
+fn known() -> String {
+    ServoModel::built_in_names().collect::<Vec<_>>().join(", ")
+}
+
+/// The file's keys.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Extra {
+    stribeck_nm: Sourced,
+    stribeck_rad_s: Sourced,
+    gear_windup_rad: Sourced,
+    loop_hz: Sourced,
+    winding_share: Sourced,
+    winding_time_s: Sourced,
+    standby_a: Sourced,
+    brown_out_v: Sourced,
+    boot_s: Sourced,
+    position_p_divisor: Option<Sourced>,
+    load_friction: Option<Sourced>,
+    speed_cap_rad_s: Option<Sourced>,
+}
+
+/// All that a simulated servo is made of, at its output shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// What the maker calls it.
+    pub name: String,
+    /// Voltage that the maker's figures are for, V.
+    pub voltage_v: f64,
+    /// Torque per current of the motor, before friction, N m/A; also its back-EMF, V s/rad.
+    pub torque_constant_nm_a: f64,
+    /// Resistance of motor and driver at 25 °C, ohm.
+    pub resistance_ohm: f64,
+    /// Inertia of the rotor, kg m².
+    pub rotor_inertia_kg_m2: f64,
+    /// Coulomb friction without load, N m.
+    pub friction_nm: f64,
+    /// What it is higher by at rest, N m.
+    pub stribeck_nm: f64,
+    /// Speed at which that is gone but for 1/e, rad/s.
+    pub stribeck_rad_s: f64,
+    /// Friction per torque that goes into the gear at either end.
+    pub load_friction: f64,
+    /// Viscous friction, N m s.
+    pub damping_nm_s: f64,
+    /// Play of the gear, from end to end, rad.
+    pub backlash_rad: f64,
+    /// Stiffness of the gear, N m/rad.
+    pub gear_stiffness_nm_rad: f64,
+    /// Least step of its position, rad.
+    pub resolution_rad: f64,
+    /// How far it turns, rad.
+    pub range_rad: f64,
+    /// Fastest speed that its program asks for, rad/s.
+    pub speed_cap_rad_s: Option<f64>,
+    /// Torque per position error as shipped, N m/rad.
+    pub position_gain_nm_rad: f64,
+    /// What Position P Gain of a Dynamixel is divided by.
+    pub position_p_divisor: f64,
+    /// How often its program controls, 1/s.
+    pub loop_hz: f64,
+    /// Warming of the case above the air, K/W.
+    pub case_k_w: f64,
+    /// Time constant of that, s.
+    pub case_time_s: f64,
+    /// Warming of the winding above the case, K/W.
+    pub winding_k_w: f64,
+    /// Time constant of that, s.
+    pub winding_time_s: f64,
+    /// Temperature of the case at which it shuts down, °C.
+    pub shutdown_c: f64,
+    /// Current without motion, A.
+    pub standby_a: f64,
+    /// Supply below which its program stops, V.
+    pub brown_out_v: f64,
+    /// How long it takes to start, s.
+    pub boot_s: f64,
+    /// Names of the values that nobody has measured or stated.
+    pub guesses: Vec<&'static str>,
+}
+
+impl Parameters {
+    /// A built-in kind by its name, see [`ServoModel::built_in`].
+    ///
+    /// # Errors
+    /// [`ParametersError::Unknown`] lists the kinds that there are.
+    pub fn built_in(name: &str) -> Result<Self, ParametersError> {
+        let unknown = || ParametersError::Unknown(name.to_owned());
+        Self::of_model(&ServoModel::built_in(name).ok_or_else(unknown)?)
+    }
+
+    /// A kind that a rig describes. What its description lacks is what the built-in kind of its name has, else what is
+    /// common.
+    ///
+    /// # Errors
+    /// [`ParametersError::Contradiction`] if no motor has these figures.
+    pub fn of_model(model: &ServoModel) -> Result<Self, ParametersError> {
+        Self::of(model, &Extra::built_in(&model.name)?)
+    }
+
+    /// What follows from the maker's figures:
+    /// - resistance: voltage over stall current;
+    /// - torque constant: voltage at no-load speed is back-EMF and what friction takes;
+    /// - friction per load: what is missing at stall.
+    ///
+    /// Where the program caps the speed, that one says nothing of the motor: the torque constant then follows from the
+    /// stall torque, with a friction per load that the file gives.
+    fn of(model: &ServoModel, extra: &Extra) -> Result<Self, ParametersError> {
+        let contradiction =
+            |what| Err(ParametersError::Contradiction { name: model.name.clone(), what });
+        let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
+        let [stall_nm, coulomb_nm] = [model.stall_torque_nm.value, model.friction_nm.value];
+        let stiction_nm = coulomb_nm + extra.stribeck_nm.value;
+        let damping = &model.damping_nm_s;
+        let resistance = volts / amps;
+        let (constant, load_friction) = if let Some(load) = &extra.load_friction {
+            let motor_nm = (stall_nm * (1.0 + load.value) + stiction_nm) / (1.0 - load.value);
+            (motor_nm / amps, load.value)
+        } else {
+            // k w + R f / k = V, where friction f is overcome by the motor alone: f / (1 - load friction). The motor's
+            // share is found with it, in a few rounds.
+            let speed = model.no_load_speed_rad_s.value;
+            let drag_nm = coulomb_nm + damping.value * speed;
+            let (mut constant, mut load) = (volts / speed, 0.0);
+            for _ in 0..ROUNDS {
+                let square = volts * volts - 4.0 * speed * resistance * drag_nm / (1.0 - load);
+                if square < 0.0 {
+                    return contradiction("friction is too large for its no-load speed");
+                }
+                constant = (volts + libm::sqrt(square)) / (2.0 * speed);
+                load = (constant * amps - stiction_nm - stall_nm) / (constant * amps + stall_nm);
+            }
+            (constant, load)
+        };
+        if !(0.0..0.6).contains(&load_friction) {
+            return contradiction("its stall torque does not go with its current and its speed");
+        }
+        let case_k_w = model.thermal_resistance_k_w.value;
+        Ok(Self {
+            name: model.name.clone(),
+            voltage_v: volts,
+            torque_constant_nm_a: constant,
+            resistance_ohm: resistance,
+            rotor_inertia_kg_m2: model.rotor_inertia_kg_m2.value,
+            friction_nm: coulomb_nm,
+            stribeck_nm: extra.stribeck_nm.value,
+            stribeck_rad_s: extra.stribeck_rad_s.value,
+            load_friction,
+            damping_nm_s: damping.value,
+            backlash_rad: model.backlash_rad.value,
+            gear_stiffness_nm_rad: stall_nm / extra.gear_windup_rad.value,
+            resolution_rad: model.resolution_rad.value,
+            range_rad: model.range_rad.value,
+            speed_cap_rad_s: extra.speed_cap_rad_s.as_ref().map(|cap| cap.value),
+            position_gain_nm_rad: model.position_gain_nm_rad.value,
+            position_p_divisor: extra.position_p_divisor.as_ref().map_or(128.0, |p| p.value),
+            loop_hz: extra.loop_hz.value,
+            case_k_w,
+            case_time_s: model.thermal_time_s.value,
+            winding_k_w: case_k_w * extra.winding_share.value,
+            winding_time_s: extra.winding_time_s.value,
+            shutdown_c: model.shutdown_c.value,
+            standby_a: extra.standby_a.value,
+            brown_out_v: extra.brown_out_v.value,
+            boot_s: extra.boot_s.value,
+            guesses: guesses(model, extra),
+        })
+    }
+}
+
+/// Each makes the error smaller by the load friction's share of the drag, which is below a half.
+const ROUNDS: usize = 60;
+
+impl Extra {
+    fn built_in(name: &str) -> Result<Self, ParametersError> {
+        let failed = |error: toml::de::Error| ParametersError::File {
+            name: name.to_owned(),
+            message: error.to_string(),
+        };
+        let own = FILES.iter().find(|(known, _)| *known == name).map_or("", |(_, file)| file);
+        let mut table: toml::Table = toml::from_str(COMMON).map_err(failed)?;
+        table.extend(toml::from_str::<toml::Table>(own).map_err(failed)?);
+        table.try_into().map_err(failed)
+    }
+}
+
+fn guesses(model: &ServoModel, extra: &Extra) -> Vec<&'static str> {
+    let own = extra.load_friction.as_ref();
+    [
+        ("voltage_v", Some(&model.voltage_v)),
+        ("stall_torque_nm", Some(&model.stall_torque_nm)),
+        ("stall_current_a", Some(&model.stall_current_a)),
+        ("no_load_speed_rad_s", Some(&model.no_load_speed_rad_s)),
+        ("position_gain_nm_rad", Some(&model.position_gain_nm_rad)),
+        ("rotor_inertia_kg_m2", Some(&model.rotor_inertia_kg_m2)),
+        ("friction_nm", Some(&model.friction_nm)),
+        ("damping_nm_s", Some(&model.damping_nm_s)),
+        ("load_friction", own),
+        ("stribeck_nm", Some(&extra.stribeck_nm)),
+        ("stribeck_rad_s", Some(&extra.stribeck_rad_s)),
+        ("resolution_rad", Some(&model.resolution_rad)),
+        ("backlash_rad", Some(&model.backlash_rad)),
+        ("gear_windup_rad", Some(&extra.gear_windup_rad)),
+        ("range_rad", Some(&model.range_rad)),
+        ("speed_cap_rad_s", extra.speed_cap_rad_s.as_ref()),
+        ("loop_hz", Some(&extra.loop_hz)),
+        ("thermal_resistance_k_w", Some(&model.thermal_resistance_k_w)),
+        ("thermal_time_s", Some(&model.thermal_time_s)),
+        ("winding_share", Some(&extra.winding_share)),
+        ("winding_time_s", Some(&extra.winding_time_s)),
+        ("shutdown_c", Some(&model.shutdown_c)),
+        ("standby_a", Some(&extra.standby_a)),
+        ("brown_out_v", Some(&extra.brown_out_v)),
+        ("boot_s", Some(&extra.boot_s)),
+    ]
+    .into_iter()
+    .filter_map(|(name, value)| value.filter(|value| value.is_guess()).map(|_| name))
+    .collect()
+}

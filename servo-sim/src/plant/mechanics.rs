@@ -1,0 +1,249 @@
+//! Mass matrix and bias forces of a mechanism, f64: the composite-rigid-body and the recursive Newton-Euler algorithm
+//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 5 and 6), all in world axes about the world's origin.
+
+use glam::{DMat3, DQuat, DVec3};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::{Freedom, Pose};
+
+/// A spatial vector: the part of turning, and that of the point at the world's origin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Spatial {
+    turn: DVec3,
+    slide: DVec3,
+}
+
+impl Spatial {
+    fn plus(self, other: Self) -> Self {
+        Self { turn: self.turn + other.turn, slide: self.slide + other.slide }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { turn: self.turn * factor, slide: self.slide * factor }
+    }
+
+    fn dot(self, other: Self) -> f64 {
+        self.turn.dot(other.turn) + self.slide.dot(other.slide)
+    }
+
+    /// How another motion changes that is carried by this one.
+    fn cross(self, motion: Self) -> Self {
+        Self {
+            turn: self.turn.cross(motion.turn),
+            slide: self.turn.cross(motion.slide) + self.slide.cross(motion.turn),
+        }
+    }
+
+    /// How a force or a momentum changes that is carried by this motion.
+    fn cross_force(self, force: Self) -> Self {
+        Self {
+            turn: self.turn.cross(force.turn) + self.slide.cross(force.slide),
+            slide: self.turn.cross(force.slide),
+        }
+    }
+}
+
+/// Mass, first moment and inertia about the world's origin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct SpatialInertia {
+    mass_kg: f64,
+    moment_kg_m: DVec3,
+    inertia_kg_m2: DMat3,
+}
+
+impl SpatialInertia {
+    /// Momentum of a motion, or force of an acceleration.
+    fn times(&self, motion: Spatial) -> Spatial {
+        Spatial {
+            turn: self.inertia_kg_m2 * motion.turn + self.moment_kg_m.cross(motion.slide),
+            slide: motion.slide * self.mass_kg - self.moment_kg_m.cross(motion.turn),
+        }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass_kg: self.mass_kg + other.mass_kg,
+            moment_kg_m: self.moment_kg_m + other.moment_kg_m,
+            inertia_kg_m2: self.inertia_kg_m2 + other.inertia_kg_m2,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Moving {
+    velocity: Spatial,
+    acceleration: Spatial,
+    /// What the body and those on it push back with.
+    force: Spatial,
+    own: SpatialInertia,
+    composite: SpatialInertia,
+}
+
+/// A mechanism at an instant. [`Self::set`] computes all that is read here. O(n · depth).
+#[derive(Debug, Clone)]
+pub(super) struct Mechanics {
+    pub(super) mechanism: Mechanism,
+    gravity_m_s2: DVec3,
+    /// Of each body: where its freedoms and its coordinates begin.
+    pub(super) places: Vec<[usize; 2]>,
+    motions: Vec<Spatial>,
+    bodies: Vec<Moving>,
+    /// Row after row.
+    mass: Vec<f64>,
+    bias: Vec<f64>,
+}
+
+impl Mechanics {
+    pub(super) fn new(mechanism: &Mechanism, gravity_m_s2: DVec3) -> Self {
+        let (mut places, mut freedoms, mut coordinates) = (Vec::new(), 0, 0);
+        for link in &mechanism.bodies {
+            places.push([freedoms, coordinates]);
+            freedoms += link.joint.kind().degrees_of_freedom();
+            coordinates += link.joint.kind().coordinate_count();
+        }
+        Self {
+            mechanism: mechanism.clone(),
+            gravity_m_s2,
+            places,
+            motions: vec![Spatial::default(); freedoms],
+            bodies: vec![Moving::default(); mechanism.bodies.len()],
+            mass: vec![0.0; freedoms * freedoms],
+            bias: vec![0.0; freedoms],
+        }
+    }
+
+    pub(super) fn freedoms(&self) -> usize {
+        self.bias.len()
+    }
+
+    /// The freedoms of a body's joint.
+    pub(super) fn freedoms_of(&self, body: usize) -> std::ops::Range<usize> {
+        let first = self.places[body][0];
+        first..first + self.mechanism.bodies[body].joint.kind().degrees_of_freedom()
+    }
+
+    /// Element of the mass matrix, kg m², kg m or kg; without rotors.
+    pub(super) fn mass(&self, row: usize, column: usize) -> f64 {
+        self.mass[row * self.freedoms() + column]
+    }
+
+    /// Effort that a freedom needs to move on without acceleration, N m or N: gravity, Coriolis, centrifugal.
+    pub(super) fn bias(&self, freedom: usize) -> f64 {
+        self.bias[freedom]
+    }
+
+    /// Computes all at positions and speeds, as `sinew_core::coordinates` has them.
+    pub(super) fn set(&mut self, q: &[f64], qd: &[f64]) {
+        let poses = self.mechanism.poses(q);
+        for (index, pose) in poses.iter().enumerate() {
+            self.outward(index, pose, q, qd);
+        }
+        self.mass.fill(0.0);
+        for index in (0..poses.len()).rev() {
+            self.inward(index);
+        }
+    }
+
+    /// Velocity, acceleration without that of the joints, and inertia of a body.
+    fn outward(&mut self, index: usize, pose: &Pose, q: &[f64], qd: &[f64]) {
+        let link = &self.mechanism.bodies[index];
+        let carrier = match link.parent {
+            Some(parent) => self.bodies[parent],
+            None => Moving {
+                acceleration: Spatial { turn: DVec3::ZERO, slide: -self.gravity_m_s2 },
+                ..Moving::default()
+            },
+        };
+        let (turns, slides) = link.joint.axes(&q[self.places[index][1]..]);
+        let turns = turns.into_iter().map(|axis| {
+            let turn = pose.rotation * axis;
+            Spatial { turn, slide: pose.position_m.cross(turn) }
+        });
+        let slides = slides
+            .into_iter()
+            .map(|axis| Spatial { turn: DVec3::ZERO, slide: pose.rotation * axis });
+        let first = self.places[index][0];
+        let (mut joint, mut rest) = (Spatial::default(), Spatial::default());
+        for (freedom, motion) in (first..).zip(turns.chain(slides)) {
+            self.motions[freedom] = motion;
+            let own = motion.times(qd[freedom]);
+            // The second axis of a universal joint is carried by the first turn; all else is fixed in the body.
+            if matches!(link.joint, Freedom::Universal(_)) {
+                rest = rest.plus(joint.cross(own));
+            }
+            joint = joint.plus(own);
+        }
+        let velocity = carrier.velocity.plus(joint);
+        let acceleration = carrier.acceleration.plus(carrier.velocity.cross(joint)).plus(rest);
+        let own = inertia_of(link, pose);
+        let force = own.times(acceleration).plus(velocity.cross_force(own.times(velocity)));
+        self.bodies[index] = Moving { velocity, acceleration, force, own, composite: own };
+    }
+
+    /// Efforts and the row of the mass matrix of a joint; passes on what hangs on it.
+    fn inward(&mut self, index: usize) {
+        let Moving { force, composite, .. } = self.bodies[index];
+        let size = self.freedoms();
+        for row in self.freedoms_of(index) {
+            self.bias[row] = self.motions[row].dot(force);
+            let moved = composite.times(self.motions[row]);
+            let mut body = Some(index);
+            while let Some(at) = body {
+                for column in self.freedoms_of(at) {
+                    let element = self.motions[column].dot(moved);
+                    self.mass[row * size + column] = element;
+                    self.mass[column * size + row] = element;
+                }
+                body = self.mechanism.bodies[at].parent;
+            }
+        }
+        if let Some(parent) = self.mechanism.bodies[index].parent {
+            let carrier = &mut self.bodies[parent];
+            carrier.force = carrier.force.plus(force);
+            carrier.composite = carrier.composite.plus(&composite);
+        }
+    }
+
+    /// Energy of motion and of height, without rotors, J.
+    pub(super) fn energy_j(&self) -> f64 {
+        let of_body = |body: &Moving| {
+            0.5 * body.velocity.dot(body.own.times(body.velocity))
+                - self.gravity_m_s2.dot(body.own.moment_kg_m)
+        };
+        self.bodies.iter().map(of_body).sum()
+    }
+}
+
+fn inertia_of(link: &sinew_rig::mechanism::Link, pose: &Pose) -> SpatialInertia {
+    let center = pose.point(link.center_of_mass_m);
+    let turned = DMat3::from_quat(pose.rotation);
+    let outer = DMat3::from_cols(center * center.x, center * center.y, center * center.z);
+    let around = (DMat3::from_diagonal(DVec3::splat(center.dot(center))) - outer) * link.mass_kg;
+    SpatialInertia {
+        mass_kg: link.mass_kg,
+        moment_kg_m: center * link.mass_kg,
+        inertia_kg_m2: turned * link.inertia_kg_m2 * turned.transpose() + around,
+    }
+}
+
+/// Positions after a time at speeds.
+pub(super) fn advance(mechanics: &Mechanics, q: &mut [f64], qd: &[f64], dt_s: f64) {
+    for (link, [freedom, coordinate]) in mechanics.mechanism.bodies.iter().zip(&mechanics.places) {
+        let speeds = &qd[*freedom..];
+        let own = &mut q[*coordinate..];
+        match (link.joint, own, speeds) {
+            (Freedom::Spherical, [x, y, z, w, ..], [a, b, c, ..]) => {
+                let turn = DQuat::from_scaled_axis(DVec3::new(*a, *b, *c) * dt_s);
+                let after = (DQuat::from_xyzw(*x, *y, *z, *w) * turn).normalize();
+                [*x, *y, *z, *w] = after.to_array();
+            }
+            // A base that drives about stands still.
+            (Freedom::Free | Freedom::Fixed, ..) => {}
+            (_, own, speeds) => {
+                let count = link.joint.kind().degrees_of_freedom();
+                for (q, qd) in own.iter_mut().zip(speeds).take(count) {
+                    *q += dt_s * qd;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! A serial port of this machine that leads to simulated servos: a pseudo-terminal, and a link to it.
+
+use std::fs::Metadata;
+use std::io::{self, ErrorKind};
+use std::os::fd::OwnedFd;
+use std::os::unix::ffi::OsStrExt as _;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags, open};
+use rustix::io::{Errno, ioctl_fionbio, read, write};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use thiserror::Error;
+
+use crate::line::{Line, Wired};
+
+/// Servos move on after so long, though nobody says anything.
+const IDLE: Duration = Duration::from_millis(5);
+/// What the machine is late by beyond this is taken out of the servos' time, not made good: a laptop that slept.
+const CATCH_UP: Duration = Duration::from_millis(200);
+
+/// Why there is no port.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PortError {
+    /// Something else has its name.
+    #[error("{}: is there already and is no link; choose another name", .0.display())]
+    Occupied(PathBuf),
+    /// The link cannot be made.
+    #[error("{}: {source}", link.display())]
+    Link {
+        /// Where.
+        link: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The machine gives no pseudo-terminal.
+    #[error("no pseudo-terminal: {0}")]
+    Terminal(#[from] Errno),
+}
+
+/// A pseudo-terminal with a link to it, that is gone when this is dropped. Programs may open and close it as often as
+/// they like.
+#[derive(Debug)]
+pub struct Port {
+    servos: OwnedFd,
+    /// Held open: else the terminal hangs up when a program closes it.
+    program: OwnedFd,
+    link: PathBuf,
+}
+
+impl Port {
+    /// Opens a terminal, and makes `link` lead to it. A link that is there is replaced: a program that was killed left
+    /// it. `baud` is what the port is set to until a program sets it.
+    ///
+    /// # Errors
+    /// [`PortError`].
+    pub fn open(link: &Path, baud: u32) -> Result<Self, PortError> {
+        let servos = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        grantpt(&servos)?;
+        unlockpt(&servos)?;
+        ioctl_fionbio(&servos, true)?;
+        let name = ptsname(&servos, Vec::new())?;
+        let program = open(name.as_c_str(), OFlags::RDWR | OFlags::NOCTTY, Mode::empty())?;
+        let mut settings = tcgetattr(&program)?;
+        settings.make_raw();
+        settings.set_speed(baud)?;
+        tcsetattr(&program, OptionalActions::Now, &settings)?;
+
+        let failed = |source| PortError::Link { link: link.to_owned(), source };
+        match link.symlink_metadata() {
+            Ok(found) if !is_link(&found) => return Err(PortError::Occupied(link.to_owned())),
+            Ok(_) => std::fs::remove_file(link).map_err(failed)?,
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error) => return Err(failed(error)),
+        }
+        symlink(std::ffi::OsStr::from_bytes(name.as_bytes()), link).map_err(failed)?;
+        Ok(Self { servos, program, link: link.to_owned() })
+    }
+
+    /// Where it is.
+    pub fn link(&self) -> &Path {
+        &self.link
+    }
+
+    /// Lets programs talk to the servos in real time, at the rate to which they set the port, until `stop` is true:
+    /// within 5 ms of that. What a program does not read in time is lost, as it is behind a real port.
+    ///
+    /// # Errors
+    /// What the system says if reading or writing fails.
+    pub fn serve<W: Wired>(&self, line: &mut Line<W>, stop: &AtomicBool) -> io::Result<()> {
+        let begin_ns = line.servos.now_ns();
+        let start = Instant::now();
+        let mut lost = Duration::ZERO;
+        let mut bytes = [0; 4096];
+        while !stop.load(Ordering::Relaxed) {
+            let simulated = Duration::from_nanos(line.servos.now_ns() - begin_ns);
+            let passed = start.elapsed().saturating_sub(lost);
+            lost += passed.saturating_sub(simulated + CATCH_UP);
+            let now = start.elapsed().saturating_sub(lost);
+            let now_ns = begin_ns + u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
+            line.run_until(now_ns);
+
+            match read(&self.servos, &mut bytes) {
+                Ok(count) => {
+                    line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
+                    line.write(&bytes[..count]);
+                }
+                Err(Errno::AGAIN | Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+            let count = line.take(&mut bytes);
+            if count > 0 {
+                match write(&self.servos, &bytes[..count]) {
+                    Ok(_) | Err(Errno::AGAIN | Errno::INTR) => {}
+                    Err(error) => return Err(error.into()),
+                }
+                continue;
+            }
+            let next_ns = line.next_ns().map_or(u64::MAX, |next| next.saturating_sub(now_ns));
+            self.wait(IDLE.min(Duration::from_nanos(next_ns)))?;
+        }
+        Ok(())
+    }
+
+    /// Until a program writes, or for a time.
+    fn wait(&self, most: Duration) -> io::Result<()> {
+        let timeout = Timespec { tv_sec: 0, tv_nsec: most.subsec_nanos().into() };
+        match poll(&mut [PollFd::new(&self.servos, PollFlags::IN)], Some(&timeout)) {
+            Ok(_) | Err(Errno::INTR) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+impl Drop for Port {
+    fn drop(&mut self) {
+        // Gone already is as good.
+        let _ = std::fs::remove_file(&self.link);
+    }
+}
+
+fn is_link(found: &Metadata) -> bool {
+    found.file_type().is_symlink()
+}
