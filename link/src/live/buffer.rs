@@ -1,0 +1,275 @@
+//! The buffer: frames in any order in, one target for each tick out.
+
+use heapless::Vec;
+
+use super::timeline::Timeline;
+use super::{Coordinate, LiveRefusal, LiveSettings, LiveSetupError};
+use crate::message::LiveFrame;
+
+/// The longest delay and time-out, us.
+const LONGEST_US: u32 = 2_000_000;
+
+/// The largest number of a pose and the largest speed, as those of the core: what follows cannot overflow.
+pub(super) const LARGEST: f32 = 1e6;
+
+/// Live frames of a rig of at most `N` coordinates, `FRAMES` at a time: those of the delay, and a few more.
+///
+/// Targets begin where [`start`](Self::start) says, and go no faster than the limits of speed, whatever comes. Between
+/// two frames they are interpolated. Nothing is extrapolated: if the next frame is missing, the last one is held.
+#[derive(Debug, Clone)]
+pub struct LiveBuffer<const N: usize, const FRAMES: usize> {
+    coordinates: Vec<Coordinate, N>,
+    /// How many numbers of a pose are used.
+    len: usize,
+    settings: LiveSettings,
+    frames: [Option<Stored<N>>; FRAMES],
+    timeline: Option<Timeline>,
+    stale: bool,
+    target: [f32; N],
+    counts: LiveCounts,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Stored<const N: usize> {
+    sent: i64,
+    q: [f32; N],
+}
+
+/// What came of live frames. Counts stop at their largest value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LiveCounts {
+    /// Frames that are used.
+    pub taken: u32,
+    /// Frames that came too late.
+    pub too_late: u32,
+    /// Frames that were refused for another reason.
+    pub refused: u32,
+    /// Frames that had to make room for newer ones before they were played.
+    pub pushed_out: u32,
+    /// Ticks in which a frame was missing, and the last one was held.
+    pub held: u32,
+}
+
+/// What the target of a tick is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Following {
+    /// No frame is due yet: the target stays.
+    Waiting,
+    /// It lies between two frames.
+    Interpolated,
+    /// The next frame is missing: the last one is held.
+    Held,
+    /// No new frame came for the time-out: the target stays, and frames have to begin anew.
+    Stale,
+}
+
+/// The target of a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LiveTarget<'a> {
+    /// Coordinates of the rig.
+    pub q: &'a [f32],
+    /// What they are made of.
+    pub following: Following,
+    /// How long ago the newest frame came, us; none if there is none.
+    pub age_us: Option<u32>,
+    /// Whether a limit of speed holds the target back.
+    pub limited: bool,
+}
+
+impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
+    /// A buffer for these joints, in the order of the rig's coordinates.
+    ///
+    /// # Errors
+    /// [`LiveSetupError`] if they do not fit, or a setting cannot be.
+    pub fn new(joints: &[Coordinate], settings: LiveSettings) -> Result<Self, LiveSetupError> {
+        const { assert!(FRAMES > 1, "a target lies between two frames") }
+        let len = joints.iter().fold(0, |sum: usize, joint| sum.saturating_add(joint.len()));
+        let coordinates = Vec::from_slice(joints);
+        let (Ok(coordinates), true) = (coordinates, len <= N) else {
+            return Err(LiveSetupError::Capacity { room: N, needs: len });
+        };
+        let slow = |joint: &Coordinate| !(joint.speed() > 0.0 && joint.speed() <= LARGEST);
+        if let Some(joint) = joints.iter().position(slow) {
+            return Err(LiveSetupError::Speed { joint });
+        }
+        let LiveSettings { delay_us, stale_us, tick_s } = settings;
+        if !(tick_s > 0.0 && tick_s <= 1.0) {
+            return Err(LiveSetupError::Tick);
+        }
+        if delay_us > LONGEST_US || stale_us > LONGEST_US || stale_us == 0 {
+            return Err(LiveSetupError::Time);
+        }
+        let mut target = [0.0; N];
+        let mut rest = target.as_mut_slice();
+        for joint in joints {
+            // A rotation's identity.
+            if let Some((numbers, behind)) = rest.split_at_mut_checked(joint.len()) {
+                if let [_, _, _, w] = numbers {
+                    *w = 1.0;
+                }
+                rest = behind;
+            } else {
+                rest = &mut [];
+            }
+        }
+        Ok(Self {
+            coordinates,
+            len,
+            settings,
+            frames: [None; FRAMES],
+            timeline: None,
+            stale: false,
+            target,
+            counts: LiveCounts::default(),
+        })
+    }
+
+    /// Forgets all frames; the target is this pose: the measured one, or where the source before had it.
+    ///
+    /// # Errors
+    /// [`LiveRefusal`]: nothing changes then.
+    pub fn start(&mut self, q: &[f32]) -> Result<(), LiveRefusal> {
+        self.check(q)?;
+        if let Some(target) = self.target.get_mut(..q.len()) {
+            target.copy_from_slice(q);
+        }
+        self.forget();
+        self.stale = false;
+        Ok(())
+    }
+
+    /// Takes a frame that came now. O(coordinates + `FRAMES`).
+    ///
+    /// # Errors
+    /// [`LiveRefusal`]: it is counted, and not used.
+    pub fn push(&mut self, frame: &LiveFrame, now_us: u64) -> Result<(), LiveRefusal> {
+        let result = self.take(frame, now_us);
+        let count = match result {
+            Ok(()) => &mut self.counts.taken,
+            Err(LiveRefusal::TooLate) => &mut self.counts.too_late,
+            Err(_) => &mut self.counts.refused,
+        };
+        *count = count.saturating_add(1);
+        result
+    }
+
+    /// The target of the tick now. O(coordinates + `FRAMES`).
+    pub fn step(&mut self, now_us: u64) -> LiveTarget<'_> {
+        let now = time(now_us);
+        let age = self.timeline.as_ref().map(|timeline| timeline.age(now));
+        if age.is_some_and(|age| age >= i64::from(self.settings.stale_us)) {
+            self.forget();
+            self.stale = true;
+        }
+        let (following, limited) = self.follow(now);
+        LiveTarget {
+            q: self.target.get(..self.len).unwrap_or_default(),
+            following,
+            age_us: age.map(|age| u32::try_from(age).unwrap_or(u32::MAX)),
+            limited,
+        }
+    }
+
+    /// What came of frames so far.
+    pub fn counts(&self) -> LiveCounts {
+        self.counts
+    }
+
+    fn check(&self, q: &[f32]) -> Result<(), LiveRefusal> {
+        if q.len() != self.len {
+            return Err(LiveRefusal::Count { rig: self.len, frame: q.len() });
+        }
+        let mut first = 0_usize;
+        for joint in &self.coordinates {
+            let end = first.saturating_add(joint.len());
+            joint.check(q.get(first..end).unwrap_or_default(), first)?;
+            first = end;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, frame: &LiveFrame, now_us: u64) -> Result<(), LiveRefusal> {
+        self.check(&frame.q)?;
+        let now = time(now_us);
+        let delay = i64::from(self.settings.delay_us);
+        let timeline =
+            self.timeline.get_or_insert_with(|| Timeline::new(frame.sent_us, now, delay));
+        let sent = timeline.sent(frame.sent_us, now).ok_or(LiveRefusal::Time)?;
+        let play = timeline.play();
+        let mut played = self.frames.iter().flatten().filter(|stored| stored.sent <= play);
+        if played.any(|stored| stored.sent > sent) {
+            return Err(LiveRefusal::TooLate);
+        }
+        if self.frames.iter().flatten().any(|stored| stored.sent == sent) {
+            return Err(LiveRefusal::Twice);
+        }
+        timeline.arrive(sent, now);
+        self.stale = false;
+        let mut q = [0.0; N];
+        if let Some(q) = q.get_mut(..self.len) {
+            q.copy_from_slice(&frame.q);
+        }
+        // An empty place, or that of the oldest.
+        let place = self.frames.iter_mut().min_by_key(|place| place.map(|stored| stored.sent));
+        if let Some(place) = place {
+            if place.is_some() {
+                self.counts.pushed_out = self.counts.pushed_out.saturating_add(1);
+            }
+            *place = Some(Stored { sent, q });
+        }
+        Ok(())
+    }
+
+    /// Moves the target.
+    fn follow(&mut self, now: i64) -> (Following, bool) {
+        let nothing = if self.stale { Following::Stale } else { Following::Waiting };
+        let Some(timeline) = &mut self.timeline else { return (nothing, false) };
+        let play = timeline.step(now);
+        let stored = || self.frames.iter().flatten();
+        let before = stored().filter(|frame| frame.sent <= play).max_by_key(|frame| frame.sent);
+        let after = stored().filter(|frame| frame.sent > play).min_by_key(|frame| frame.sent);
+        let Some(a) = before else { return (nothing, false) };
+        let (b, part, following) = match after {
+            Some(b) => {
+                let whole = b.sent.saturating_sub(a.sent);
+                let gone = play.saturating_sub(a.sent);
+                (b, gone as f32 / whole as f32, Following::Interpolated)
+            }
+            None => (a, 0.0, Following::Held),
+        };
+        if following == Following::Held {
+            self.counts.held = self.counts.held.saturating_add(1);
+        }
+        let mut limited = false;
+        let mut first = 0_usize;
+        for joint in &self.coordinates {
+            let end = first.saturating_add(joint.len());
+            let range = first..end;
+            first = end;
+            let (Some(target), Some(a), Some(b)) =
+                (self.target.get_mut(range.clone()), a.q.get(range.clone()), b.q.get(range))
+            else {
+                break;
+            };
+            limited |= joint.follow(target, (a, b), part, self.settings.tick_s);
+        }
+        // What lies before `a` is not played again.
+        let over = a.sent;
+        for place in &mut self.frames {
+            if place.is_some_and(|stored| stored.sent < over) {
+                *place = None;
+            }
+        }
+        (following, limited)
+    }
+
+    fn forget(&mut self) {
+        self.frames = [None; FRAMES];
+        self.timeline = None;
+    }
+}
+
+/// Microseconds of the board's clock, which begins with the board.
+fn time(now_us: u64) -> i64 {
+    i64::try_from(now_us).unwrap_or(i64::MAX)
+}

@@ -1,0 +1,54 @@
+//! What host and controller say to each other.
+
+mod answer;
+mod command;
+mod fault;
+mod greeting;
+mod numbered;
+mod state;
+mod stored;
+mod stream;
+mod telemetry;
+
+pub use answer::{Answer, Applied, Limit, Outcome, Refusal};
+pub use command::{Command, Feed, Operator, SERVICE_MAX, Service, ServiceReply};
+pub use fault::{FaultRecord, FaultReport};
+pub use greeting::{About, Capacities, Hello, Misfit, Release, Version, Welcome};
+pub use numbered::Numbered;
+pub use state::State;
+pub use stored::{
+    APPROVER_MAX, Approver, BLOCK_MAX, Block, Item, Kind, NAME_MAX, Name, Place, Value,
+};
+pub use stream::{LiveFrame, POSE_MAX, Stream};
+pub use telemetry::{
+    DOFS_A_FRAME, Dof, Errors, Part, Parts, SERVOS_A_FRAME, Servo, Snapshot, Summary, Telemetry,
+    TelemetrySetting,
+};
+
+use serde::{Deserialize, Serialize};
+
+/// A message from a host to a controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum ToController {
+    /// The first message: which version the host speaks.
+    Hello(Hello),
+    /// Something to do. It is answered, and executed once.
+    Command(Numbered<Command>),
+    /// Something that comes again and again: only the newest counts, and none is answered.
+    Stream(Numbered<Stream>),
+}
+
+/// A message from a controller to a host.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum ToHost {
+    /// The answer to a greeting.
+    Welcome(Welcome),
+    /// The answer to a command, by its session and number.
+    Answer(Answer),
+    /// How the rig is, at the rate that was asked for.
+    Telemetry(Telemetry),
+    /// A fault, when it occurs.
+    Fault(FaultRecord),
+    /// Bytes of servos, of the command [`Command::Service`] of this session and number.
+    Service(Numbered<ServiceReply>),
+}

@@ -1,0 +1,86 @@
+//! What a line carries: sums at compile time, checked against what is written.
+//!
+//! ```
+//! use sinew_link::message::Parts;
+//! use sinew_link::rate::{RigSize, telemetry_hz};
+//!
+//! // The whole telemetry of a rig of 20 servos, over the serial port of a debugger.
+//! const OP3: RigSize = RigSize { coordinates: 20, dofs: 20, servos: 20 };
+//! const RATE_HZ: u32 = telemetry_hz(115_200, OP3, Parts::ALL);
+//! assert_eq!(RATE_HZ, 18);
+//! ```
+
+pub use crate::frame::frame_len;
+use crate::message::{DOFS_A_FRAME, POSE_MAX, Parts, SERVOS_A_FRAME};
+
+/// Bits of a byte on a serial line: start, eight, stop.
+const BITS_A_BYTE: u32 = 10;
+
+/// Direction, kind of message, number and tick of a frame of telemetry, and the kind of its part, in bytes.
+const HEAD: usize = 11;
+/// Place and count of a list.
+const LIST: usize = 2;
+/// The longest summary.
+const SUMMARY: usize = 60;
+const NUMBER: usize = 4;
+const DOF: usize = 6;
+const SERVO: usize = 7;
+
+/// How large a rig is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RigSize {
+    /// Numbers of its pose.
+    pub coordinates: usize,
+    /// Degrees of freedom.
+    pub dofs: usize,
+    /// Servos.
+    pub servos: usize,
+}
+
+/// How many frames with bodies of this length a serial line carries in a second.
+pub const fn frames_per_second(bits_per_second: u32, body_len: usize) -> u32 {
+    per_second(bits_per_second / BITS_A_BYTE, frame_len(body_len))
+}
+
+/// How many snapshots of these parts a serial line carries in a second, if telemetry gets three quarters of it. The
+/// rest is for answers, faults and the bytes of servos.
+pub const fn telemetry_hz(bits_per_second: u32, size: RigSize, parts: Parts) -> u32 {
+    let bytes_per_second = bits_per_second / BITS_A_BYTE;
+    let share = bytes_per_second.saturating_sub(bytes_per_second.div_ceil(4));
+    per_second(share, snapshot_len(size, parts))
+}
+
+/// Bytes of a snapshot of these parts, at most: all its frames with their zeros.
+pub const fn snapshot_len(size: RigSize, parts: Parts) -> usize {
+    let summary =
+        if parts.has(Parts::SUMMARY) { frame_len(HEAD.saturating_add(SUMMARY)) } else { 0 };
+    summary
+        .saturating_add(list_len(parts.has(Parts::POSE), size.coordinates, POSE_MAX, NUMBER))
+        .saturating_add(list_len(parts.has(Parts::DOFS), size.dofs, DOFS_A_FRAME, DOF))
+        .saturating_add(list_len(parts.has(Parts::SERVOS), size.servos, SERVOS_A_FRAME, SERVO))
+}
+
+const fn list_len(wanted: bool, items: usize, a_frame: usize, item_len: usize) -> usize {
+    if !wanted {
+        return 0;
+    }
+    let mut left = items;
+    let mut sum = 0_usize;
+    while left > 0 {
+        let here = if left < a_frame { left } else { a_frame };
+        let body = here.saturating_mul(item_len).saturating_add(HEAD).saturating_add(LIST);
+        sum = sum.saturating_add(frame_len(body));
+        left = left.saturating_sub(here);
+    }
+    sum
+}
+
+/// How often so many bytes fit.
+const fn per_second(bytes_per_second: u32, len: usize) -> u32 {
+    let len = if len < 1 << 31 { len } else { 1 << 31 };
+    #[expect(clippy::cast_possible_truncation, reason = "it is at most 2^31")]
+    match bytes_per_second.checked_div(len as u32) {
+        Some(times) => times,
+        None => 0,
+    }
+}

@@ -1,0 +1,89 @@
+//! What counts of a log, copied into the next sector: the one place where the log erases.
+
+use embedded_storage::nor_flash::NorFlash;
+
+use crate::disarmed::Disarmed;
+use crate::error::Error;
+use crate::fault::{FAULT_KIND, FAULTS_KEPT, Tally};
+use crate::flash::{CHUNK, CHUNK_LEN, fill, is_blank, read};
+use crate::log::{Active, Log, finish};
+use crate::record::{Record, Seal};
+
+impl Log {
+    /// Erases the next sector, copies what counts, and lets it count from then on. Until that last step the old sector
+    /// does, so a cut anywhere changes nothing.
+    ///
+    /// What counts: the newest whole record of each kind; of faults the first since they were cleared, and the last
+    /// [`FAULTS_KEPT`]. Order is kept.
+    pub(crate) fn compact<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        _: &Disarmed,
+    ) -> Result<(), Error<F::Error>> {
+        let (sector, generation) = match self.active {
+            Some(Active { sector, generation, .. }) => {
+                let next = sector.saturating_add(1);
+                let next = if next < self.area.sectors { next } else { 0 };
+                (next, generation.saturating_add(1))
+            }
+            None => (0, 1),
+        };
+        let (start, sector_end) = (self.start(sector), self.start(sector.saturating_add(1)));
+        flash.erase(start, sector_end).map_err(Error::Flash)?;
+        if !is_blank(flash, start, self.area.sector_len)? {
+            return Err(Error::ReadBack { at: start });
+        }
+        let tally = Tally::of(self, flash)?;
+        let (mut fault, mut at) = (0_usize, None);
+        let mut end = self.first_in::<F>(sector);
+        while let Some(record) = self.next(flash, at)? {
+            at = Some(record.end::<F>());
+            if record.state(flash)? != Seal::Good {
+                continue;
+            }
+            let counts = if record.head.kind == FAULT_KIND {
+                let number = fault;
+                fault = number.saturating_add(1);
+                tally.first == Some(number) || number.saturating_add(FAULTS_KEPT) >= tally.count
+            } else {
+                self.newest_of(flash, record.head.kind)? == Some(record)
+            };
+            if counts {
+                end = copy(flash, &record, end, sector_end)?;
+            }
+        }
+        finish(flash, start, generation)?;
+        self.active = Some(Active { sector, generation, end, is_torn: false });
+        self.is_new = false;
+        Ok(())
+    }
+}
+
+/// Copies a whole record as it is, and says where the next one goes.
+fn copy<F: NorFlash>(
+    flash: &mut F,
+    record: &Record,
+    to: u32,
+    end: u32,
+) -> Result<u32, Error<F::Error>> {
+    let copy = Record { at: to, head: record.head };
+    let behind = copy.end::<F>();
+    let mut left = behind.saturating_sub(to);
+    if behind > end {
+        return Err(Error::Full { needed: left, free: end.saturating_sub(to) });
+    }
+    let (mut from, mut to) = (record.at, to);
+    let mut chunk = [0; CHUNK];
+    while left > 0 {
+        let part = chunk.get_mut(..(left as usize).min(CHUNK)).unwrap_or_default();
+        read(flash, from, part)?;
+        fill(flash, to, part)?;
+        let len = left.min(CHUNK_LEN);
+        (from, to) = (from.saturating_add(len), to.saturating_add(len));
+        left = left.saturating_sub(len);
+    }
+    if copy.state(flash)? != Seal::Good {
+        return Err(Error::ReadBack { at: copy.at });
+    }
+    Ok(behind)
+}

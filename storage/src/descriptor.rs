@@ -1,0 +1,174 @@
+//! What an item is: kind, schema, hash, rig, approver.
+
+use core::fmt;
+
+use heapless::String;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use crate::record::Head;
+
+/// Bytes of a descriptor, before the content. A multiple of every usual granule.
+pub(crate) const DESCRIPTOR_LEN: u32 = 96;
+const NAME_LEN: usize = 60;
+
+/// Kinds of items.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Settings of the controller, in the log.
+    Settings,
+    /// The compact form of a rig, in the log.
+    Rig,
+    /// A show, in a slot.
+    Show,
+}
+
+impl Kind {
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Self::Settings => 1,
+            Self::Rig => 2,
+            Self::Show => 3,
+        }
+    }
+
+    fn of_code(code: u8) -> Option<Self> {
+        [Self::Settings, Self::Rig, Self::Show].into_iter().find(|kind| kind.code() == code)
+    }
+}
+
+/// A SHA-256.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Hash(pub [u8; 32]);
+
+impl Hash {
+    /// Of bytes. O(len).
+    pub fn of(bytes: &[u8]) -> Self {
+        Self::finish(Sha256::new_with_prefix(bytes))
+    }
+
+    pub(crate) fn finish(hasher: Sha256) -> Self {
+        Self(hasher.finalize().into())
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Who approved an item: 1 to 60 bytes of UTF-8, without control characters.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Approver(String<NAME_LEN>);
+
+/// Why a text is no approver's name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("an approver's name has 1 to 60 bytes and no control characters; this one has {len} bytes")]
+pub struct ApproverError {
+    /// Bytes of the text.
+    pub len: usize,
+}
+
+/// Why an item cannot be read, though it is whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("{kind:?} is of schema {found}; this firmware reads {expected}")]
+pub struct SchemaError {
+    /// Which item.
+    pub kind: Kind,
+    /// The schema it has.
+    pub found: u16,
+    /// The schema that was asked for.
+    pub expected: u16,
+}
+
+impl Approver {
+    /// The name, if it is one.
+    ///
+    /// # Errors
+    /// [`ApproverError`] if it is empty, longer than 60 bytes, or has control characters.
+    pub fn new(name: &str) -> Result<Self, ApproverError> {
+        let refused = ApproverError { len: name.len() };
+        if name.is_empty() || name.chars().any(char::is_control) {
+            return Err(refused);
+        }
+        String::try_from(name).map(Self).map_err(|_| refused)
+    }
+
+    /// The name.
+    pub fn name(&self) -> &str {
+        &self.0
+    }
+}
+
+/// What an item is, and who stands for it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Descriptor {
+    /// Its kind.
+    pub kind: Kind,
+    /// Version of what the content means.
+    pub schema: u16,
+    /// Bytes of content.
+    pub len: u32,
+    /// SHA-256 of the content.
+    pub hash: Hash,
+    /// The rig it belongs to: the CRC at the end of the rig's compact form; 0 for any.
+    pub rig: u32,
+    /// Who approved it.
+    pub approver: Approver,
+}
+
+impl Descriptor {
+    /// The descriptor of a content that is all there. O(len).
+    pub fn of(kind: Kind, schema: u16, content: &[u8], rig: u32, approver: Approver) -> Self {
+        let len = u32::try_from(content.len()).unwrap_or(u32::MAX);
+        Self { kind, schema, len, hash: Hash::of(content), rig, approver }
+    }
+
+    /// Refuses content that this firmware would read as something else.
+    ///
+    /// # Errors
+    /// [`SchemaError`] with both versions.
+    pub fn check_schema(&self, expected: u16) -> Result<(), SchemaError> {
+        let Self { kind, schema: found, .. } = *self;
+        if found == expected { Ok(()) } else { Err(SchemaError { kind, found, expected }) }
+    }
+
+    pub(crate) fn head(&self) -> Head {
+        let len = DESCRIPTOR_LEN.saturating_add(self.len);
+        Head { kind: self.kind.code(), schema: self.schema, len }
+    }
+
+    /// Hash, rig, name, and zeros behind it.
+    pub(crate) fn encode(&self) -> [u8; DESCRIPTOR_LEN as usize] {
+        let mut raw = [0; DESCRIPTOR_LEN as usize];
+        let fields = self.hash.0.into_iter().chain(self.rig.to_le_bytes());
+        for (to, from) in raw.iter_mut().zip(fields.chain(self.approver.0.bytes())) {
+            *to = from;
+        }
+        raw
+    }
+
+    /// `None` if a record with this head and beginning is no item of ours.
+    pub(crate) fn decode(head: Head, raw: &[u8; DESCRIPTOR_LEN as usize]) -> Option<Self> {
+        let (hash, rest) = raw.split_first_chunk::<32>()?;
+        let (rig, name) = rest.split_first_chunk::<4>()?;
+        let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+        let name = core::str::from_utf8(name.get(..end)?).ok()?;
+        let descriptor = Self {
+            kind: Kind::of_code(head.kind)?,
+            schema: head.schema,
+            len: head.len.checked_sub(DESCRIPTOR_LEN)?,
+            hash: Hash(*hash),
+            rig: u32::from_le_bytes(*rig),
+            approver: Approver::new(name).ok()?,
+        };
+        (descriptor.encode() == *raw).then_some(descriptor)
+    }
+}

@@ -1,0 +1,168 @@
+//! Faults in the log: the first since they were cleared, and the last ones.
+
+use embedded_storage::nor_flash::NorFlash;
+use heapless::Deque;
+
+use crate::error::Error;
+use crate::flash::read;
+use crate::log::Log;
+use crate::record::{Head, Record, Seal};
+
+/// How many of the last faults survive, beside the first. As many fit in the log while nothing may be erased.
+pub const FAULTS_KEPT: usize = 16;
+
+pub(crate) const FAULT_KIND: u8 = 16;
+const CLEARED_KIND: u8 = 17;
+const FAULT_LEN: u32 = 24;
+const SCHEMA: u16 = 2;
+
+pub(crate) const FAULT_HEAD: Head = Head { kind: FAULT_KIND, schema: SCHEMA, len: FAULT_LEN };
+pub(crate) const CLEARED_HEAD: Head = Head { kind: CLEARED_KIND, schema: SCHEMA, len: 0 };
+
+/// One fault, and when it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// Number of the start in which it was, from 1. Starts without a fault are not counted: that would cost a write
+    /// each.
+    pub run: u32,
+    /// Time since that start, µs.
+    pub time_us: u64,
+    /// Its number in the supervisor's table.
+    pub number: u16,
+    /// Of which servo, joint or bus, if of one.
+    pub part: Option<u16>,
+    /// Number of the supervisor's state in which it came.
+    pub state: u8,
+    /// How often it had come when this was written.
+    pub times: u16,
+}
+
+/// What is known of faults.
+#[derive(Debug, Clone)]
+pub struct Faults {
+    /// The first since they were cleared.
+    pub first: Option<Fault>,
+    /// The last [`FAULTS_KEPT`], the newest last, also of before they were cleared.
+    pub last: Deque<Fault, FAULTS_KEPT>,
+}
+
+impl Fault {
+    const NO_PART: u16 = u16::MAX;
+
+    pub(crate) fn encode(&self) -> [u8; FAULT_LEN as usize] {
+        let mut raw = [0; FAULT_LEN as usize];
+        let fields = self.time_us.to_le_bytes().into_iter().chain(self.run.to_le_bytes());
+        let fields = fields.chain(self.times.to_le_bytes());
+        let fields = fields.chain(self.number.to_le_bytes());
+        let fields = fields.chain(self.part.unwrap_or(Self::NO_PART).to_le_bytes());
+        for (to, from) in raw.iter_mut().zip(fields.chain([self.state])) {
+            *to = from;
+        }
+        raw
+    }
+
+    fn decode(raw: [u8; FAULT_LEN as usize]) -> Self {
+        let [t0, t1, t2, t3, t4, t5, t6, t7, r0, r1, r2, r3, rest @ ..] = raw;
+        let [c0, c1, n0, n1, p0, p1, state, ..] = rest;
+        let part = u16::from_le_bytes([p0, p1]);
+        Self {
+            time_us: u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]),
+            run: u32::from_le_bytes([r0, r1, r2, r3]),
+            times: u16::from_le_bytes([c0, c1]),
+            number: u16::from_le_bytes([n0, n1]),
+            part: (part != Self::NO_PART).then_some(part),
+            state,
+        }
+    }
+}
+
+/// What faults a log has.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tally {
+    /// How many.
+    pub(crate) count: usize,
+    /// The number of the first since they were cleared.
+    pub(crate) first: Option<usize>,
+}
+
+impl Tally {
+    pub(crate) fn of<F: NorFlash>(log: &Log, flash: &mut F) -> Result<Self, Error<F::Error>> {
+        let mut tally = Self { count: 0, first: None };
+        each(log, flash, |fault| {
+            if fault.is_some() {
+                tally.first = tally.first.or(Some(tally.count));
+                tally.count = tally.count.saturating_add(1);
+            } else {
+                tally.first = None;
+            }
+        })?;
+        Ok(tally)
+    }
+}
+
+impl Faults {
+    pub(crate) fn of<F: NorFlash>(log: &Log, flash: &mut F) -> Result<Self, Error<F::Error>> {
+        let mut faults = Self { first: None, last: Deque::new() };
+        each(log, flash, |fault| {
+            let Some(fault) = fault else {
+                faults.first = None;
+                return;
+            };
+            faults.first = faults.first.or(Some(fault));
+            if faults.last.is_full() {
+                faults.last.pop_front();
+            }
+            // There is room now.
+            let _ = faults.last.push_back(fault);
+        })?;
+        Ok(faults)
+    }
+}
+
+/// Bytes that the log keeps free for faults that come while nothing may be erased, by how many it has.
+///
+/// Those that it has beyond the kept ones go with the next compaction, so there is always room for [`FAULTS_KEPT`].
+pub(crate) fn reserve<F: NorFlash>(tally: Tally) -> u32 {
+    let all = room_for_all::<F>();
+    let one = Record::room::<F>(FAULT_LEN);
+    let count = u32::try_from(tally.count).unwrap_or(u32::MAX);
+    all.saturating_sub(one.saturating_mul(count)).max(least_reserve::<F>())
+}
+
+/// Room for as many faults as may come before the next compaction.
+pub(crate) fn least_reserve<F: NorFlash>() -> u32 {
+    Record::room::<F>(FAULT_LEN).saturating_mul(KEPT)
+}
+
+/// Room for the first fault, for the last ones, for as many new ones, and for a note that they were cleared.
+pub(crate) fn room_for_all<F: NorFlash>() -> u32 {
+    let one = Record::room::<F>(FAULT_LEN);
+    one.saturating_mul(KEPT.saturating_mul(2).saturating_add(2))
+}
+
+const KEPT: u32 = 16;
+const _: () = assert!(KEPT as usize == FAULTS_KEPT);
+
+/// Every whole fault in order of time; `None` where they were cleared.
+fn each<F: NorFlash>(
+    log: &Log,
+    flash: &mut F,
+    mut each: impl FnMut(Option<Fault>),
+) -> Result<(), Error<F::Error>> {
+    let mut at = None;
+    while let Some(record) = log.next(flash, at)? {
+        at = Some(record.end::<F>());
+        if ![FAULT_HEAD, CLEARED_HEAD].contains(&record.head) || record.state(flash)? != Seal::Good
+        {
+            continue;
+        }
+        if record.head == CLEARED_HEAD {
+            each(None);
+        } else {
+            let mut raw = [0; FAULT_LEN as usize];
+            read(flash, record.payload_at::<F>(), &mut raw)?;
+            each(Some(Fault::decode(raw)));
+        }
+    }
+    Ok(())
+}

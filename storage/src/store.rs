@@ -1,0 +1,267 @@
+//! The store: all that a board keeps, in one flash.
+
+use embedded_storage::nor_flash::NorFlash;
+
+use crate::board::{Area, BoardTable};
+use crate::descriptor::{Descriptor, Kind};
+use crate::disarmed::Disarmed;
+use crate::error::Error;
+use crate::fault::{CLEARED_HEAD, FAULT_HEAD, Fault, Faults, least_reserve};
+use crate::flash::{fill, read};
+use crate::log::{Active, Log};
+use crate::record::{Look, Record};
+use crate::stored::Stored;
+use crate::upload::Upload;
+
+/// All that a board keeps, in a flash `F`.
+///
+/// Reading costs a pass over what is read, and its CRC. Nothing but a fault is written without [`Disarmed`].
+#[derive(Debug)]
+pub struct Store<F> {
+    pub(crate) flash: F,
+    pub(crate) board: BoardTable,
+    pub(crate) log: Log,
+    run: u32,
+}
+
+/// How the log was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Condition {
+    /// There never was one: the first item makes it.
+    New,
+    /// Nothing to do.
+    Good,
+    /// A cut left something, or faults filled it: whole items are there, faults cannot be recorded until
+    /// [`Store::tidy`].
+    Untidy,
+    /// There is something, and it is no log. Settings, rig and faults are lost.
+    Lost,
+}
+
+impl<F: NorFlash> Store<F> {
+    /// Opens what is there, and writes nothing. Call it once, at power-on: it makes the one [`Disarmed`]. O(log).
+    ///
+    /// # Errors
+    /// [`Error::Table`] if the table does not fit the flash; [`Error::Flash`].
+    pub fn open(mut flash: F, board: BoardTable) -> Result<(Self, Disarmed), Error<F::Error>> {
+        board.check::<F>(flash.capacity()).map_err(Error::Table)?;
+        let log = Log::open(&mut flash, board.log)?;
+        let faults = Faults::of(&log, &mut flash)?;
+        let last = faults.last.iter().chain(&faults.first).map(|fault| fault.run).max();
+        let run = last.unwrap_or(0).saturating_add(1);
+        Ok((Self { flash, board, log, run }, Disarmed::at_power_on()))
+    }
+
+    /// How the log is.
+    pub fn condition(&self) -> Condition {
+        match self.log.active {
+            None if self.log.is_new => Condition::New,
+            None => Condition::Lost,
+            Some(Active { is_torn: false, .. }) if self.log.free() >= least_reserve::<F>() => {
+                Condition::Good
+            }
+            Some(_) => Condition::Untidy,
+        }
+    }
+
+    /// Puts the log in order if that is needed, so that faults can be recorded while nothing may be erased. Call it
+    /// after opening, and whenever the rig becomes limp. Erases one sector, or none.
+    ///
+    /// # Errors
+    /// [`Error::Flash`], [`Error::ReadBack`].
+    pub fn tidy(&mut self, disarmed: &Disarmed) -> Result<(), Error<F::Error>> {
+        if self.condition() == Condition::Good {
+            return Ok(());
+        }
+        self.log.compact(&mut self.flash, disarmed)
+    }
+
+    /// The number of this start, which a fault of it gets.
+    pub fn run(&self) -> u32 {
+        self.run
+    }
+
+    /// What the board declares.
+    pub fn board(&self) -> &BoardTable {
+        &self.board
+    }
+
+    /// Gives the flash back.
+    pub fn close(self) -> F {
+        self.flash
+    }
+
+    /// The settings, if they are there.
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn settings(&mut self) -> Result<Option<Stored>, Error<F::Error>> {
+        self.in_log(Kind::Settings)
+    }
+
+    /// The rig, if it is there.
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn rig(&mut self) -> Result<Option<Stored>, Error<F::Error>> {
+        self.in_log(Kind::Rig)
+    }
+
+    /// The show of a slot, if one is there. O(its size): every byte is under the CRC.
+    ///
+    /// # Errors
+    /// [`Error::Slot`] if there is no such slot; [`Error::Flash`].
+    pub fn show(&mut self, slot: usize) -> Result<Option<Stored>, Error<F::Error>> {
+        let area = self.slot(slot)?;
+        self.in_slot(area)
+    }
+
+    /// Reads content of an item, for flash that is no memory; [`Stored::content`] needs no copy.
+    ///
+    /// # Errors
+    /// [`Error::Beyond`] if that is not all within the item; [`Error::Flash`].
+    pub fn read(
+        &mut self,
+        item: &Stored,
+        offset: u32,
+        out: &mut [u8],
+    ) -> Result<(), Error<F::Error>> {
+        let end = u32::try_from(out.len()).unwrap_or(u32::MAX).saturating_add(offset);
+        let len = item.descriptor.len;
+        if end > len {
+            return Err(Error::Beyond { found: end, len });
+        }
+        read(&mut self.flash, item.at.saturating_add(offset), out)
+    }
+
+    /// Begins an upload, or goes on with it: [`Upload::received`] says from where. Settings and rigs go into the log,
+    /// a show into the first slot that holds none and is large enough.
+    ///
+    /// # Errors
+    /// [`Error::Full`], [`Error::TooLong`], [`Error::NoFreeSlot`] if there is no room; [`Error::Flash`],
+    /// [`Error::ReadBack`].
+    pub fn begin(
+        &mut self,
+        disarmed: &Disarmed,
+        descriptor: &Descriptor,
+    ) -> Result<Upload, Error<F::Error>> {
+        match descriptor.kind {
+            Kind::Settings | Kind::Rig => self.begin_in_log(disarmed, descriptor),
+            Kind::Show => self.begin_in_slot(disarmed, descriptor),
+        }
+    }
+
+    /// Writes a block: at [`Upload::received`], or one that came before, again. Blocks begin and end at multiples of
+    /// the flash's granule, but for the end of the last one. O(block).
+    ///
+    /// # Errors
+    /// [`Error::Order`], [`Error::Beyond`], [`Error::Alignment`]: send the right block. [`Error::Stale`],
+    /// [`Error::Torn`], [`Error::Capacity`] (of a rig's first block): begin again. [`Error::Flash`],
+    /// [`Error::ReadBack`].
+    pub fn write(
+        &mut self,
+        _: &Disarmed,
+        upload: &mut Upload,
+        offset: u32,
+        block: &[u8],
+    ) -> Result<(), Error<F::Error>> {
+        self.check_place(upload)?;
+        upload.write(&mut self.flash, self.board.capacity, offset, block)
+    }
+
+    /// Ends an upload: all of it is read back and hashed, then sealed. From here on the item counts. O(len).
+    ///
+    /// # Errors
+    /// [`Error::Order`] if bytes are missing. [`Error::Hash`], [`Error::Capacity`]: the upload is dropped.
+    /// [`Error::Stale`]: begin again. [`Error::Flash`], [`Error::ReadBack`].
+    pub fn end(&mut self, _: &Disarmed, upload: &Upload) -> Result<Stored, Error<F::Error>> {
+        self.check_place(upload)?;
+        upload.end(&mut self.flash, self.board.capacity)
+    }
+
+    /// An upload in one call. It writes nothing if the same item is there already.
+    ///
+    /// # Errors
+    /// As [`Self::begin`], [`Self::write`], [`Self::end`].
+    pub fn put(
+        &mut self,
+        disarmed: &Disarmed,
+        descriptor: &Descriptor,
+        content: &[u8],
+    ) -> Result<Stored, Error<F::Error>> {
+        let mut upload = self.begin(disarmed, descriptor)?;
+        let result = self.write(disarmed, &mut upload, 0, content);
+        if let Err(Error::Torn { .. }) = result {
+            // A cut left a part of it. That was given up: this begins anew.
+            upload = self.begin(disarmed, descriptor)?;
+            self.write(disarmed, &mut upload, 0, content)?;
+        } else {
+            result?;
+        }
+        self.end(disarmed, &upload)
+    }
+
+    /// Deletes the show of a slot: erases the sector with its head. A cut leaves the show, or none.
+    ///
+    /// # Errors
+    /// [`Error::Slot`] if there is no such slot; [`Error::Flash`].
+    pub fn delete_show(&mut self, _: &Disarmed, slot: usize) -> Result<(), Error<F::Error>> {
+        let area = self.slot(slot)?;
+        self.flash.erase(area.start, area.sectors_end(1)).map_err(Error::Flash)
+    }
+
+    /// Records a fault, armed or not. It erases nothing: call it when the servos are safe. Returns the number of this
+    /// start, which takes the place of `fault.run`.
+    ///
+    /// # Errors
+    /// [`Error::Untidy`], [`Error::Full`]: keep it in RAM until the rig is limp, then [`Self::tidy`].
+    /// [`Error::Flash`], [`Error::ReadBack`].
+    pub fn record_fault(&mut self, fault: &Fault) -> Result<u32, Error<F::Error>> {
+        let record = self.log.begin(&mut self.flash, FAULT_HEAD)?;
+        let fault = Fault { run: self.run, ..*fault };
+        fill(&mut self.flash, record.payload_at::<F>(), &fault.encode())?;
+        record.seal(&mut self.flash)?;
+        Ok(self.run)
+    }
+
+    /// The first fault since they were cleared, and the last ones. O(log).
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn faults(&mut self) -> Result<Faults, Error<F::Error>> {
+        Faults::of(&self.log, &mut self.flash)
+    }
+
+    /// Lets the next fault be the first. The last ones stay.
+    ///
+    /// # Errors
+    /// [`Error::Flash`], [`Error::ReadBack`], [`Error::Full`].
+    pub fn clear_faults(&mut self, disarmed: &Disarmed) -> Result<(), Error<F::Error>> {
+        self.make_room(disarmed, Record::room::<F>(0))?;
+        self.log.begin(&mut self.flash, CLEARED_HEAD)?.seal(&mut self.flash)
+    }
+
+    fn in_log(&mut self, kind: Kind) -> Result<Option<Stored>, Error<F::Error>> {
+        let mut newest = None;
+        self.log.newest(&mut self.flash, |flash, record| {
+            if record.head.kind == kind.code() {
+                newest = Stored::of(flash, record)?.or(newest.take());
+            }
+            Ok(false)
+        })?;
+        Ok(newest)
+    }
+
+    pub(crate) fn in_slot(&mut self, area: Area) -> Result<Option<Stored>, Error<F::Error>> {
+        let Look::Record(record) = Record::look(&mut self.flash, area.start, area.end())? else {
+            return Ok(None);
+        };
+        let item = Stored::of(&mut self.flash, &record)?;
+        Ok(item.filter(|item| item.descriptor.kind == Kind::Show))
+    }
+
+    fn slot(&self, slot: usize) -> Result<Area, Error<F::Error>> {
+        let slots = self.board.slots;
+        slots.get(slot).copied().ok_or(Error::Slot { slot, slots: slots.len() })
+    }
+}

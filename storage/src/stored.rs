@@ -1,0 +1,68 @@
+//! An item that is whole, and where it lies.
+
+use core::ops::Range;
+
+use embedded_storage::nor_flash::NorFlash;
+
+use crate::descriptor::{DESCRIPTOR_LEN, Descriptor};
+use crate::error::Error;
+use crate::flash::read;
+use crate::record::{Record, Seal};
+
+/// An item that was whole when it was looked for.
+///
+/// The content stays in place until it is deleted or replaced, and the log is compacted: ask again after that.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stored {
+    pub(crate) descriptor: Descriptor,
+    pub(crate) at: u32,
+}
+
+impl Stored {
+    /// What it is, and who stands for it.
+    pub fn descriptor(&self) -> &Descriptor {
+        &self.descriptor
+    }
+
+    /// The content where it lies, if the flash can be read as memory: `flash` is all of it, from its first byte on.
+    /// `None` if that is too short.
+    pub fn content<'a>(&self, flash: &'a [u8]) -> Option<&'a [u8]> {
+        let start = usize::try_from(self.at).ok()?;
+        flash.get(start..)?.get(..usize::try_from(self.descriptor.len).ok()?)
+    }
+
+    /// Where the content lies: bytes from the beginning of the flash.
+    pub fn place(&self) -> Range<u32> {
+        self.at..self.at.saturating_add(self.descriptor.len)
+    }
+
+    /// The item of a record, if it is whole and one of ours. O(len).
+    pub(crate) fn of<F: NorFlash>(
+        flash: &mut F,
+        record: &Record,
+    ) -> Result<Option<Self>, Error<F::Error>> {
+        if record.state(flash)? != Seal::Good {
+            return Ok(None);
+        }
+        let descriptor = describe(flash, record)?;
+        Ok(descriptor.map(|descriptor| Self { descriptor, at: content_at::<F>(record) }))
+    }
+}
+
+/// What a record says that it is, whole or not.
+pub(crate) fn describe<F: NorFlash>(
+    flash: &mut F,
+    record: &Record,
+) -> Result<Option<Descriptor>, Error<F::Error>> {
+    if record.head.len < DESCRIPTOR_LEN {
+        return Ok(None);
+    }
+    let mut raw = [0; DESCRIPTOR_LEN as usize];
+    read(flash, record.payload_at::<F>(), &mut raw)?;
+    Ok(Descriptor::decode(record.head, &raw))
+}
+
+/// Where a record's content begins: at a multiple of the granule, as a descriptor has 96 bytes.
+pub(crate) fn content_at<F: NorFlash>(record: &Record) -> u32 {
+    record.payload_at::<F>().saturating_add(DESCRIPTOR_LEN)
+}
