@@ -1,0 +1,297 @@
+//! What the servos of a rig do in a motion, in their makers' numbers.
+
+use glam::DQuat;
+use sinew_rig::actuation::Actuation;
+use sinew_rig::description::{Description, DescriptionError};
+use sinew_rig::drive::DriveInputError;
+use sinew_rig::limited::NotFinite;
+use sinew_rig::mechanism::{Freedom, Mechanism};
+use sinew_rig::servo::Address;
+use thiserror::Error;
+
+use crate::feasibility::RigMotion;
+
+/// Pulse of a hobby servo in the middle of its range, us.
+const MIDDLE_US: f64 = 1500.0;
+/// From there to an end, us: what such servos take as a rule. Each is to be calibrated.
+const HALF_RANGE_US: f64 = 1000.0;
+
+/// Positions of one servo over a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServoTrack {
+    /// Its name.
+    pub servo: String,
+    /// Where it is on its bus.
+    pub address: Address,
+    /// Its position in every row: steps of its encoder (a servo with an id), or its pulse in us (one on a channel).
+    pub positions: Vec<i32>,
+    /// In how many rows it was held at an end of its range.
+    pub limited: usize,
+}
+
+/// Why there are no positions.
+#[derive(Debug, Error)]
+pub enum ServoTrackError {
+    /// The rig has no servos.
+    #[error(
+        "the rig has no servos: expected `[[servo]]` and `[[drive]]` in its rig.toml; `sinew rig import` leaves them to you"
+    )]
+    NoServos,
+    /// A servo or drive of the rig cannot be.
+    #[error(transparent)]
+    Rig(#[from] DescriptionError),
+    /// A drive refuses a position.
+    #[error("row {row}, servo `{servo}`: {source}")]
+    Drive {
+        /// Which row.
+        row: usize,
+        /// The drive's first servo.
+        servo: String,
+        /// Why.
+        source: DriveInputError,
+    },
+    /// A number that is none.
+    #[error("row {row}, servo `{servo}`: {source}")]
+    NotFinite {
+        /// Which row.
+        row: usize,
+        /// The servo.
+        servo: String,
+        /// Why.
+        source: NotFinite,
+    },
+    /// Two servos of one number: a table of positions cannot tell them apart.
+    #[error(
+        "servos `{first}` and `{second}` have the number {number}: expected a number for each servo, over all buses, in a table of \
+         positions"
+    )]
+    SameNumber {
+        /// A servo.
+        first: String,
+        /// Another one.
+        second: String,
+        /// Their id or channel.
+        number: u8,
+    },
+    /// Positions of servos that the rig has not, or not as many as it has.
+    #[error("servo {found}: expected the ids or channels of the rig: {expected}")]
+    UnknownServo {
+        /// Its number.
+        found: String,
+        /// Those that there are.
+        expected: String,
+    },
+    /// A servo without a position.
+    #[error(
+        "servo `{servo}` ({number}): expected a position in every frame, found none in frame {frame}"
+    )]
+    NoPosition {
+        /// The servo.
+        servo: String,
+        /// Its id or channel.
+        number: u8,
+        /// Which frame.
+        frame: usize,
+    },
+}
+
+/// How a servo's own angle becomes its maker's number.
+#[derive(Debug, Clone, Copy)]
+struct Numbering {
+    middle: f64,
+    per_rad: f64,
+}
+
+impl Numbering {
+    fn of(rig: &Description, index: usize) -> Self {
+        let servo = &rig.servos[index];
+        // `actuation` has seen its kind.
+        let model = rig.servo_model(&servo.model).unwrap_or_default();
+        let range_rad = model.range_rad.value.max(1e-6);
+        match servo.address {
+            Address::Channel(_) => {
+                Self { middle: MIDDLE_US, per_rad: 2.0 * HALF_RANGE_US / range_rad }
+            }
+            Address::Id(_) => {
+                let per_rad = model.resolution_rad.value.max(1e-9).recip();
+                Self { middle: (0.5 * range_rad * per_rad).round(), per_rad }
+            }
+        }
+    }
+}
+
+/// What a rig's servos do in a motion.
+///
+/// # Errors
+/// [`ServoTrackError`] if the rig has no servos, or one of them cannot be.
+pub fn tracks(
+    rig: &Description,
+    mechanism: &Mechanism,
+    motion: &RigMotion,
+) -> Result<Vec<ServoTrack>, ServoTrackError> {
+    let actuation = actuation(rig)?;
+    let mut tracks: Vec<ServoTrack> = rig
+        .servos
+        .iter()
+        .map(|servo| ServoTrack {
+            servo: servo.name.clone(),
+            address: servo.address,
+            positions: Vec::with_capacity(motion.rows.len()),
+            limited: 0,
+        })
+        .collect();
+    let places = Places::of(rig, mechanism);
+    let numberings = numberings(rig);
+    for (row, q) in motion.rows.iter().enumerate() {
+        for drive in &actuation.drives {
+            let of_drive: Vec<f32> =
+                drive.joints.iter().flat_map(|joint| places.of_joint(*joint, q)).collect();
+            let first = drive.servos.first().copied().unwrap_or_default();
+            let pose = drive.drive.at_joints(&of_drive).map_err(|source| {
+                ServoTrackError::Drive { row, servo: rig.servos[first].name.clone(), source }
+            })?;
+            for (index, shaft_rad) in drive.servos.iter().zip(pose.servos()) {
+                let track = &mut tracks[*index];
+                let own = actuation.servos[*index].own_position(*shaft_rad).map_err(|source| {
+                    ServoTrackError::NotFinite { row, servo: track.servo.clone(), source }
+                })?;
+                track.limited += usize::from(own.reason.is_some() || pose.reason().is_some());
+                let numbering = numberings[*index];
+                let number = numbering.middle + f64::from(own.value) * numbering.per_rad;
+                #[expect(clippy::cast_possible_truncation, reason = "saturates")]
+                track.positions.push(number.round() as i32);
+            }
+        }
+    }
+    tracks.retain(|track| !track.positions.is_empty());
+    Ok(tracks)
+}
+
+/// The motion of a rig whose servos do that; joints that no servo moves stay at home.
+///
+/// # Errors
+/// [`ServoTrackError`] if a servo of the rig has no track, or one of the tracks is of no servo.
+pub fn motion(
+    rig: &Description,
+    mechanism: &Mechanism,
+    tracks: &[ServoTrack],
+    dt_s: f64,
+) -> Result<RigMotion, ServoTrackError> {
+    let actuation = actuation(rig)?;
+    let places = Places::of(rig, mechanism);
+    let numberings = numberings(rig);
+    let rows = tracks.iter().map(|track| track.positions.len()).max().unwrap_or(0);
+    let mut motion = RigMotion { dt_s, rows: Vec::with_capacity(rows) };
+    for row in 0..rows {
+        let mut q = mechanism.home();
+        for drive in &actuation.drives {
+            let mut shafts_rad = Vec::with_capacity(drive.servos.len());
+            for index in &drive.servos {
+                let servo = &rig.servos[*index];
+                let track = tracks.iter().find(|track| track.address == servo.address);
+                let position =
+                    track.and_then(|track| track.positions.get(row)).ok_or_else(|| {
+                        ServoTrackError::NoPosition {
+                            servo: servo.name.clone(),
+                            number: number_of(servo.address),
+                            frame: row,
+                        }
+                    })?;
+                let numbering = numberings[*index];
+                let own_rad = (f64::from(*position) - numbering.middle) / numbering.per_rad;
+                #[expect(clippy::cast_possible_truncation, reason = "drives compute in f32")]
+                shafts_rad.push(actuation.servos[*index].shaft_position(own_rad as f32));
+            }
+            let pose = drive.drive.at_servos(&shafts_rad).map_err(|source| {
+                let first = drive.servos.first().copied().unwrap_or_default();
+                ServoTrackError::Drive { row, servo: rig.servos[first].name.clone(), source }
+            })?;
+            let mut of_drive = pose.joints();
+            for joint in &drive.joints {
+                of_drive = places.take(*joint, of_drive, &mut q);
+            }
+        }
+        motion.rows.push(q);
+    }
+    Ok(motion)
+}
+
+fn numberings(rig: &Description) -> Vec<Numbering> {
+    (0..rig.servos.len()).map(|index| Numbering::of(rig, index)).collect()
+}
+
+/// Its id, or its channel.
+pub fn number_of(address: Address) -> u8 {
+    match address {
+        Address::Id(number) | Address::Channel(number) => number,
+    }
+}
+
+fn actuation(rig: &Description) -> Result<Actuation, ServoTrackError> {
+    let actuation = rig.actuation()?;
+    if actuation.drives.is_empty() {
+        return Err(ServoTrackError::NoServos);
+    }
+    for (index, servo) in rig.servos.iter().enumerate() {
+        let number = number_of(servo.address);
+        let mut before = rig.servos[..index].iter();
+        if let Some(first) = before.find(|first| number_of(first.address) == number) {
+            let [first, second] = [first, servo].map(|servo| servo.name.clone());
+            return Err(ServoTrackError::SameNumber { first, second, number });
+        }
+    }
+    Ok(actuation)
+}
+
+/// Where in `q` the coordinates of each joint of a description are.
+struct Places {
+    joints: Vec<Option<(Freedom, std::ops::Range<usize>)>>,
+}
+
+impl Places {
+    fn of(rig: &Description, mechanism: &Mechanism) -> Self {
+        let ranges = mechanism.coordinate_ranges();
+        let place = |name: &str| {
+            // The base has no joint of the description.
+            let body =
+                mechanism.bodies.iter().skip(1).position(|link| link.joint_name == name)? + 1;
+            Some((mechanism.bodies[body].joint, ranges[body].clone()))
+        };
+        Self { joints: rig.joints.iter().map(|joint| place(&joint.name)).collect() }
+    }
+
+    /// Coordinates of a joint as a drive has them: of a ball joint its rotation vector.
+    fn of_joint(&self, joint: usize, q: &[f64]) -> Vec<f32> {
+        let Some((freedom, range)) = &self.joints[joint] else { return Vec::new() };
+        let of_joint = q.get(range.clone()).unwrap_or_default();
+        let single = |x: &f64| {
+            #[expect(clippy::cast_possible_truncation, reason = "drives compute in f32")]
+            let single = *x as f32;
+            single
+        };
+        match (freedom, of_joint) {
+            (Freedom::Spherical, &[x, y, z, w]) => {
+                let turn = DQuat::from_xyzw(x, y, z, w).to_scaled_axis();
+                turn.to_array().iter().map(single).collect()
+            }
+            _ => of_joint.iter().map(single).collect(),
+        }
+    }
+
+    /// Puts what a drive says of a joint into `q`; returns what is left.
+    fn take<'a>(&self, joint: usize, of_drive: &'a [f32], q: &mut [f64]) -> &'a [f32] {
+        let Some((freedom, range)) = &self.joints[joint] else { return of_drive };
+        let count = freedom.kind().degrees_of_freedom();
+        let (own, rest) = of_drive.split_at_checked(count).unwrap_or_default();
+        let slots = &mut q[range.clone()];
+        if let (Freedom::Spherical, &[x, y, z]) = (freedom, own) {
+            let turn = glam::DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+            slots.copy_from_slice(&DQuat::from_scaled_axis(turn).to_array());
+        } else {
+            for (slot, own) in slots.iter_mut().zip(own) {
+                *slot = f64::from(*own);
+            }
+        }
+        rest
+    }
+}

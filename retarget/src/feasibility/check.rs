@@ -1,0 +1,354 @@
+//! Where a motion exceeds what a rig can do.
+
+use std::ops::Range;
+
+use serde::Serialize;
+use sinew_core::TreeError;
+use sinew_core::coordinates::CoordinatesError;
+use sinew_rig::Mechanism;
+use thiserror::Error;
+
+use super::curve::{Instant, Performance};
+use super::efforts::Efforts;
+use super::limits::Limits;
+
+/// What was exceeded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The position is beyond an end of the range.
+    Range,
+    /// A limit that joins two joints.
+    LinkedRange,
+    /// The speed.
+    Speed,
+    /// The acceleration.
+    Acceleration,
+    /// The effort.
+    Effort,
+    /// The mean square of the effort, over the drive's thermal time or, as if it were played again and again, over the
+    /// whole: the drive becomes too hot.
+    Heat,
+}
+
+impl Kind {
+    /// How many there are.
+    const COUNT: usize = 6;
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::LinkedRange => "linked range",
+            Self::Speed => "speed",
+            Self::Acceleration => "acceleration",
+            Self::Effort => "torque",
+            Self::Heat => "heat",
+        }
+    }
+
+    /// The unit that people read it in: of a joint that turns, or of one that slides.
+    pub fn unit(self, slides: bool) -> &'static str {
+        match (self, slides) {
+            (Self::Range | Self::LinkedRange, false) => "°",
+            (Self::Range | Self::LinkedRange, true) => " mm",
+            (Self::Speed, false) => " rad/s",
+            (Self::Speed, true) => " m/s",
+            (Self::Acceleration, false) => " rad/s²",
+            (Self::Acceleration, true) => " m/s²",
+            (Self::Effort | Self::Heat, false) => " N m",
+            (Self::Effort | Self::Heat, true) => " N",
+        }
+    }
+
+    /// A value in [its unit](Self::unit), to three places.
+    pub fn shown(self, slides: bool, value: f64) -> String {
+        let value = match (self, slides) {
+            (Self::Range | Self::LinkedRange, false) => value.to_degrees(),
+            (Self::Range | Self::LinkedRange, true) => 1000.0 * value,
+            _ => value,
+        };
+        format!("{value:.3}{}", self.unit(slides))
+    }
+}
+
+/// A time over which a freedom is beyond a limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Excess {
+    /// The freedom's index in the order of `qd`.
+    pub freedom: usize,
+    /// Of what.
+    pub kind: Kind,
+    /// From when, s.
+    pub from_s: f64,
+    /// Until when, s.
+    pub to_s: f64,
+    /// When it is worst, s.
+    pub worst_s: f64,
+    /// The value there: rad, rad/s, rad/s², N m, or their likes of a slide.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+}
+
+/// The largest values of a freedom, without their signs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct FreedomPeaks {
+    /// Least position, rad or m.
+    pub least: f64,
+    /// Most position.
+    pub most: f64,
+    /// rad/s or m/s.
+    pub speed: f64,
+    /// rad/s² or m/s².
+    pub acceleration: f64,
+    /// N m or N.
+    pub effort: f64,
+    /// Root mean square over the whole motion, N m or N.
+    pub effort_rms: f64,
+}
+
+/// What a motion asks of a rig.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// How long the motion is, s.
+    pub duration_s: f64,
+    /// By freedom, in the order of `qd`.
+    pub peaks: Vec<FreedomPeaks>,
+    /// By freedom, then in time.
+    pub excesses: Vec<Excess>,
+}
+
+/// Why a motion was not checked.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CheckError {
+    /// The rig does not fit `sinew-core`.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// An instant is none of the rig.
+    #[error("at {time_s:.3} s: {source}")]
+    Instant {
+        /// When.
+        time_s: f64,
+        /// Why.
+        source: CoordinatesError,
+    },
+    /// The rate.
+    #[error("rate of the check: expected 10 to 10000 Hz, found {0}")]
+    Rate(f64),
+}
+
+/// Two excesses that are nearer than this are one, s.
+const GAP_S: f64 = 0.1;
+
+/// Looks at a motion `rate_hz` times a second. Positions, speeds and accelerations are the performance's own; efforts
+/// are those of the core's inverse dynamics with rotors and friction. O(duration · rate · bodies).
+///
+/// # Errors
+/// [`CheckError`] if the rig is larger than the core takes, or an instant is none of it.
+pub fn check(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    performance: &impl Performance,
+    rate_hz: f64,
+) -> Result<Report, CheckError> {
+    // Written so that NaN is refused.
+    if !(10.0..=10_000.0).contains(&rate_hz) {
+        return Err(CheckError::Rate(rate_hz));
+    }
+    let mut tally = Tally::new(mechanism, limits, rate_hz)?;
+    let mut instant = Instant::default();
+    let duration_s = performance.duration_s();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    let count = (duration_s * rate_hz).ceil() as usize;
+    for index in 0..=count {
+        let time_s = (index as f64 / rate_hz).min(duration_s);
+        performance.at(time_s, &mut instant);
+        tally.take(time_s, &instant)?;
+    }
+    Ok(tally.report(duration_s, count + 1))
+}
+
+/// What is known so far.
+struct Tally<'a> {
+    limits: &'a Limits,
+    dt_s: f64,
+    efforts: Efforts,
+    of_instant: Vec<f64>,
+    /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
+    places: Vec<Option<usize>>,
+    /// Where in `q` the coordinates of each body are, and its first freedom.
+    joints: Vec<(Range<usize>, usize)>,
+    /// Mean squares of efforts, as heat counts them.
+    heat: Vec<f64>,
+    squares: Vec<f64>,
+    peaks: Vec<FreedomPeaks>,
+    excesses: Vec<Excess>,
+    /// The last excess of a freedom and kind, in `excesses`.
+    open: Vec<[Option<usize>; Kind::COUNT]>,
+}
+
+impl<'a> Tally<'a> {
+    fn new(mechanism: &Mechanism, limits: &'a Limits, rate_hz: f64) -> Result<Self, CheckError> {
+        let (mut places, mut joints) = (Vec::new(), Vec::new());
+        for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
+            let count = link.joint.kind().degrees_of_freedom();
+            let scalar = range.len() == count;
+            let first = places.len();
+            places.extend((0..count).map(|axis| scalar.then_some(range.start + axis)));
+            joints.push((range, first));
+        }
+        let freedoms = places.len();
+        let peaks = FreedomPeaks {
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            ..FreedomPeaks::default()
+        };
+        Ok(Self {
+            limits,
+            dt_s: rate_hz.recip(),
+            efforts: Efforts::of(mechanism)?,
+            of_instant: Vec::new(),
+            places,
+            joints,
+            heat: vec![0.0; freedoms],
+            squares: vec![0.0; freedoms],
+            peaks: vec![peaks; freedoms],
+            excesses: Vec::new(),
+            open: vec![[None; Kind::COUNT]; freedoms],
+        })
+    }
+
+    fn take(&mut self, time_s: f64, instant: &Instant) -> Result<(), CheckError> {
+        let mut efforts = std::mem::take(&mut self.of_instant);
+        self.efforts
+            .at(instant, &mut efforts)
+            .map_err(|source| CheckError::Instant { time_s, source })?;
+        let limits = self.limits;
+        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(&efforts).enumerate() {
+            let (speed, acceleration) = (instant.qd[freedom], instant.qdd[freedom]);
+            let effort = *effort;
+            let peaks = &mut self.peaks[freedom];
+            peaks.speed = peaks.speed.max(speed.abs());
+            peaks.acceleration = peaks.acceleration.max(acceleration.abs());
+            peaks.effort = peaks.effort.max(effort.abs());
+            self.squares[freedom] += effort * effort;
+            if let Some(place) = self.places[freedom] {
+                let position = instant.q[place];
+                peaks.least = peaks.least.min(position);
+                peaks.most = peaks.most.max(position);
+                let [least, most] = limits.range;
+                let end = if position < least { least } else { most };
+                let beyond = position < least || position > most;
+                self.note(beyond, freedom, Kind::Range, time_s, position, end);
+            }
+            for (kind, value, limit) in [
+                (Kind::Speed, speed, limits.speed),
+                (Kind::Acceleration, acceleration, limits.acceleration),
+                (Kind::Effort, effort, limits.effort),
+            ] {
+                self.note(value.abs() > limit, freedom, kind, time_s, value.abs(), limit);
+            }
+            if let Some(heat) = limits.heat {
+                // A low-pass of the square: what warms a motor, over the time that it takes to.
+                let share = self.dt_s / heat.time_s;
+                self.heat[freedom] += (effort * effort - self.heat[freedom]) * share.min(1.0);
+                let mean = libm::sqrt(self.heat[freedom]);
+                let hot = mean > heat.continuous;
+                self.note(hot, freedom, Kind::Heat, time_s, mean, heat.continuous);
+            }
+        }
+        self.of_instant = efforts;
+        self.take_joined(time_s, instant);
+        Ok(())
+    }
+
+    /// Turns of ball joints, and limits that join two joints.
+    fn take_joined(&mut self, time_s: f64, instant: &Instant) {
+        for (body, most) in &self.limits.turns {
+            let (range, freedom) = self.joints[*body].clone();
+            let Some(&[x, y, z, w]) = instant.q.get(range) else { continue };
+            let turn = 2.0 * libm::atan2(libm::sqrt(x * x + y * y + z * z), w.abs());
+            self.note(turn > *most, freedom, Kind::Range, time_s, turn, *most);
+        }
+        for linked in &self.limits.linked {
+            let place = |body: usize| self.joints[body].0.start;
+            let position = |body: usize| instant.q.get(place(body)).copied().unwrap_or(0.0);
+            let sum = linked.factor * position(linked.body)
+                + linked.other_factor * position(linked.other);
+            let [least, most] = linked.range;
+            // What is tied is computed, and has roundings.
+            let room = 1e-6;
+            let end = if sum < least { least } else { most };
+            let beyond = sum < least - room || sum > most + room;
+            let freedom = self.joints[linked.body].1;
+            self.note(beyond, freedom, Kind::LinkedRange, time_s, sum, end);
+        }
+    }
+
+    fn note(
+        &mut self,
+        beyond: bool,
+        freedom: usize,
+        kind: Kind,
+        time_s: f64,
+        value: f64,
+        limit: f64,
+    ) {
+        if !beyond {
+            return;
+        }
+        let open = &mut self.open[freedom][kind as usize];
+        if let Some(open) = *open {
+            let excess = &mut self.excesses[open];
+            if time_s - excess.to_s <= GAP_S {
+                excess.to_s = time_s;
+                if (value - limit).abs() > (excess.value - excess.limit).abs() {
+                    (excess.worst_s, excess.value, excess.limit) = (time_s, value, limit);
+                }
+                return;
+            }
+        }
+        *open = Some(self.excesses.len());
+        self.excesses.push(Excess {
+            freedom,
+            kind,
+            from_s: time_s,
+            to_s: time_s,
+            worst_s: time_s,
+            value,
+            limit,
+        });
+    }
+
+    fn report(mut self, duration_s: f64, count: usize) -> Report {
+        for (peaks, square) in self.peaks.iter_mut().zip(&self.squares) {
+            peaks.effort_rms = libm::sqrt(square / count as f64);
+            if peaks.least > peaks.most {
+                (peaks.least, peaks.most) = (0.0, 0.0);
+            }
+        }
+        // Played again and again, a drive comes to the mean of the whole.
+        for freedom in 0..self.peaks.len() {
+            let value = self.peaks[freedom].effort_rms;
+            let limit = self.limits.freedoms[freedom].heat.map(|heat| heat.continuous);
+            let is_told = self.open[freedom][Kind::Heat as usize].is_some();
+            if let Some(limit) = limit.filter(|limit| value > *limit && !is_told) {
+                let (from_s, to_s, worst_s) = (0.0, duration_s, duration_s);
+                self.excesses.push(Excess {
+                    freedom,
+                    kind: Kind::Heat,
+                    from_s,
+                    to_s,
+                    worst_s,
+                    value,
+                    limit,
+                });
+            }
+        }
+        self.excesses.sort_by(|a, b| {
+            (a.freedom, a.kind).cmp(&(b.freedom, b.kind)).then(a.from_s.total_cmp(&b.from_s))
+        });
+        Report { duration_s, peaks: self.peaks, excesses: self.excesses }
+    }
+}

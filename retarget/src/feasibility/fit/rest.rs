@@ -1,0 +1,88 @@
+//! The pose that a motion is drawn towards where gravity or heat asks for too much.
+
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+
+use super::super::check::CheckError;
+use super::super::curve::Instant;
+use super::super::efforts::Efforts;
+use super::super::limits::Limits;
+use super::within::Within;
+
+/// Share of its effort that a joint at rest may need: what is left carries motion.
+const LIGHT: f64 = 0.9;
+/// The first step of the search, rad or m, and the last.
+const STEPS: [f64; 2] = [0.2, 0.003];
+
+/// A pose at rest, and what holds it.
+pub(super) struct Rest {
+    pub(super) q: Vec<f64>,
+    /// Of each freedom, N m or N.
+    pub(super) holding: Vec<f64>,
+}
+
+impl Rest {
+    /// The home pose; where that is too heavy itself, a pose near it that is not, or the lightest that was found: a
+    /// pattern search joint by joint, O(n²) for each of a few dozen passes.
+    pub(super) fn of(
+        mechanism: &Mechanism,
+        limits: &Limits,
+        within: &mut Within,
+    ) -> Result<Self, CheckError> {
+        let mut efforts = Efforts::of(mechanism)?;
+        let mut rest = Self { q: mechanism.home(), holding: Vec::new() };
+        rest.hold(&mut efforts, limits)?;
+        let mut step = STEPS[0];
+        while rest.excess(limits) > 0.0 && step > STEPS[1] {
+            if !rest.is_lighter_by(step, mechanism, limits, within, &mut efforts)? {
+                step *= 0.5;
+            }
+        }
+        Ok(rest)
+    }
+
+    /// One pass: moves each joint by the step where that makes the pose lighter. Whether any was moved.
+    fn is_lighter_by(
+        &mut self,
+        step: f64,
+        mechanism: &Mechanism,
+        limits: &Limits,
+        within: &mut Within,
+        efforts: &mut Efforts,
+    ) -> Result<bool, CheckError> {
+        let mut is_lighter = false;
+        for (link, numbers) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
+            if !matches!(link.joint, Freedom::Revolute(_) | Freedom::Prismatic(_)) {
+                continue;
+            }
+            for by in [step, -step] {
+                let mut other = Self { q: self.q.clone(), holding: Vec::new() };
+                other.q[numbers.start] += by;
+                within.bring(limits, &mut other.q);
+                other.hold(efforts, limits)?;
+                if other.excess(limits) < self.excess(limits) {
+                    *self = other;
+                    is_lighter = true;
+                }
+            }
+        }
+        Ok(is_lighter)
+    }
+
+    fn hold(&mut self, efforts: &mut Efforts, limits: &Limits) -> Result<(), CheckError> {
+        let still = vec![0.0; limits.freedoms.len()];
+        let instant = Instant { q: self.q.clone(), qd: still.clone(), qdd: still };
+        efforts
+            .at(&instant, &mut self.holding)
+            .map_err(|source| CheckError::Instant { time_s: 0.0, source })
+    }
+
+    /// How much too heavy it is, as a sum of squares over the freedoms: 0 if it is light enough.
+    fn excess(&self, limits: &Limits) -> f64 {
+        let of_freedoms = self.holding.iter().zip(&limits.freedoms);
+        of_freedoms
+            .map(|(held, limits)| (held.abs() / limits.effort - LIGHT).max(0.0))
+            .map(|excess| excess * excess)
+            .sum()
+    }
+}

@@ -1,0 +1,150 @@
+//! What a rig's joints may do.
+
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::{Freedom, Link, LinkedRange};
+use sinew_rig::review::Servos;
+
+use super::check::{Kind, Report};
+
+/// Time over which effort counts as heat, where nobody says: the motor of a small servo.
+const THERMAL_TIME_S: f64 = 60.0;
+
+/// The limits of one degree of freedom. Infinite where there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreedomLimits {
+    /// Its name, see [`Mechanism::freedom_names`].
+    pub name: String,
+    /// Body that its joint moves.
+    pub joint: usize,
+    /// Whether it slides: m and N, else rad and N m.
+    pub slides: bool,
+    /// Least and most position. Of a ball joint none: its turn as a whole is limited, see [`Limits::turns`].
+    pub range: [f64; 2],
+    /// The largest speed, rad/s or m/s.
+    pub speed: f64,
+    /// The largest acceleration, rad/s² or m/s².
+    pub acceleration: f64,
+    /// The largest effort, N m or N.
+    pub effort: f64,
+    /// Effort for long, if servos are known.
+    pub heat: Option<Heat>,
+}
+
+/// How much effort a drive gives for long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heat {
+    /// Root mean square effort, N m or N.
+    pub continuous: f64,
+    /// Time constant of the mean, s.
+    pub time_s: f64,
+}
+
+/// The limits of a rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    /// Of each degree of freedom, in the order of `qd`. Of a driven base there are none.
+    pub freedoms: Vec<FreedomLimits>,
+    /// The largest turn of each ball joint from its zero pose, rad: its body, and the turn.
+    pub turns: Vec<(usize, f64)>,
+    /// Limits that join two joints.
+    pub linked: Vec<LinkedRange>,
+}
+
+impl Limits {
+    /// The limits in the rig's description, and what its servos give for long.
+    pub fn of(mechanism: &Mechanism, servos: &Servos) -> Self {
+        let mut names = mechanism.freedom_names().into_iter();
+        let mut heat = servos.by_freedom.iter();
+        let (mut freedoms, mut turns) = (Vec::new(), Vec::new());
+        for (body, link) in mechanism.bodies.iter().enumerate() {
+            if let (Freedom::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
+                turns.push((body, *most));
+            }
+            for axis in 0..link.joint.kind().degrees_of_freedom() {
+                let servo = heat.next().and_then(Option::as_ref);
+                let none = f64::INFINITY;
+                let driven = link.joint == Freedom::Free;
+                let or_none = |limit: f64| if driven { none } else { limit };
+                freedoms.push(FreedomLimits {
+                    name: names.next().unwrap_or_default(),
+                    joint: body,
+                    slides: matches!(link.joint, Freedom::Prismatic(_)) || (driven && axis >= 3),
+                    range: range(link, axis),
+                    speed: or_none(link.speed),
+                    acceleration: or_none(link.acceleration),
+                    effort: or_none(link.effort),
+                    heat: servo
+                        .map(|servo| Heat { continuous: servo.continuous, time_s: THERMAL_TIME_S }),
+                });
+            }
+        }
+        Self { freedoms, turns, linked: mechanism.linked.clone() }
+    }
+
+    /// The same with every limit of speed, acceleration and effort at a share of itself: room for what a spline adds.
+    #[must_use]
+    pub fn at(&self, share: f64) -> Self {
+        let mut limits = self.clone();
+        for freedom in &mut limits.freedoms {
+            freedom.speed *= share;
+            freedom.acceleration *= share;
+            freedom.effort *= share;
+        }
+        limits
+    }
+}
+
+/// What is kept of a limit that was exceeded, each time.
+const TIGHTER: f64 = 0.93;
+
+impl Limits {
+    /// The same, tighter where a report says that they were exceeded: for a motion of which a spline is made once more.
+    #[must_use]
+    pub fn tightened(&self, report: &Report) -> Self {
+        let mut limits = self.clone();
+        for excess in &report.excesses {
+            let freedom = &mut limits.freedoms[excess.freedom];
+            let joint = freedom.joint;
+            let beyond = 1.5 * (excess.value - excess.limit).abs();
+            match excess.kind {
+                Kind::Speed => freedom.speed *= TIGHTER,
+                Kind::Acceleration => freedom.acceleration *= TIGHTER,
+                Kind::Effort => freedom.effort *= TIGHTER,
+                Kind::Heat => {
+                    freedom.heat = freedom
+                        .heat
+                        .map(|heat| Heat { continuous: TIGHTER * heat.continuous, ..heat });
+                }
+                Kind::Range => {
+                    let turn = limits.turns.iter_mut().find(|(body, _)| *body == joint);
+                    if let Some((_, most_rad)) = turn {
+                        *most_rad -= beyond;
+                    } else {
+                        freedom.range = narrower(freedom.range, beyond);
+                    }
+                }
+                Kind::LinkedRange => {
+                    for linked in limits.linked.iter_mut().filter(|linked| linked.body == joint) {
+                        linked.range = narrower(linked.range, beyond);
+                    }
+                }
+            }
+        }
+        limits
+    }
+}
+
+/// A range with both ends nearer to its middle; equal ends stay.
+fn narrower([least, most]: [f64; 2], by: f64) -> [f64; 2] {
+    let by = by.min(0.4 * (most - least));
+    [least + by, most - by]
+}
+
+fn range(link: &Link, axis: usize) -> [f64; 2] {
+    match link.joint {
+        Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+            link.ranges.get(axis).copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+        }
+        _ => [f64::NEG_INFINITY, f64::INFINITY],
+    }
+}

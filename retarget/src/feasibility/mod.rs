@@ -1,0 +1,27 @@
+//! Whether a rig can perform a motion: ranges, speeds, accelerations, torques, heat; and the nearest motion that it
+//! can.
+//!
+//! - [`RigMotion`] is the motion: samples of the rig's own coordinates. [`Curve`] leads smoothly through them, with
+//!   exact derivatives.
+//! - [`check`] says where a [`Performance`] exceeds [`Limits`], when, and by how much.
+//! - [`Efforts`] are the torques that it takes.
+//! - [`fit`](fit()) smooths, slows down and draws towards home until nothing is exceeded, and says what it did.
+//!
+//! Collisions and balance are out of scope.
+
+mod check;
+mod curve;
+mod efforts;
+mod fit;
+mod limits;
+mod low_pass;
+mod motion;
+#[cfg(test)]
+mod tests;
+
+pub use check::{CheckError, Excess, FreedomPeaks, Kind, Report, check};
+pub use curve::{Curve, Instant, Performance};
+pub use efforts::Efforts;
+pub use fit::{Fit, FitError, FitSettings, Lowered, Smoothed, fit};
+pub use limits::{FreedomLimits, Heat, Limits};
+pub use motion::{MotionError, RigMotion};

@@ -1,0 +1,101 @@
+//! A motion of a rig in its own coordinates.
+
+use sinew_rig::Mechanism;
+use thiserror::Error;
+
+/// How far a quaternion's squared length may be from 1.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// A motion of a rig: rows of its joint coordinates, evenly spaced in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigMotion {
+    /// Time from row to row, s.
+    pub dt_s: f64,
+    /// Coordinates as [`Mechanism::home`] has them: rad, m, quaternions x y z w.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Why a motion is none of the rig.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MotionError {
+    /// The rows have no usable time step.
+    #[error("time from row to row: expected a number of seconds from 1e-5 to 1, found {0}")]
+    TimeStep(f64),
+    /// There are too few rows.
+    #[error("expected at least 2 rows, found {0}")]
+    Rows(usize),
+    /// A row has not a number for each coordinate.
+    #[error("row {row}: expected {expected} coordinates of the rig, found {found}")]
+    Count {
+        /// Which row, from 0.
+        row: usize,
+        /// The rig's coordinates.
+        expected: usize,
+        /// The row's.
+        found: usize,
+    },
+    /// A number that no machine has.
+    #[error("row {row}, joint `{joint}`: expected a number from -1e6 to 1e6, found {found}")]
+    Number {
+        /// Which row, from 0.
+        row: usize,
+        /// The joint.
+        joint: String,
+        /// The number.
+        found: f64,
+    },
+    /// Four numbers that are no rotation.
+    #[error(
+        "row {row}, joint `{joint}`: expected a unit quaternion, found one of squared length {squared}"
+    )]
+    NotUnit {
+        /// Which row, from 0.
+        row: usize,
+        /// The joint.
+        joint: String,
+        /// The squared length.
+        squared: f64,
+    },
+}
+
+impl RigMotion {
+    /// Time of the last row, s; the first is at 0.
+    pub fn duration_s(&self) -> f64 {
+        self.rows.len().saturating_sub(1) as f64 * self.dt_s
+    }
+
+    /// Checks that it is a motion of a rig.
+    ///
+    /// # Errors
+    /// [`MotionError`] names row, joint and value.
+    pub fn check(&self, mechanism: &Mechanism) -> Result<(), MotionError> {
+        // Written so that NaN is refused.
+        if !(1e-5..=1.0).contains(&self.dt_s) {
+            return Err(MotionError::TimeStep(self.dt_s));
+        }
+        if self.rows.len() < 2 {
+            return Err(MotionError::Rows(self.rows.len()));
+        }
+        let expected = mechanism.coordinate_count();
+        let ranges = mechanism.coordinate_ranges();
+        for (row, q) in self.rows.iter().enumerate() {
+            if q.len() != expected {
+                return Err(MotionError::Count { row, expected, found: q.len() });
+            }
+            for (link, range) in mechanism.bodies.iter().zip(&ranges) {
+                let of_joint = &q[range.clone()];
+                let joint = || link.joint_name.clone();
+                if let Some(found) = of_joint.iter().find(|x| !(-1e6..=1e6).contains(*x)) {
+                    return Err(MotionError::Number { row, joint: joint(), found: *found });
+                }
+                if let Some(quaternion) = of_joint.first_chunk::<4>() {
+                    let squared: f64 = quaternion.iter().map(|x| x * x).sum();
+                    if (squared - 1.0).abs() > UNIT_TOLERANCE {
+                        return Err(MotionError::NotUnit { row, joint: joint(), squared });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,150 @@
+//! The places of a body that a performer and a rig have in common.
+
+/// A side of the body, its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+}
+
+impl Side {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Left, Self::Right];
+
+    /// The other side.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}
+
+/// A place of a body: a joint between two parts of a limb, or a part of the trunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Landmark {
+    /// The body that carries the hips.
+    Pelvis,
+    /// The body that carries the shoulders.
+    Chest,
+    /// Where the neck begins.
+    Neck,
+    /// The head.
+    Head,
+    /// The ball between chest and upper arm; the clavicle is none.
+    Shoulder(Side),
+    /// Between upper arm and forearm.
+    Elbow(Side),
+    /// Between forearm and hand.
+    Wrist(Side),
+    /// The ball between pelvis and thigh.
+    Hip(Side),
+    /// Between thigh and shank.
+    Knee(Side),
+    /// Between shank and foot.
+    Ankle(Side),
+    /// The ball of the foot.
+    Toe(Side),
+}
+
+impl Landmark {
+    /// All, from the trunk outwards, left before right.
+    pub const ALL: [Self; 18] = {
+        use Side::{Left, Right};
+        [
+            Self::Pelvis,
+            Self::Chest,
+            Self::Neck,
+            Self::Head,
+            Self::Shoulder(Left),
+            Self::Elbow(Left),
+            Self::Wrist(Left),
+            Self::Shoulder(Right),
+            Self::Elbow(Right),
+            Self::Wrist(Right),
+            Self::Hip(Left),
+            Self::Knee(Left),
+            Self::Ankle(Left),
+            Self::Toe(Left),
+            Self::Hip(Right),
+            Self::Knee(Right),
+            Self::Ankle(Right),
+            Self::Toe(Right),
+        ]
+    };
+
+    /// Its side; `None` of the trunk.
+    pub fn side(self) -> Option<Side> {
+        match self {
+            Self::Pelvis | Self::Chest | Self::Neck | Self::Head => None,
+            Self::Shoulder(side)
+            | Self::Elbow(side)
+            | Self::Wrist(side)
+            | Self::Hip(side)
+            | Self::Knee(side)
+            | Self::Ankle(side)
+            | Self::Toe(side) => Some(side),
+        }
+    }
+
+    /// The same place on the other side; `None` of the trunk.
+    #[must_use]
+    pub fn mirrored(self) -> Option<Self> {
+        let other = self.side()?.other();
+        Some(match self {
+            Self::Shoulder(_) => Self::Shoulder(other),
+            Self::Elbow(_) => Self::Elbow(other),
+            Self::Wrist(_) => Self::Wrist(other),
+            Self::Hip(_) => Self::Hip(other),
+            Self::Knee(_) => Self::Knee(other),
+            Self::Ankle(_) => Self::Ankle(other),
+            Self::Toe(_) => Self::Toe(other),
+            Self::Pelvis | Self::Chest | Self::Neck | Self::Head => return None,
+        })
+    }
+
+    /// Its name in files: `pelvis`, `l_shoulder`.
+    pub fn name(self) -> &'static str {
+        use Side::{Left, Right};
+        match self {
+            Self::Pelvis => "pelvis",
+            Self::Chest => "chest",
+            Self::Neck => "neck",
+            Self::Head => "head",
+            Self::Shoulder(Left) => "l_shoulder",
+            Self::Shoulder(Right) => "r_shoulder",
+            Self::Elbow(Left) => "l_elbow",
+            Self::Elbow(Right) => "r_elbow",
+            Self::Wrist(Left) => "l_wrist",
+            Self::Wrist(Right) => "r_wrist",
+            Self::Hip(Left) => "l_hip",
+            Self::Hip(Right) => "r_hip",
+            Self::Knee(Left) => "l_knee",
+            Self::Knee(Right) => "r_knee",
+            Self::Ankle(Left) => "l_ankle",
+            Self::Ankle(Right) => "r_ankle",
+            Self::Toe(Left) => "l_toe",
+            Self::Toe(Right) => "r_toe",
+        }
+    }
+
+    /// The landmark of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|landmark| landmark.name() == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_landmark_is_found_by_its_name() {
+        for landmark in Landmark::ALL {
+            assert_eq!(Landmark::named(landmark.name()), Some(landmark));
+        }
+    }
+}

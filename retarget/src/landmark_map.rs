@@ -1,0 +1,64 @@
+//! A value for every landmark.
+
+use std::ops::{Index, IndexMut};
+
+use crate::Landmark;
+
+/// A value for every landmark, in the order of [`Landmark::ALL`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LandmarkMap<T>([T; Landmark::ALL.len()]);
+
+impl<T> LandmarkMap<T> {
+    /// The value of each, in turn.
+    pub fn of(value: impl FnMut(Landmark) -> T) -> Self {
+        Self(Landmark::ALL.map(value))
+    }
+
+    /// Landmarks with their values.
+    pub fn iter(&self) -> impl Iterator<Item = (Landmark, &T)> {
+        Landmark::ALL.into_iter().zip(&self.0)
+    }
+}
+
+impl<T> Index<Landmark> for LandmarkMap<T> {
+    type Output = T;
+
+    fn index(&self, landmark: Landmark) -> &T {
+        &self.0[place(landmark)]
+    }
+}
+
+impl<T> IndexMut<Landmark> for LandmarkMap<T> {
+    fn index_mut(&mut self, landmark: Landmark) -> &mut T {
+        &mut self.0[place(landmark)]
+    }
+}
+
+fn place(landmark: Landmark) -> usize {
+    let index = |side| usize::from(side == crate::Side::Right);
+    match landmark {
+        Landmark::Pelvis => 0,
+        Landmark::Chest => 1,
+        Landmark::Neck => 2,
+        Landmark::Head => 3,
+        Landmark::Shoulder(side) => index(side) * 3 + 4,
+        Landmark::Elbow(side) => index(side) * 3 + 5,
+        Landmark::Wrist(side) => index(side) * 3 + 6,
+        Landmark::Hip(side) => index(side) * 4 + 10,
+        Landmark::Knee(side) => index(side) * 4 + 11,
+        Landmark::Ankle(side) => index(side) * 4 + 12,
+        Landmark::Toe(side) => index(side) * 4 + 13,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_places_are_those_of_the_list() {
+        for (index, landmark) in Landmark::ALL.into_iter().enumerate() {
+            assert_eq!(place(landmark), index, "{landmark:?}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Angles of a clip's joints that go straight to joints of the rig: jaws, brows and other faces.
+
+use glam::DVec3;
+use sinew_mocap::{Clip, JointSample, Skeleton};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+
+use super::resolve::{clip_joint, joint};
+use super::{Mapping, MappingError};
+
+/// A mapping's curves on one rig and one clip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curves(Vec<OnRig>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct OnRig {
+    /// The clip's joint.
+    joint: usize,
+    axis: DVec3,
+    points: Vec<[f64; 2]>,
+    /// The rig's coordinate.
+    coordinate: usize,
+    range: [f64; 2],
+    speed: f64,
+}
+
+/// Curves that follow a performance frame by frame.
+#[derive(Debug, Clone)]
+pub struct Follower<'c> {
+    curves: &'c Curves,
+    last: Vec<Option<f64>>,
+}
+
+impl Mapping {
+    /// The curves on a rig and a clip.
+    ///
+    /// # Errors
+    /// [`MappingError`] with the curve, the name, and what would be right.
+    pub fn curves(
+        &self,
+        mechanism: &Mechanism,
+        skeleton: &Skeleton,
+    ) -> Result<Curves, MappingError> {
+        let ranges = mechanism.coordinate_ranges();
+        let on_rig = |(k, curve): (usize, &super::Curve)| {
+            let body = joint(mechanism, &format!("curve[{k}].rig"), &curve.rig)?;
+            let link = &mechanism.bodies[body];
+            let fits = match link.joint {
+                Freedom::Revolute(_) => !curve.slides,
+                Freedom::Prismatic(_) => curve.slides,
+                _ => false,
+            };
+            if !fits {
+                let expected = if curve.slides {
+                    "a joint that slides"
+                } else {
+                    "a joint that turns about one axis"
+                };
+                let found = format!("`{}`, which does not", curve.rig);
+                return Err(MappingError::value(format!("curve[{k}].rig"), expected, found));
+            }
+            let own = link.speed;
+            let default = if curve.slides { f64::INFINITY } else { self.performance.speed_rad_s };
+            Ok(OnRig {
+                joint: clip_joint(skeleton, &format!("curve[{k}].clip"), &curve.clip)?,
+                axis: DVec3::from_array(curve.axis).normalize(),
+                points: curve.points.clone(),
+                coordinate: ranges[body].start,
+                range: link.ranges.first().copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+                speed: if own.is_finite() { own } else { default },
+            })
+        };
+        Ok(Curves(self.curves.iter().enumerate().map(on_rig).collect::<Result<_, _>>()?))
+    }
+}
+
+impl Curves {
+    /// From the first frame on.
+    pub fn follower(&self) -> Follower<'_> {
+        Follower { curves: self, last: vec![None; self.0.len()] }
+    }
+
+    /// Puts the curves of a whole clip into the poses of a rig, frame by frame.
+    pub fn put(&self, clip: &Clip, q: &mut [Vec<f64>]) {
+        let mut follower = self.follower();
+        for (local, q) in clip.frames.iter().zip(q) {
+            follower.put(local, clip.frame_time_s, q);
+        }
+    }
+}
+
+impl Follower<'_> {
+    /// Puts a frame's positions into `q`, within ranges and speeds. What is no number leaves the joint where it was.
+    pub fn put(&mut self, local: &[JointSample], frame_s: f64, q: &mut [f64]) {
+        for (curve, last) in self.curves.0.iter().zip(&mut self.last) {
+            let angle = local.get(curve.joint).map(|sample| turn_about(curve.axis, sample));
+            let wanted =
+                angle.map(|angle| at(&curve.points, angle)).filter(|wanted| wanted.is_finite());
+            let Some(q) = q.get_mut(curve.coordinate) else { continue };
+            let Some(wanted) = wanted.or(*last) else { continue };
+            let [least, most] = curve.range;
+            let near = last.map_or(wanted, |last| {
+                let step = curve.speed * frame_s;
+                wanted.max(last - step).min(last + step)
+            });
+            *q = near.max(least).min(most);
+            *last = Some(*q);
+        }
+    }
+}
+
+/// Angle of a joint's turn about an axis, in [-π, π].
+fn turn_about(axis: DVec3, sample: &JointSample) -> f64 {
+    let q = if sample.rotation.w < 0.0 { -sample.rotation } else { sample.rotation };
+    2.0 * libm::atan2(q.xyz().dot(axis), q.w)
+}
+
+/// Straight between the points, level beyond.
+fn at(points: &[[f64; 2]], x: f64) -> f64 {
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return f64::NAN };
+    if x <= first[0] {
+        return first[1];
+    }
+    let pair = points.windows(2).find(|pair| x <= pair[1][0]);
+    pair.map_or(last[1], |pair| {
+        let t = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
+        pair[0][1] + (pair[1][1] - pair[0][1]) * t
+    })
+}

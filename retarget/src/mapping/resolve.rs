@@ -1,0 +1,111 @@
+//! A mapping's names on a rig and a clip.
+
+use glam::DVec3;
+use sinew_mocap::Skeleton;
+use sinew_rig::Mechanism;
+
+use super::{Mapping, MappingError};
+use crate::LandmarkMap;
+use crate::performer::PerformerJoints;
+use crate::rig::{Group, RigMatch, RigPoint};
+use crate::solve::Settings;
+
+impl Mapping {
+    /// The match of the rig that the mapping describes.
+    ///
+    /// # Errors
+    /// [`MappingError`] with landmark, name and what the rig has.
+    pub fn rig_match(&self, mechanism: &Mechanism) -> Result<RigMatch, MappingError> {
+        let mut groups = Vec::new();
+        for entry in
+            self.landmarks.iter().filter(|entry| !entry.rig.is_empty() || entry.point.is_some())
+        {
+            let item = format!("landmark {}", entry.landmark.name());
+            let joints =
+                entry.rig.iter().map(|name| joint(mechanism, &format!("{item}.rig"), name));
+            let point = entry.point.as_ref().map(|point| {
+                let body = body(mechanism, &format!("{item}.point.body"), &point.body)?;
+                Ok::<_, MappingError>(RigPoint { body, position_m: point.position_m.into() })
+            });
+            groups.push(Group {
+                landmark: entry.landmark,
+                joints: joints.collect::<Result<_, MappingError>>()?,
+                point: point.transpose()?,
+                confidence: entry.confidence,
+                reason: entry.reason.clone(),
+            });
+        }
+        let forward = self.performance.forward.map(DVec3::from_array);
+        Ok(RigMatch::of_groups(mechanism, groups, forward)?)
+    }
+
+    /// The joints of the clip that the mapping names.
+    ///
+    /// # Errors
+    /// [`MappingError`] with landmark, name and what the clip has.
+    pub fn performer_joints(&self, skeleton: &Skeleton) -> Result<PerformerJoints, MappingError> {
+        let mut joints = LandmarkMap::default();
+        for entry in &self.landmarks {
+            if let Some(name) = &entry.clip {
+                let item = format!("landmark {}.clip", entry.landmark.name());
+                joints[entry.landmark] = Some(clip_joint(skeleton, &item, name)?);
+            }
+        }
+        Ok(PerformerJoints::of(skeleton, joints))
+    }
+
+    /// How the clip is taken over.
+    pub fn settings(&self) -> Settings {
+        let performance = &self.performance;
+        Settings {
+            speed_rad_s: performance.speed_rad_s,
+            scale: performance.scale,
+            is_mirrored: performance.mirror,
+            arms: performance.arms,
+            legs: performance.legs,
+            travels: performance.travels,
+            tilt_rad: performance.tilt_rad,
+        }
+    }
+}
+
+/// Body that a joint of the rig moves.
+pub(super) fn joint(mechanism: &Mechanism, item: &str, name: &str) -> Result<usize, MappingError> {
+    let names = || mechanism.bodies.iter().skip(1).map(|link| link.joint_name.as_str());
+    let place = names().position(|joint| joint == name).map(|place| place + 1);
+    place.ok_or_else(|| {
+        MappingError::value(item, listed("a joint of the rig", names()), shown(name))
+    })
+}
+
+fn body(mechanism: &Mechanism, item: &str, name: &str) -> Result<usize, MappingError> {
+    let names = || mechanism.bodies.iter().map(|link| link.name.as_str());
+    let place = names().position(|body| body == name);
+    place
+        .ok_or_else(|| MappingError::value(item, listed("a body of the rig", names()), shown(name)))
+}
+
+pub(super) fn clip_joint(
+    skeleton: &Skeleton,
+    item: &str,
+    name: &str,
+) -> Result<usize, MappingError> {
+    let names = || skeleton.joints.iter().map(|joint| joint.name.as_str());
+    let place = skeleton.find(name);
+    place.ok_or_else(|| {
+        MappingError::value(item, listed("a joint of the clip", names()), shown(name))
+    })
+}
+
+fn shown(name: &str) -> String {
+    format!("`{name}`")
+}
+
+/// The names that would be right, those that are few enough to read.
+fn listed<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 40;
+    let names: Vec<&str> = names.collect();
+    let more = if names.len() > MOST { ", ..." } else { "" };
+    let shown = names[..names.len().min(MOST)].join(", ");
+    format!("{what} ({shown}{more})")
+}

@@ -1,0 +1,121 @@
+//! One frame of a performance.
+
+use glam::{DMat3, DQuat, DVec3};
+use sinew_mocap::JointSample;
+
+use super::Performer;
+use crate::{Landmark, LandmarkMap, Side};
+
+/// Half a turn about up, in the axes of a part.
+const HALF_TURNED: DQuat = DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0);
+
+/// One frame of a performance, in the world: y up, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PerformerFrame {
+    /// Where the landmarks are, m.
+    pub points_m: LandmarkMap<Option<DVec3>>,
+    /// How pelvis, chest, head and feet (by their ankles) stand: from forward, left, up (as x, y, z) to the world.
+    pub parts: LandmarkMap<Option<DQuat>>,
+    /// Unit axes about which elbows and knees bend, and how certain they are, from 0 to 1.
+    pub bends: LandmarkMap<Option<(DVec3, f64)>>,
+}
+
+impl PerformerFrame {
+    /// The middle between the hips, m; else the pelvis.
+    pub fn hips_m(&self) -> Option<DVec3> {
+        self.middle_m(Landmark::Hip).or(self.points_m[Landmark::Pelvis])
+    }
+
+    /// The middle between two landmarks, m.
+    fn middle_m(&self, landmark: fn(Side) -> Landmark) -> Option<DVec3> {
+        let [left, right] = Side::ALL.map(|side| self.points_m[landmark(side)]);
+        Some((left? + right?) / 2.0)
+    }
+
+    /// Unit direction from one landmark to another.
+    pub fn direction(&self, from: Landmark, to: Landmark) -> Option<DVec3> {
+        (self.points_m[to]? - self.points_m[from]?).try_normalize()
+    }
+
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        self.points_m.iter().all(|(_, point)| point.is_none_or(DVec3::is_finite))
+            && self.parts.iter().all(|(_, part)| part.is_none_or(DQuat::is_finite))
+            && self.bends.iter().all(|(_, bend)| bend.is_none_or(|(axis, _)| axis.is_finite()))
+    }
+
+    /// The same in a mirror that stands along x = 0: left becomes right.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
+        let partner = |landmark: Landmark| landmark.mirrored().unwrap_or(landmark);
+        Self {
+            points_m: LandmarkMap::of(|k| self.points_m[partner(k)].map(flip)),
+            // Forward and up are mirrored; left points to the other side again.
+            parts: LandmarkMap::of(|k| {
+                self.parts[partner(k)].map(|q| DQuat::from_xyzw(q.x, -q.y, -q.z, q.w) * HALF_TURNED)
+            }),
+            // What turns, turns the other way round in a mirror.
+            bends: LandmarkMap::of(|k| {
+                self.bends[partner(k)].map(|(axis, sure)| (-flip(axis), sure))
+            }),
+        }
+    }
+
+    /// The same seen from another frame of reference: turned, then moved.
+    #[must_use]
+    pub fn moved(&self, rotation: DQuat, by_m: DVec3) -> Self {
+        Self {
+            points_m: LandmarkMap::of(|k| self.points_m[k].map(|point| rotation * point + by_m)),
+            parts: LandmarkMap::of(|k| self.parts[k].map(|part| rotation * part)),
+            bends: LandmarkMap::of(|k| self.bends[k].map(|(axis, sure)| (rotation * axis, sure))),
+        }
+    }
+}
+
+impl Performer {
+    /// What a frame of the clip's skeleton comes to. `local`: of each joint on its parent; `world`: room for as many.
+    /// Samples that are not there leave their landmarks out. O(joints), without allocation once `world` has room.
+    pub fn frame(&self, local: &[JointSample], world: &mut Vec<JointSample>) -> PerformerFrame {
+        world.clear();
+        for (sample, parent) in local.iter().zip(&self.parents) {
+            world.push(parent.and_then(|parent| world.get(parent)).map_or(*sample, |parent| {
+                JointSample {
+                    rotation: parent.rotation * sample.rotation,
+                    position_m: parent.position_m + parent.rotation * sample.position_m,
+                }
+            }));
+        }
+        let pose = |joint: usize| world.get(joint);
+        PerformerFrame {
+            points_m: LandmarkMap::of(|landmark| {
+                let pose = pose(self.joints.joints[landmark]?)?;
+                let end_m = self.joints.head_end_m.filter(|_| landmark == Landmark::Head);
+                Some(pose.position_m + pose.rotation * end_m.unwrap_or_default())
+            }),
+            parts: LandmarkMap::of(|landmark| {
+                let point = |place: Landmark| Some(pose(self.joints.joints[place]?)?.position_m);
+                if let (Landmark::Chest, Some(upright)) = (landmark, self.trunk) {
+                    return Some((trunk(point)? * upright).normalize());
+                }
+                let part = self.parts[landmark]?;
+                Some((pose(part.joint)?.rotation * part.upright).normalize())
+            }),
+            bends: LandmarkMap::of(|landmark| {
+                let bend = self.bends[landmark]?;
+                Some((pose(bend.upper)?.rotation * bend.axis, bend.certainty))
+            }),
+        }
+    }
+}
+
+/// The frame of the trunk: left along the shoulders, up from the hips to them, as far as that is across.
+pub(super) fn trunk(point: impl Fn(Landmark) -> Option<DVec3>) -> Option<DQuat> {
+    let [left_m, right_m] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));
+    let [left_hip_m, right_hip_m] = Side::ALL.map(|side| point(Landmark::Hip(side)));
+    let (left_m, right_m) = (left_m?, right_m?);
+    let left = (left_m - right_m).try_normalize()?;
+    let way = (left_m + right_m - left_hip_m? - right_hip_m?) / 2.0;
+    let up = way.reject_from_normalized(left).try_normalize()?;
+    Some(DQuat::from_mat3(&DMat3::from_cols(left.cross(up), left, up)))
+}

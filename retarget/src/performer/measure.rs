@@ -1,0 +1,164 @@
+//! A performer's measures, from a whole clip.
+
+use glam::{DMat3, DQuat, DVec3};
+use sinew_mocap::{Clip, JointSample, forward_kinematics};
+
+use super::frame::trunk;
+use super::{Bend, Part, Performer, PerformerJoints};
+use crate::{Landmark, LandmarkMap, Side};
+
+/// Cosine up to which a direction counts as upright.
+const UPRIGHT: f64 = 0.87;
+/// Toes stand on the floor in this part of their heights.
+const FLOOR: f64 = 0.02;
+
+pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
+    let worlds: Vec<Vec<JointSample>> =
+        (0..clip.frames.len()).map(|frame| clip.world_poses(frame)).collect();
+    let point = |world: &[JointSample], landmark: Landmark| {
+        joints.joints[landmark].map(|joint| world[joint].position_m)
+    };
+    let upright = upright_pose(clip, joints, &worlds);
+    let parts = parts(joints, &upright);
+    let bends = LandmarkMap::of(|landmark| {
+        let (above, below) = match landmark {
+            Landmark::Elbow(side) => (Landmark::Shoulder(side), Landmark::Wrist(side)),
+            Landmark::Knee(side) => (Landmark::Hip(side), Landmark::Ankle(side)),
+            _ => return None,
+        };
+        let [upper, middle, lower] = [above, landmark, below].map(|place| joints.joints[place]);
+        bend(&worlds, upper?, middle?, lower?)
+    });
+    let length = |chains: [[Landmark; 3]; 2]| {
+        let of_chain = |chain: [Landmark; 3]| {
+            let [a, b, c] = chain.map(|landmark| point(&worlds[0], landmark));
+            Some(a?.distance(b?) + b?.distance(c?))
+        };
+        let [left, right] = chains.map(of_chain);
+        Some(f64::midpoint(left?, right?))
+    };
+    let legs =
+        Side::ALL.map(|side| [Landmark::Hip(side), Landmark::Knee(side), Landmark::Ankle(side)]);
+    let arms = Side::ALL
+        .map(|side| [Landmark::Shoulder(side), Landmark::Elbow(side), Landmark::Wrist(side)]);
+    let toes = worlds.iter().flat_map(|world| {
+        Side::ALL.into_iter().filter_map(|side| point(world, Landmark::Toe(side)))
+    });
+    Performer {
+        joints: *joints,
+        parts,
+        trunk: upright_trunk(joints, &upright),
+        bends,
+        leg_m: length(legs),
+        arm_m: length(arms),
+        floor_m: quantile(toes.map(|toe_m| toe_m.y).collect(), FLOOR),
+        parents: clip.skeleton.joints.iter().map(|joint| joint.parent).collect(),
+    }
+}
+
+/// A pose in which the performer stands upright: that of all rotations at zero if it does, else the frame in which
+/// trunk and legs are the nearest to it.
+fn upright_pose(
+    clip: &Clip,
+    joints: &PerformerJoints,
+    worlds: &[Vec<JointSample>],
+) -> Vec<JointSample> {
+    let still = clip
+        .skeleton
+        .joints
+        .iter()
+        .map(|joint| JointSample { rotation: DQuat::IDENTITY, position_m: joint.offset_m });
+    let zero = forward_kinematics(&clip.skeleton, &still.collect::<Vec<_>>());
+    if uprightness(&zero, joints) > UPRIGHT {
+        return zero;
+    }
+    let nearest =
+        worlds.iter().max_by(|a, b| uprightness(a, joints).total_cmp(&uprightness(b, joints)));
+    nearest.cloned().unwrap_or(zero)
+}
+
+/// Least cosine between up and the trunk, the head and the legs; 1 if there is none of them.
+fn uprightness(world: &[JointSample], joints: &PerformerJoints) -> f64 {
+    let point = |landmark: Landmark| joints.joints[landmark].map(|joint| world[joint].position_m);
+    let middle = |landmark: fn(Side) -> Landmark| {
+        let [left, right] = Side::ALL.map(|side| point(landmark(side)));
+        Some((left? + right?) / 2.0)
+    };
+    let ways = [
+        (middle(Landmark::Hip), middle(Landmark::Shoulder)),
+        (middle(Landmark::Knee), middle(Landmark::Hip)),
+        (middle(Landmark::Ankle), middle(Landmark::Knee)),
+        (middle(Landmark::Shoulder), point(Landmark::Head)),
+    ];
+    let cosines = ways.into_iter().filter_map(|(from, to)| Some((to? - from?).try_normalize()?.y));
+    cosines.fold(1.0, f64::min)
+}
+
+/// Pelvis, chest, head and feet in an upright pose.
+fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Option<Part>> {
+    let point = |landmark: Landmark| joints.joints[landmark].map(|joint| upright[joint].position_m);
+    let across = |landmark: fn(Side) -> Landmark| {
+        let [left, right] = Side::ALL.map(|side| point(landmark(side)));
+        (left? - right?).with_y(0.0).try_normalize()
+    };
+    let (hips, shoulders) = (across(Landmark::Hip), across(Landmark::Shoulder));
+    LandmarkMap::of(|landmark| {
+        let joint = joints.joints[landmark]?;
+        let (left, up) = match landmark {
+            Landmark::Pelvis => (hips.or(shoulders)?, DVec3::Y),
+            Landmark::Chest | Landmark::Head => (shoulders.or(hips)?, DVec3::Y),
+            Landmark::Ankle(side) => {
+                // A foot stands across its shank; where the toe points is forward.
+                let up = (point(Landmark::Knee(side))? - point(landmark)?).try_normalize()?;
+                let toe =
+                    point(Landmark::Toe(side)).map(|toe| toe - point(landmark).unwrap_or(toe));
+                let left = match toe {
+                    Some(toe) => up.cross(toe),
+                    None => hips?,
+                };
+                (left.reject_from(up).try_normalize()?, up)
+            }
+            _ => return None,
+        };
+        let stands = DMat3::from_cols(left.cross(up), left, up);
+        let upright = upright[joint].rotation.conjugate() * DQuat::from_mat3(&stands);
+        Some(Part { joint, upright: upright.normalize() })
+    })
+}
+
+/// The trunk of an upright pose, and which way it looks then.
+fn upright_trunk(joints: &PerformerJoints, upright: &[JointSample]) -> Option<DQuat> {
+    let point = |place: Landmark| Some(upright[joints.joints[place]?].position_m);
+    let [left, right] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));
+    let left = (left? - right?).with_y(0.0).try_normalize()?;
+    let stands = DMat3::from_cols(left.cross(DVec3::Y), left, DVec3::Y);
+    Some((trunk(point)?.conjugate() * DQuat::from_mat3(&stands)).normalize())
+}
+
+/// The mean axis about which a limb bends, in the frame of its upper joint; what bends more counts more.
+fn bend(worlds: &[Vec<JointSample>], upper: usize, middle: usize, lower: usize) -> Option<Bend> {
+    let (mut sum, mut of_lengths) = (DVec3::ZERO, 0.0);
+    for world in worlds {
+        let [a, b, c] = [upper, middle, lower].map(|joint| world[joint].position_m);
+        let (Some(above), Some(below)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
+            continue;
+        };
+        let axis = world[upper].rotation.conjugate() * above.cross(below);
+        sum += axis;
+        of_lengths += axis.length();
+    }
+    let axis = sum.try_normalize()?;
+    Some(Bend { upper, axis, certainty: sum.length() / of_lengths })
+}
+
+/// The value below which a part of all values lie; 0 of none.
+fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place in the list"
+    )]
+    let place = (part * values.len().saturating_sub(1) as f64) as usize;
+    values.get(place).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,107 @@
+//! Which joints belong to which limb, by the words of their names and where they hang.
+
+use sinew_rig::Mechanism;
+
+use super::words::{self, Part, Words};
+use crate::Side;
+
+/// Joints of one limb or of the head, from the trunk outwards.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chain {
+    pub(super) part: Part,
+    /// `None`: the head, or an arm whose names tell no side.
+    pub(super) side: Option<Side>,
+    pub(super) joints: Vec<usize>,
+    /// Whether words told the part.
+    pub(super) is_named: bool,
+}
+
+/// What each joint is by its own words, those of its body, and what it hangs on. The base is nothing.
+pub(super) fn words_of(mechanism: &Mechanism) -> Vec<Words> {
+    let mut all: Vec<Words> = Vec::new();
+    for link in &mechanism.bodies {
+        let Some(parent) = link.parent else {
+            all.push(Words::default());
+            continue;
+        };
+        let (joint, body, above) =
+            (words::of(&link.joint_name), words::of(&link.name), all[parent]);
+        let part = match (joint.part.or(body.part), above.part) {
+            // What hangs on a finger is one.
+            (_, Some(Part::Other)) => Some(Part::Other),
+            (None, above) => above,
+            (own, _) => own,
+        };
+        let inherited = above.side.filter(|_| above.part == part);
+        all.push(Words { part, side: joint.side.or(body.side).or(inherited) });
+    }
+    all
+}
+
+/// All limbs, and the head.
+pub(super) fn chains(mechanism: &Mechanism) -> Vec<Chain> {
+    let words = words_of(mechanism);
+    let mut chains = Vec::new();
+    for part in [Part::Leg, Part::Arm] {
+        for side in Side::ALL {
+            let is_in = |joint: usize| words[joint] == Words { side: Some(side), part: Some(part) };
+            let joints = longest(mechanism, is_in);
+            if !joints.is_empty() {
+                chains.push(Chain { part, side: Some(side), joints, is_named: true });
+            }
+        }
+    }
+    if !chains.iter().any(|chain| chain.part == Part::Arm) {
+        chains.extend(only_arm(mechanism, &words, chains.is_empty()));
+    }
+    let is_head = |joint: usize| words[joint] == Words { side: None, part: Some(Part::Head) };
+    let joints = longest(mechanism, is_head);
+    if !joints.is_empty() {
+        chains.push(Chain { part: Part::Head, side: None, joints, is_named: true });
+    }
+    chains
+}
+
+/// An arm whose names tell no side; `or_any`: or any chain at all, if no name says anything.
+fn only_arm(mechanism: &Mechanism, words: &[Words], or_any: bool) -> Option<Chain> {
+    // Fewer joints make no arm with an elbow.
+    const LEAST: usize = 3;
+    let named = |joint: usize| words[joint] == Words { side: None, part: Some(Part::Arm) };
+    let mut joints = longest(mechanism, named);
+    let is_named = !joints.is_empty();
+    if is_named {
+        // What carries it and says nothing is a part of it: the pan of a shoulder.
+        while let Some(parent) = joints.first().and_then(|joint| mechanism.bodies[*joint].parent)
+            && mechanism.bodies[parent].parent.is_some()
+            && words[parent].part.is_none()
+        {
+            joints.insert(0, parent);
+        }
+    } else if or_any && words.iter().all(|words| matches!(words.part, None | Some(Part::Other))) {
+        let unnamed = (1..words.len()).filter(|joint| words[*joint].part.is_none()).count();
+        joints = longest(mechanism, |joint| words[joint].part.is_none());
+        // A hand or a platform has several.
+        if joints.len() != unnamed {
+            return None;
+        }
+    }
+    (joints.len() >= LEAST).then_some(Chain { part: Part::Arm, side: None, joints, is_named })
+}
+
+/// The longest way outwards over joints that are asked for; of equal ones the first.
+fn longest(mechanism: &Mechanism, is_asked: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut ways: Vec<Vec<usize>> = vec![Vec::new(); mechanism.bodies.len()];
+    let mut longest = Vec::new();
+    for (joint, link) in mechanism.bodies.iter().enumerate() {
+        let Some(parent) = link.parent else { continue };
+        if is_asked(joint) {
+            let mut way = ways[parent].clone();
+            way.push(joint);
+            if way.len() > longest.len() {
+                longest.clone_from(&way);
+            }
+            ways[joint] = way;
+        }
+    }
+    longest
+}

@@ -1,0 +1,67 @@
+//! Joints of a limb whose axes nearly meet: one ball, or one hinge with the twist of the limb beyond it.
+
+use glam::DVec3;
+
+use super::at_zero::{AtZero, Axis, meeting_point};
+
+/// Axes meet if none passes the common point farther away than this part of the chain's length,
+const OF_CHAIN: f64 = 0.12;
+/// or this part of the rig's size.
+const OF_RIG: f64 = 0.035;
+/// Draws the common point to the middle of the joints where the axes leave it open.
+const TO_THE_MIDDLE: f64 = 1e-4;
+
+/// Deals out the joints of a chain, from the trunk outwards, to groups in order.
+pub(super) fn groups(rig: &AtZero<'_>, chain: &[usize], chain_m: f64) -> Vec<Vec<usize>> {
+    let most_m = (OF_CHAIN * chain_m).max(OF_RIG * rig.size_m);
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for &joint in chain {
+        let joins = groups.last().is_some_and(|group| {
+            let mut together = group.clone();
+            together.push(joint);
+            let meet = spread_m(rig, &together).is_some_and(|spread_m| spread_m <= most_m);
+            meet && !is_beside(rig, group, joint, most_m)
+        });
+        match groups.last_mut() {
+            Some(group) if joins => group.push(joint),
+            _ => groups.push(vec![joint]),
+        }
+    }
+    groups
+}
+
+/// Whether a joint turns about a line beside that of the one before it, as ankle and knee do: with nothing between them
+/// the two are parallel in every pose. They have no common point; that in the middle is only half as far away.
+fn is_beside(rig: &AtZero<'_>, group: &[usize], joint: usize, most_m: f64) -> bool {
+    const PARALLEL: f64 = 0.95;
+    let last = group.last().and_then(|last| rig.axes(*last).last().copied());
+    last.zip(rig.axes(joint).first()).is_some_and(|(one, other)| {
+        one.direction.dot(other.direction).abs() > PARALLEL
+            && one.distance_to(other.anchor_m) > most_m
+    })
+}
+
+/// Largest distance of the axes of some joints from the point where they nearly meet, m; `None` if one slides.
+pub(super) fn spread_m(rig: &AtZero<'_>, joints: &[usize]) -> Option<f64> {
+    let axes = axes(rig, joints)?;
+    let center_m = meeting_point(&axes, middle_m(&axes), TO_THE_MIDDLE);
+    Some(axes.iter().map(|axis| axis.distance_to(center_m)).fold(0.0, f64::max))
+}
+
+/// All axes of some joints; `None` if one slides.
+pub(super) fn axes(rig: &AtZero<'_>, joints: &[usize]) -> Option<Vec<Axis>> {
+    let mut all = Vec::new();
+    for joint in joints {
+        let axes = rig.axes(*joint);
+        if axes.is_empty() {
+            return None;
+        }
+        all.extend(axes);
+    }
+    Some(all)
+}
+
+/// Mean of the joints' own points, m.
+pub(super) fn middle_m(axes: &[Axis]) -> DVec3 {
+    axes.iter().map(|axis| axis.anchor_m).sum::<DVec3>() / axes.len().max(1) as f64
+}

@@ -1,0 +1,71 @@
+//! Elbows and knees: where the limb is straight, and which way it bends.
+
+use glam::DVec3;
+
+use super::at_zero::AtZero;
+use super::{Hinge, RigDirections};
+use crate::Landmark;
+
+/// The ways in which a hinge goes count as equal within this part.
+const EQUAL: f64 = 0.15;
+/// Cosine of the angle up to which an axis runs across a limb, and that up to which a limb hangs.
+const ACROSS: f64 = 0.7;
+
+/// The hinge of a group of joints between two points of a limb, world at zero; `None` if no axis runs across the limb.
+pub(super) fn hinge(
+    rig: &AtZero<'_>,
+    landmark: Landmark,
+    joints: &[usize],
+    upper: DVec3,
+    lower: DVec3,
+    directions: &RigDirections,
+) -> Option<Hinge> {
+    let (upper, lower) = (upper.try_normalize()?, lower.try_normalize()?);
+    let across = |joint: &usize| {
+        let axes = rig.axes(*joint);
+        let [axis] = axes[..] else { return None };
+        let along = axis.direction.dot(lower).abs().min(axis.direction.dot(upper).abs());
+        (along < ACROSS).then_some((*joint, axis.direction))
+    };
+    let (joint, axis) = joints.iter().find_map(across)?;
+    let body = rig.parent(joint)?;
+    // The turn about the axis that takes the lower part into line with the upper one.
+    let flat = |v: DVec3| v - axis * axis.dot(v);
+    let (from, to) = (flat(lower), flat(upper));
+    let straight_rad = libm::atan2(axis.dot(from.cross(to)), from.dot(to));
+    let sign = by_range(rig, joint, straight_rad)
+        .or_else(|| by_anatomy(landmark, axis, upper, directions));
+    let in_body = rig.poses[body].rotation.conjugate() * axis;
+    Some(Hinge {
+        body,
+        joint,
+        axis: in_body * sign.unwrap_or(1.0),
+        straight_rad,
+        is_sure: sign.is_some(),
+    })
+}
+
+/// It bends to where the range is longer.
+fn by_range(rig: &AtZero<'_>, joint: usize, straight_rad: f64) -> Option<f64> {
+    let [least, most] = *rig.mechanism.bodies[joint].ranges.first()?;
+    let (up, down) = ((most - straight_rad).max(0.0), (straight_rad - least).max(0.0));
+    // Beyond half a turn no limb bends: such a range is a placeholder.
+    let [up, down] = [up, down].map(|way| way.min(std::f64::consts::PI));
+    ((up - down).abs() > EQUAL * up.max(down)).then(|| (up - down).signum())
+}
+
+/// Knees bend backwards; elbows of hanging arms bend forwards.
+fn by_anatomy(
+    landmark: Landmark,
+    axis: DVec3,
+    upper: DVec3,
+    directions: &RigDirections,
+) -> Option<f64> {
+    if upper.dot(directions.up) > -ACROSS {
+        return None;
+    }
+    // Where the lower part goes at first when the limb bends by a positive angle.
+    let forward = axis.cross(upper).dot(directions.forward);
+    let wanted = if matches!(landmark, Landmark::Knee(_)) { -1.0 } else { 1.0 };
+    (forward.abs() > ACROSS).then_some(wanted * forward.signum())
+}

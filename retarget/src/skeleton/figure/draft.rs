@@ -1,0 +1,243 @@
+//! Which joints make each body of the figure.
+
+use sinew_mocap::Skeleton;
+use sinew_mocap::skeleton_map::{End, Part as MapPart};
+
+use super::super::body::Body;
+use super::super::name::{Kind, Part};
+use super::super::{Found, SkeletonMatch};
+use super::ends::Ends;
+use super::{NoMapping, Note};
+use crate::{Landmark, Side};
+
+/// A body of the proposal.
+pub(super) struct Proposed {
+    pub part: MapPart,
+    pub note: Note,
+}
+
+/// The landmarks that the figure needs, all there.
+pub(super) struct Draft<'a> {
+    body: Body<'a>,
+    matched: &'a SkeletonMatch,
+    /// Joints of the spine from the pelvis to the chest, the pelvis left out.
+    spine: Vec<usize>,
+    /// Where the head begins: the neck, or the head itself.
+    neck: usize,
+}
+
+impl<'a> Draft<'a> {
+    pub(super) fn new(
+        skeleton: &'a Skeleton,
+        matched: &'a SkeletonMatch,
+    ) -> Result<Self, NoMapping> {
+        let optional = |landmark: Landmark| matches!(landmark, Landmark::Neck | Landmark::Toe(_));
+        let missing: Vec<_> = matched
+            .missing()
+            .filter(|(landmark, _)| !optional(*landmark))
+            .map(|(landmark, reason)| (landmark, reason.to_owned()))
+            .collect();
+        let at = |landmark| matched.joint(landmark);
+        let (Some(pelvis), Some(chest), Some(head)) =
+            (at(Landmark::Pelvis), at(Landmark::Chest), at(Landmark::Head))
+        else {
+            return Err(NoMapping::Missing(missing));
+        };
+        if !missing.is_empty() {
+            return Err(NoMapping::Missing(missing));
+        }
+        let body = Body::new(skeleton, &[]);
+        let mut spine = body.way(body.common_ancestor(pelvis, chest), chest);
+        spine.retain(|joint| body.names[*joint].kind != Kind::Helper);
+        Ok(Self { spine, neck: at(Landmark::Neck).unwrap_or(head), body, matched })
+    }
+
+    /// The joint of a landmark, which [`new`](Self::new) has found there.
+    fn joint(&self, landmark: Landmark) -> usize {
+        self.matched.joint(landmark).unwrap_or(0)
+    }
+
+    /// Pelvis, abdomen, thorax and head.
+    pub(super) fn trunk(&self) -> Vec<Proposed> {
+        let pelvis = self.joint(Landmark::Pelvis);
+        let (abdomen, thorax) = self.spine.split_at(self.spine.len() / 2);
+        let thorax_origin = thorax.first().copied().unwrap_or(pelvis);
+        let abdomen_origin = abdomen.first().copied().unwrap_or(pelvis);
+        let away = self.spine.iter().find(|joint| !self.at_one_place(pelvis, **joint));
+        let pelvis_end = away.copied().unwrap_or(self.neck);
+        let abdomen_end = if thorax.is_empty() { self.neck } else { thorax_origin };
+        let head = self.joint(Landmark::Head);
+        let (head_end, head_remark) = Ends::new(&self.body, self.matched.height()).head(head);
+        let spine = self.names(&self.spine);
+        let split = match (abdomen, thorax) {
+            ([], []) => Some(
+                "no joint between pelvis and neck: one joint turns pelvis, abdomen and thorax"
+                    .to_owned(),
+            ),
+            ([], [_]) => Some(
+                "one joint between pelvis and neck: the abdomen turns as the pelvis does"
+                    .to_owned(),
+            ),
+            ([_], [_]) => None,
+            _ => Some(format!("the spine {spine} is shared by abdomen and thorax")),
+        };
+        let origin_landmark = if self.neck == head { Landmark::Head } else { Landmark::Neck };
+        vec![
+            self.proposed(
+                "pelvis",
+                pelvis,
+                pelvis,
+                End::Joint(self.name(pelvis_end)),
+                &[Landmark::Pelvis],
+                None,
+            ),
+            self.proposed(
+                "abdomen",
+                abdomen_origin,
+                self.turner(abdomen, abdomen_end).unwrap_or(pelvis),
+                End::Joint(self.name(abdomen_end)),
+                &[Landmark::Pelvis, Landmark::Chest],
+                split.clone(),
+            ),
+            self.proposed(
+                "thorax",
+                thorax_origin,
+                self.turner(thorax, self.neck).unwrap_or(thorax_origin),
+                End::Joint(self.name(self.neck)),
+                &[Landmark::Chest],
+                None,
+            ),
+            self.proposed(
+                "head",
+                self.neck,
+                head,
+                head_end,
+                &[origin_landmark, Landmark::Head],
+                head_remark,
+            ),
+        ]
+    }
+
+    /// Clavicle, upper arm, forearm and hand.
+    pub(super) fn arm(&self, side: Side) -> Vec<Proposed> {
+        let landmarks = [Landmark::Shoulder(side), Landmark::Elbow(side), Landmark::Wrist(side)];
+        let [shoulder, elbow, wrist] = landmarks.map(|landmark| self.joint(landmark));
+        let (clavicle, rotation, remark) = self.clavicle(shoulder);
+        let (end, end_remark) = Ends::new(&self.body, self.matched.height()).hand(elbow, wrist);
+        vec![
+            self.proposed(
+                &named("clavicle", side),
+                clavicle,
+                rotation,
+                self.at(shoulder),
+                &[landmarks[0]],
+                remark,
+            ),
+            self.bone(&named("upper_arm", side), shoulder, elbow, &landmarks[..2]),
+            self.bone(&named("forearm", side), elbow, wrist, &landmarks[1..]),
+            self.proposed(&named("hand", side), wrist, wrist, end, &landmarks[2..], end_remark),
+        ]
+    }
+
+    /// Thigh, shank and foot.
+    pub(super) fn leg(&self, side: Side) -> Vec<Proposed> {
+        let landmarks = [Landmark::Hip(side), Landmark::Knee(side), Landmark::Ankle(side)];
+        let [hip, knee, ankle] = landmarks.map(|landmark| self.joint(landmark));
+        let toe = self.matched.joint(Landmark::Toe(side));
+        let (end, remark) = Ends::new(&self.body, self.matched.height()).foot(ankle, toe);
+        vec![
+            self.bone(&named("thigh", side), hip, knee, &landmarks[..2]),
+            self.bone(&named("shank", side), knee, ankle, &landmarks[1..]),
+            self.proposed(&named("foot", side), ankle, ankle, end, &landmarks[2..], remark),
+        ]
+    }
+
+    /// The bone from one joint to the next of a limb; joints between that only twist turn its far end.
+    fn bone(&self, name: &str, origin: usize, end: usize, landmarks: &[Landmark]) -> Proposed {
+        let way = self.body.way(origin, end);
+        let between: Vec<usize> =
+            [origin].into_iter().chain(way[..way.len() - 1].iter().copied()).collect();
+        let rotation = self.turner(&between, end).unwrap_or(origin);
+        let remark = (rotation != origin)
+            .then(|| format!("{} turn it, the last tells its frame", self.names(&between)));
+        self.proposed(name, origin, rotation, self.at(end), landmarks, remark)
+    }
+
+    /// Where a clavicle begins, and the joint that turns it.
+    fn clavicle(&self, shoulder: usize) -> (usize, usize, Option<String>) {
+        let chest = self.joint(Landmark::Chest);
+        let mut way = self.body.way(self.body.common_ancestor(chest, shoulder), shoulder);
+        way.pop();
+        way.retain(|joint| *joint != self.neck && self.body.names[*joint].kind != Kind::Helper);
+        let called = |joint: &usize| self.body.names[*joint].says(Part::Clavicle) > 0.0;
+        if let Some(first) = way.iter().position(called) {
+            way.drain(..first);
+        }
+        if let (Some(origin), Some(rotation)) = (way.first(), self.turner(&way, shoulder)) {
+            return (*origin, rotation, None);
+        }
+        let (_, thorax) = self.spine.split_at(self.spine.len() / 2);
+        let rotation = self.turner(thorax, self.neck).unwrap_or(chest);
+        let remark =
+            "no clavicle joint: it begins at the neck and turns as the chest does".to_owned();
+        (self.neck, rotation, Some(remark))
+    }
+
+    /// The last of `joints` that carries `end` at some length, and so turns it.
+    fn turner(&self, joints: &[usize], end: usize) -> Option<usize> {
+        joints.iter().rev().find(|joint| !self.at_one_place(**joint, end)).copied()
+    }
+
+    /// Whether two joints are at one place, at rest.
+    fn at_one_place(&self, a: usize, b: usize) -> bool {
+        let rest = &self.body.poses[0];
+        self.body.is_zero(rest.at(a).distance(rest.at(b)))
+    }
+
+    fn name(&self, joint: usize) -> String {
+        self.body.name(joint).to_owned()
+    }
+
+    fn at(&self, joint: usize) -> End {
+        End::Joint(self.name(joint))
+    }
+
+    fn names(&self, joints: &[usize]) -> String {
+        joints
+            .iter()
+            .map(|joint| format!("`{}`", self.body.name(*joint)))
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    fn proposed(
+        &self,
+        body: &str,
+        origin: usize,
+        rotation: usize,
+        end: End,
+        landmarks: &[Landmark],
+        remark: Option<String>,
+    ) -> Proposed {
+        let found = landmarks.iter().filter_map(|landmark| self.matched.get(*landmark));
+        let lowest = found.min_by(|a, b| a.confidence.total_cmp(&b.confidence));
+        let (confidence, reason) = lowest
+            .map_or((0.0, String::new()), |Found { confidence, reason, .. }| {
+                (*confidence, reason.clone())
+            });
+        let part = MapPart { origin: self.name(origin), rotation: self.name(rotation), end };
+        Proposed {
+            part,
+            note: Note {
+                body: body.to_owned(),
+                confidence,
+                reason,
+                remarks: remark.into_iter().collect(),
+            },
+        }
+    }
+}
+
+fn named(body: &str, side: Side) -> String {
+    format!("{body}_{}", if side == Side::Left { 'l' } else { 'r' })
+}

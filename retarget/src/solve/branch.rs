@@ -1,0 +1,85 @@
+//! The branch of poses in which a whole clip is solved best.
+//!
+//! From the first frame alone a limb may be sent to where it gets stuck at the end of a range later on. Where the limbs
+//! come out far from the performer, the clip is also followed from later frames, forward and back.
+
+use super::Solver;
+use crate::performer::PerformerFrame;
+
+/// Frames are tried at this distance, s.
+const EVERY_S: f64 = 1.0 / 15.0;
+/// Mean error of limbs from which on other branches are looked for, rad.
+const FAR_RAD: f64 = 0.1;
+/// Parts of the clip at which other branches begin.
+const BEGINNINGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Another branch must leave less than this part.
+const BETTER: f64 = 0.8;
+
+impl Solver {
+    /// Finds the pose of the first frame by posture alone, looking at the whole clip. There is at least one frame.
+    pub(super) fn find_branch(&mut self, frames: &[PerformerFrame], frame_s: f64) -> Vec<f64> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a small number of frames"
+        )]
+        let every = ((EVERY_S / frame_s).round() as usize).max(1);
+        let tried: Vec<&PerformerFrame> = frames.iter().step_by(every).collect();
+        self.begin_at(tried[0]);
+        let mut first = self.state.q.clone();
+        let mut least = self.follow_along(tried.iter().skip(1)) / tried.len() as f64;
+        if least < FAR_RAD {
+            return first;
+        }
+        for part in BEGINNINGS {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a place in the list"
+            )]
+            let middle = (part * (tried.len() - 1) as f64) as usize;
+            self.begin_at(tried[middle]);
+            let begun = self.state.q.clone();
+            let mut sum = self.follow_along(tried[..middle].iter().rev());
+            let at_first = self.state.q.clone();
+            self.state.q.copy_from_slice(&begun);
+            self.model.place(&mut self.state);
+            sum += self.follow_along(tried[middle + 1..].iter());
+            let found = sum / tried.len() as f64;
+            if found < BETTER * least {
+                (least, first) = (found, at_first);
+            }
+        }
+        first
+    }
+
+    fn begin_at(&mut self, frame: &PerformerFrame) {
+        self.aim(frame);
+        self.find_first();
+    }
+
+    /// One step a frame; the sum over frames of the limbs' mean error, rad.
+    fn follow_along<'f>(&mut self, frames: impl Iterator<Item = &'f &'f PerformerFrame>) -> f64 {
+        let mut sum = 0.0;
+        for frame in frames {
+            self.aim(frame);
+            self.begin();
+            self.sweep(None);
+            let errors = self.limb_errors_rad();
+            let errors = errors.iter().filter_map(|(_, error)| *error);
+            let (total, count) = errors.fold((0.0, 0.0), |(sum, n), error| (sum + error, n + 1.0));
+            sum += if count > 0.0 { total / count } else { 0.0 };
+        }
+        sum
+    }
+
+    /// The pose of a first frame, whose targets are set, from one that is near it. Speed is free.
+    pub(super) fn settle(&mut self, q: &[f64], sweeps: usize) {
+        self.state.q.copy_from_slice(q);
+        self.model.place(&mut self.state);
+        for _ in 0..sweeps {
+            self.begin();
+            self.sweep(None);
+        }
+    }
+}

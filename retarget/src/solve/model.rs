@@ -1,0 +1,265 @@
+//! A rig's kinematics as the solver needs them: axes and anchors of every freedom in the world.
+
+use std::ops::Range;
+
+use glam::{DQuat, DVec3};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+
+/// A body and its joint.
+#[derive(Debug, Clone)]
+struct Link {
+    parent: Option<usize>,
+    position_m: DVec3,
+    rotation: DQuat,
+    joint: Freedom,
+    /// Its coordinates in `q`.
+    q: Range<usize>,
+    /// Its freedoms.
+    v: Range<usize>,
+}
+
+/// What of a rig never changes.
+#[derive(Debug, Clone)]
+pub(super) struct Model {
+    links: Vec<Link>,
+    pub(super) home: Vec<f64>,
+    /// By freedom: least and most, and the largest speed; infinite where there is no limit.
+    pub(super) ranges: Vec<[f64; 2]>,
+    pub(super) speeds: Vec<f64>,
+    /// By freedom: its coordinate, if it has one of its own.
+    pub(super) coordinates: Vec<Option<usize>>,
+    /// By freedom: whether it slides.
+    pub(super) slides: Vec<bool>,
+    /// By ball joint that has a range: its link and the largest angle, rad.
+    cones: Vec<(usize, f64)>,
+    /// Joints that follow others: coordinate, factor, coordinate of the other, offset.
+    ties: Vec<(usize, f64, usize, f64)>,
+}
+
+/// Where a rig is.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub(super) q: Vec<f64>,
+    /// By body, in the world.
+    pub(super) rotations: Vec<DQuat>,
+    pub(super) positions_m: Vec<DVec3>,
+    /// By freedom, in the world.
+    pub(super) axes: Vec<DVec3>,
+    pub(super) anchors_m: Vec<DVec3>,
+}
+
+impl Model {
+    /// `speed`: the largest of turning joints that name none, rad/s.
+    pub(super) fn of(mechanism: &Mechanism, speed: f64) -> Self {
+        let mut model = Self {
+            links: Vec::new(),
+            home: mechanism.home(),
+            ranges: Vec::new(),
+            speeds: Vec::new(),
+            coordinates: Vec::new(),
+            slides: Vec::new(),
+            cones: Vec::new(),
+            ties: Vec::new(),
+        };
+        let q_ranges = mechanism.coordinate_ranges();
+        for (index, (link, q)) in mechanism.bodies.iter().zip(&q_ranges).enumerate() {
+            let first = model.ranges.len();
+            let count = link.joint.kind().degrees_of_freedom();
+            let is_free = matches!(link.joint, Freedom::Free);
+            for axis in 0..count {
+                let single = matches!(
+                    link.joint,
+                    Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_)
+                );
+                let range = link.ranges.get(axis).copied().filter(|_| single);
+                model.ranges.push(range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
+                let slides = matches!(link.joint, Freedom::Prismatic(_)) || is_free && axis >= 3;
+                let own = if link.speed.is_finite() || slides { link.speed } else { speed };
+                model.speeds.push(if is_free { f64::INFINITY } else { own });
+                model.coordinates.push(single.then_some(q.start + axis));
+                model.slides.push(slides);
+            }
+            if let (Freedom::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
+                model.cones.push((index, *most));
+            }
+            model.links.push(Link {
+                parent: link.parent,
+                position_m: link.position_m,
+                rotation: link.rotation,
+                joint: link.joint,
+                q: q.clone(),
+                v: first..first + count,
+            });
+        }
+        for tie in &mechanism.linked {
+            let [least, most] = tie.range;
+            let is_tied = most - least < 1e-9 && least.is_finite();
+            if let (true, Some(own), Some(other)) = (
+                is_tied,
+                q_ranges.get(tie.body).map(|range| range.start),
+                q_ranges.get(tie.other).map(|range| range.start),
+            ) {
+                let (factor, offset) = (-tie.other_factor / tie.factor, least / tie.factor);
+                model.ties.push((own, factor, other, offset));
+            }
+        }
+        model
+    }
+
+    pub(super) fn freedom_count(&self) -> usize {
+        self.ranges.len()
+    }
+
+    pub(super) fn state(&self) -> State {
+        let mut state = State {
+            q: self.home.clone(),
+            rotations: vec![DQuat::IDENTITY; self.links.len()],
+            positions_m: vec![DVec3::ZERO; self.links.len()],
+            axes: vec![DVec3::ZERO; self.freedom_count()],
+            anchors_m: vec![DVec3::ZERO; self.freedom_count()],
+        };
+        self.place(&mut state);
+        state
+    }
+
+    /// Freedoms that move a body, from the base outwards.
+    pub(super) fn supports(&self, body: usize) -> Vec<usize> {
+        let way = std::iter::successors(Some(body), |body| self.links[*body].parent);
+        let mut freedoms: Vec<usize> = way.flat_map(|body| self.links[body].v.clone()).collect();
+        freedoms.sort_unstable();
+        freedoms
+    }
+
+    /// Whether a coordinate follows another one.
+    pub(super) fn is_tied(&self, freedom: usize) -> bool {
+        self.coordinates[freedom].is_some_and(|q| self.ties.iter().any(|(own, ..)| *own == q))
+    }
+
+    /// Freedoms of the base.
+    pub(super) fn base_freedoms(&self) -> Range<usize> {
+        self.links[0].v.clone()
+    }
+
+    /// Moves all bodies to where `q` says. O(n).
+    pub(super) fn place(&self, state: &mut State) {
+        let State { q, rotations, positions_m, axes, anchors_m } = state;
+        for (own, factor, other, offset) in &self.ties {
+            q[*own] = factor * q[*other] + offset;
+        }
+        for (body, link) in self.links.iter().enumerate() {
+            let (position_m, rotation) = match link.parent {
+                None => (link.position_m, link.rotation),
+                Some(parent) => (
+                    positions_m[parent] + rotations[parent] * link.position_m,
+                    rotations[parent] * link.rotation,
+                ),
+            };
+            let q = &q[link.q.clone()];
+            let moved = link.joint.motion(q);
+            positions_m[body] = position_m + rotation * moved.position_m;
+            // Rounding would grow along the chain, and from frame to frame of a free base.
+            rotations[body] = (rotation * moved.rotation).normalize();
+            let axes = &mut axes[link.v.clone()];
+            match link.joint {
+                Freedom::Fixed => {}
+                Freedom::Revolute(axis) | Freedom::Prismatic(axis) => axes[0] = rotation * axis,
+                Freedom::Universal([first, second]) => {
+                    axes[0] = rotation * first;
+                    axes[1] = rotations[body] * second;
+                }
+                Freedom::Spherical => axes.copy_from_slice(&DVec3::AXES),
+                Freedom::Free => {
+                    axes[..3].copy_from_slice(&DVec3::AXES);
+                    axes[3..].copy_from_slice(&DVec3::AXES);
+                }
+            }
+            anchors_m[link.v.clone()].fill(positions_m[body]);
+        }
+    }
+
+    /// Moves along the freedoms by `step`, and places the bodies there.
+    pub(super) fn advance(&self, state: &mut State, step: &[f64]) {
+        for link in &self.links {
+            let (q, step) = (&mut state.q[link.q.clone()], &step[link.v.clone()]);
+            match link.joint {
+                Freedom::Fixed => {}
+                Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                    for (q, step) in q.iter_mut().zip(step) {
+                        *q += step;
+                    }
+                }
+                Freedom::Spherical | Freedom::Free => {
+                    // Steps are about world axes; `q` turns in the axes of the joint.
+                    let frame = link
+                        .parent
+                        .map_or(link.rotation, |parent| state.rotations[parent] * link.rotation);
+                    let back = frame.conjugate();
+                    let turn = DQuat::from_scaled_axis(back * DVec3::from_slice(step));
+                    let rotation = turn * DQuat::from_slice(q);
+                    rotation.normalize().write_to_slice(q);
+                    if let (Freedom::Free, Some(slide)) = (link.joint, step.get(3..6)) {
+                        let moved = DVec3::from_slice(&q[4..]) + back * DVec3::from_slice(slide);
+                        moved.write_to_slice(&mut q[4..]);
+                    }
+                }
+            }
+        }
+        for (link, most) in &self.cones {
+            let q = &mut state.q[self.links[*link].q.clone()];
+            let turn = DQuat::from_slice(q).to_scaled_axis();
+            if turn.length() > *most {
+                DQuat::from_scaled_axis(turn.clamp_length_max(*most)).write_to_slice(q);
+            }
+        }
+        self.place(state);
+    }
+
+    /// How far the freedoms are from `from`, into `away`. `state` is placed.
+    pub(super) fn away(&self, state: &State, from: &[f64], away: &mut [f64]) {
+        for link in &self.links {
+            let (q, from) = (&state.q[link.q.clone()], &from[link.q.clone()]);
+            let away = &mut away[link.v.clone()];
+            match link.joint {
+                Freedom::Fixed => {}
+                Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                    for (away, (q, from)) in away.iter_mut().zip(q.iter().zip(from)) {
+                        *away = q - from;
+                    }
+                }
+                Freedom::Spherical | Freedom::Free => {
+                    let frame = link
+                        .parent
+                        .map_or(link.rotation, |parent| state.rotations[parent] * link.rotation);
+                    let turn = DQuat::from_slice(q) * DQuat::from_slice(from).conjugate();
+                    let turn = if turn.w < 0.0 { -turn } else { turn };
+                    (frame * turn.normalize().to_scaled_axis()).write_to_slice(away);
+                    if let (Freedom::Free, Some(slid)) = (link.joint, away.get_mut(3..6)) {
+                        let moved = DVec3::from_slice(&q[4..]) - DVec3::from_slice(&from[4..]);
+                        (frame * moved).write_to_slice(slid);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Turns a free base so that a body stands as asked, and moves it so that a point of the world is met: what a
+    /// start needs. Nothing of a base that is fixed.
+    pub(super) fn turn_base(&self, state: &mut State, body: usize, wanted: DQuat) {
+        let base = &self.links[0];
+        if !matches!(base.joint, Freedom::Free) {
+            return;
+        }
+        let turn = wanted * state.rotations[body].conjugate();
+        let rotation = base.rotation.conjugate() * (turn * state.rotations[0]);
+        rotation.normalize().write_to_slice(&mut state.q[base.q.clone()]);
+        self.place(state);
+    }
+}
+
+impl State {
+    /// A point of a body, in the world, m.
+    pub(super) fn point_m(&self, point: &crate::rig::RigPoint) -> DVec3 {
+        self.positions_m[point.body] + self.rotations[point.body] * point.position_m
+    }
+}

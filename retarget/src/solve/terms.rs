@@ -1,0 +1,219 @@
+//! What the solver compares: directions, orientations, twists and points, each with what moves it.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::model::{Model, State};
+use super::normal::Normal;
+use crate::rig::RigPoint;
+
+/// Something of a rig that has a target.
+#[derive(Debug, Clone)]
+pub(super) enum Kind {
+    /// Direction from one point to another.
+    Direction { from: RigPoint, to: RigPoint },
+    /// How a body stands: forward, left, up in its frame.
+    Orientation { body: usize, upright: DQuat },
+    /// The turn of a body about a limb, by the axis of the hinge that it carries.
+    Twist { body: usize, axis: DVec3, from: RigPoint, to: RigPoint },
+    /// Where a point is; `[horizontal, vertical]` parts of the weight.
+    Position { point: RigPoint, parts: [f64; 2] },
+}
+
+/// What a term aims at in a frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    /// Of a direction, a twist, or a position.
+    pub(super) vector: DVec3,
+    /// Of an orientation.
+    pub(super) rotation: DQuat,
+    /// Nothing to aim at where it is zero.
+    pub(super) weight: f64,
+}
+
+impl Target {
+    pub(super) const NONE: Self =
+        Self { vector: DVec3::ZERO, rotation: DQuat::IDENTITY, weight: 0.0 };
+}
+
+/// How a freedom moves what a term looks at.
+#[derive(Debug, Clone, Copy)]
+struct Mover {
+    freedom: usize,
+    /// Whether it moves the point from which a direction goes, and the one to which.
+    from: bool,
+    to: bool,
+    slides: bool,
+}
+
+/// A kind with the freedoms that move it.
+#[derive(Debug, Clone)]
+pub(super) struct Term {
+    pub(super) kind: Kind,
+    movers: Vec<Mover>,
+}
+
+impl Term {
+    pub(super) fn new(model: &Model, kind: Kind) -> Self {
+        let (from, to) = match &kind {
+            Kind::Direction { from, to } => (Some(from.body), to.body),
+            Kind::Orientation { body, .. } | Kind::Twist { body, .. } => (None, *body),
+            Kind::Position { point, .. } => (None, point.body),
+        };
+        let (from, to) = (from.map_or(Vec::new(), |body| model.supports(body)), model.supports(to));
+        let mut freedoms: Vec<usize> = from.iter().chain(&to).copied().collect();
+        freedoms.sort_unstable();
+        freedoms.dedup();
+        // What a slide leaves as it is.
+        let is_kept = |mover: &Mover| match kind {
+            Kind::Direction { .. } => mover.from && mover.to,
+            Kind::Orientation { .. } | Kind::Twist { .. } => true,
+            Kind::Position { .. } => false,
+        };
+        let movers = freedoms
+            .into_iter()
+            .map(|freedom| Mover {
+                freedom,
+                from: from.contains(&freedom),
+                to: to.contains(&freedom),
+                slides: model.slides[freedom],
+            })
+            .filter(|mover| !(model.is_tied(mover.freedom) || mover.slides && is_kept(mover)))
+            .collect();
+        Self { kind, movers }
+    }
+
+    pub(super) fn freedoms(&self) -> impl Iterator<Item = usize> + '_ {
+        self.movers.iter().map(|mover| mover.freedom)
+    }
+
+    /// Squared error times its weight.
+    pub(super) fn cost(&self, state: &State, target: &Target) -> f64 {
+        if target.weight <= 0.0 {
+            return 0.0;
+        }
+        let squared = match &self.kind {
+            Kind::Direction { from, to } => {
+                let way = (state.point_m(to) - state.point_m(from)).normalize_or_zero();
+                (way - target.vector).length_squared()
+            }
+            Kind::Orientation { body, upright } => {
+                turn_between(target.rotation, state.rotations[*body] * *upright).length_squared()
+            }
+            Kind::Twist { body, axis, from, to } => {
+                twist(state, *body, *axis, from, to, target.vector)
+                    .map_or(0.0, |(_, twist)| twist * twist)
+            }
+            Kind::Position { point, parts } => {
+                let away = state.point_m(point) - target.vector;
+                (away * away * by_axis(*parts)).element_sum()
+            }
+        };
+        squared * target.weight
+    }
+
+    /// Adds the term to the normal equations.
+    pub(super) fn add(&self, state: &State, target: &Target, normal: &mut Normal) {
+        if target.weight <= 0.0 {
+            return;
+        }
+        match &self.kind {
+            Kind::Direction { from, to } => {
+                let (from_m, to_m) = (state.point_m(from), state.point_m(to));
+                let way = to_m - from_m;
+                let length = way.length();
+                if length <= f64::EPSILON {
+                    return;
+                }
+                let u = way / length;
+                let error = u - target.vector;
+                for mover in &self.movers {
+                    let (axis, anchor) =
+                        (state.axes[mover.freedom], state.anchors_m[mover.freedom]);
+                    let moved = if mover.slides {
+                        if mover.to { axis } else { -axis }
+                    } else {
+                        // Of both points the same turn: only the way between them matters.
+                        match (mover.from, mover.to) {
+                            (true, true) => axis.cross(way),
+                            (false, _) => axis.cross(to_m - anchor),
+                            (true, false) => -axis.cross(from_m - anchor),
+                        }
+                    };
+                    normal.column(mover.freedom, (moved - u * u.dot(moved)) / length);
+                }
+                normal.add(error, DVec3::splat(target.weight));
+            }
+            Kind::Orientation { body, upright } => {
+                let error = turn_between(target.rotation, state.rotations[*body] * *upright);
+                for mover in &self.movers {
+                    normal.column(mover.freedom, state.axes[mover.freedom]);
+                }
+                normal.add(error, DVec3::splat(target.weight));
+            }
+            Kind::Twist { body, axis, from, to } => {
+                let Some((u, angle)) = twist(state, *body, *axis, from, to, target.vector) else {
+                    return;
+                };
+                for mover in &self.movers {
+                    normal.column(mover.freedom, DVec3::X * u.dot(state.axes[mover.freedom]));
+                }
+                normal.add(DVec3::X * angle, DVec3::X * target.weight);
+            }
+            Kind::Position { point, parts } => {
+                let point_m = state.point_m(point);
+                for mover in &self.movers {
+                    let axis = state.axes[mover.freedom];
+                    let moved = if mover.slides {
+                        axis
+                    } else {
+                        axis.cross(point_m - state.anchors_m[mover.freedom])
+                    };
+                    normal.column(mover.freedom, moved);
+                }
+                normal.add(point_m - target.vector, by_axis(*parts) * target.weight);
+            }
+        }
+    }
+}
+
+fn by_axis([horizontal, vertical]: [f64; 2]) -> DVec3 {
+    DVec3::new(horizontal, vertical, horizontal)
+}
+
+/// The turn from one rotation to another as a vector of the world, the shorter way round, rad.
+fn turn_between(from: DQuat, to: DQuat) -> DVec3 {
+    let turn = to * from.conjugate();
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    let sine = turn.xyz().length();
+    if sine < 1e-12 {
+        return 2.0 * turn.xyz();
+    }
+    turn.xyz() * (2.0 * libm::atan2(sine, turn.w) / sine)
+}
+
+/// Nearly along the limb the angle of a twist means nothing: least sine.
+const LEAST: f64 = 0.1;
+
+/// Direction of a limb, and the angle about it from `wanted` to the hinge's axis; `None` where one lies along it.
+fn twist(
+    state: &State,
+    body: usize,
+    axis: DVec3,
+    from: &RigPoint,
+    to: &RigPoint,
+    wanted: DVec3,
+) -> Option<(DVec3, f64)> {
+    let u = (state.point_m(to) - state.point_m(from)).try_normalize()?;
+    let across = |v: DVec3| v - u * u.dot(v);
+    let (have, want) = (across(state.rotations[body] * axis), across(wanted));
+    let is_short = |v: DVec3| v.length_squared() < LEAST * LEAST;
+    if is_short(have) || is_short(want) {
+        return None;
+    }
+    Some((u, libm::atan2(u.dot(want.cross(have)), want.dot(have))))
+}
+
+/// The rotation of a rotation matrix whose columns are forward, left and up, in a body's frame.
+pub(super) fn upright(rotation_at_zero: DQuat, directions: DMat3) -> DQuat {
+    (rotation_at_zero.conjugate() * DQuat::from_mat3(&directions)).normalize()
+}

@@ -1,0 +1,68 @@
+//! How a rig that stands where it stands looks at the performer: upright, or tilted.
+//!
+//! A human arm hangs; an arm that is bolted to a table stands or reaches forward, and cannot point down. Seen tilted,
+//! the performer's arm rests where the rig's can.
+
+use sinew_mocap::Clip;
+use sinew_rig::Mechanism;
+
+use super::{Settings, Solver};
+use crate::performer::Performer;
+use crate::rig::RigMatch;
+
+/// What is tried, degrees: 90 lifts what hangs to forward.
+const TILTS_DEG: [f64; 5] = [0.0, 45.0, 90.0, 135.0, 180.0];
+/// Frames that are tried, and sweeps of each.
+const FRAMES: usize = 60;
+const SWEEPS: usize = 8;
+/// A larger tilt must be better than this part of what a smaller one leaves.
+const BETTER: f64 = 0.7;
+
+/// The tilt at which the limbs of a rig with a fixed base point best, rad; 0 if the base is free or
+/// there is a pelvis. For
+/// [`Settings::tilt_rad`]. About 10 ms.
+pub fn best_tilt(
+    mechanism: &Mechanism,
+    rig: &RigMatch,
+    clip: &Clip,
+    performer: &Performer,
+    settings: &Settings,
+) -> f64 {
+    // What has a pelvis stands as the performer does.
+    if rig.pelvis.is_some() {
+        return 0.0;
+    }
+    let error = |tilt_rad: f64| {
+        let settings = Settings { tilt_rad, ..*settings };
+        let mut solver = Solver::new(mechanism, rig, &settings);
+        if !solver.model.base_freedoms().is_empty() {
+            return 0.0;
+        }
+        let mut world = Vec::new();
+        let (mut sum, mut count) = (0.0, 0.0);
+        let every = clip.frames.len().div_ceil(FRAMES).max(1);
+        for (index, local) in clip.frames.iter().step_by(every).enumerate() {
+            solver.aim(&performer.frame(local, &mut world));
+            if index == 0 {
+                solver.find_first();
+            }
+            for _ in 0..SWEEPS {
+                solver.begin();
+                solver.sweep(None);
+            }
+            for error in solver.limb_errors_rad().iter().filter_map(|(_, error)| *error) {
+                sum += error;
+                count += 1.0;
+            }
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    };
+    let mut best = (0.0, error(0.0));
+    for tilt_rad in TILTS_DEG.into_iter().skip(1).map(f64::to_radians) {
+        let found = error(tilt_rad);
+        if found < BETTER * best.1 {
+            best = (tilt_rad, found);
+        }
+    }
+    best.0
+}

@@ -1,0 +1,245 @@
+//! Landmarks of skeletons in the names of many makers, and of the same ones renamed, mirrored, turned and scaled.
+
+mod dialect;
+
+use dialect::{DIALECTS, Dialect};
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use sinew_mocap::Skeleton;
+use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
+use sinew_retarget::{Landmark, Side};
+
+/// Below this nothing of these skeletons is: all have names that say what they mean.
+const SURE: f64 = 0.6;
+
+/// Landmarks that are not as expected.
+fn wrong(dialect: &Dialect) -> Vec<String> {
+    let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
+    let mut wrong = Vec::new();
+    for landmark in Landmark::ALL {
+        let found = matched.get(landmark);
+        let name = found.map(|found| dialect.skeleton.joints[found.joint].name.as_str());
+        let expected = dialect.expected.get(&landmark).map(String::as_str);
+        if name != expected || found.is_some_and(|found| found.confidence < SURE) {
+            wrong.push(format!(
+                "{}: expected {expected:?}, found {name:?} {found:?}",
+                landmark.name()
+            ));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn every_dialect_is_understood() {
+    for dialect in DIALECTS.iter() {
+        let maker = dialect.maker;
+        assert_eq!(wrong(dialect), Vec::<String>::new(), "{maker}");
+        let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
+        assert_eq!(matched.findings, Vec::<String>::new(), "{maker}");
+        assert_eq!(
+            matched.unit.as_ref().and_then(|unit| unit.metres_per_unit),
+            Some(1.0),
+            "{maker}"
+        );
+        assert_eq!(matched.up.as_ref().map(|up| up.axis), Some(DVec3::Y), "{maker}");
+        let at = matched.directions.expect(maker);
+        assert!(at.up.y > 0.99 && at.forward.z > 0.99 && at.left.x > 0.99, "{maker}: {at:?}");
+    }
+}
+
+#[test]
+fn every_dialect_maps_on_the_figure() {
+    for dialect in DIALECTS.iter() {
+        let maker = dialect.maker;
+        let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
+        let head = MapHead { name: maker, metres_per_unit: 1.0, rate_hz: None };
+        let proposed = figure_mapping(&dialect.skeleton, &matched, head)
+            .unwrap_or_else(|error| panic!("{maker}: {error}"));
+        assert_eq!(proposed.map.bodies.len(), 18, "{maker}");
+        assert!(proposed.map.signature.matches(&dialect.skeleton), "{maker}");
+        let rest_m = dialect.skeleton.rest_positions_m();
+        for (body, part) in &proposed.map.bodies {
+            let joint = |name: &str| dialect.skeleton.find(name).expect(maker);
+            let end_m = part
+                .end
+                .rest_position_m(&dialect.skeleton, &rest_m)
+                .unwrap_or_else(|error| panic!("{maker}: {error}"));
+            joint(&part.rotation);
+            let length_m = rest_m[joint(&part.origin)].distance(end_m);
+            assert!(
+                (0.005..0.6).contains(&length_m),
+                "{maker}: {body} is {length_m} m long: {part:?}"
+            );
+        }
+        let read: sinew_mocap::SkeletonMap = toml::from_str(&proposed.to_toml()).expect(maker);
+        assert_eq!(read, proposed.map, "{maker}");
+    }
+}
+
+/// What may be done to a skeleton without changing which joint is which.
+#[derive(Debug, Clone)]
+struct Change {
+    prefix: &'static str,
+    case: u8,
+    mirrored: bool,
+    z_up: bool,
+    unit: f64,
+    order: u64,
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let prefixes = prop::sample::select(vec![
+        "",
+        "mixamorig:",
+        "mixamorig12:",
+        "Armature|",
+        "Bip001_",
+        "b_",
+        "Actor7:Body:",
+    ]);
+    let units = prop::sample::select(vec![1.0, 100.0, 39.37, 1000.0, 10.0, 17.7165]);
+    (prefixes, 0..3_u8, any::<bool>(), any::<bool>(), units, any::<u64>()).prop_map(
+        |(prefix, case, mirrored, z_up, unit, order)| Change {
+            prefix,
+            case,
+            mirrored,
+            z_up,
+            unit,
+            order,
+        },
+    )
+}
+
+impl Change {
+    fn name(&self, name: &str) -> String {
+        let name = match self.case {
+            0 => name.to_owned(),
+            1 => name.to_lowercase(),
+            _ => name.to_uppercase(),
+        };
+        format!("{}{name}", self.prefix)
+    }
+
+    /// The skeleton changed; its sides change places if it is mirrored, as the names go with the side.
+    fn apply(&self, dialect: &Dialect) -> Dialect {
+        let mut skeleton = in_other_order(&dialect.skeleton, self.order);
+        for joint in &mut skeleton.joints {
+            joint.name = self.name(&joint.name);
+            if self.mirrored {
+                // The right limbs lie where the left were, and forward is where back was.
+                joint.offset_m *= DVec3::new(-1.0, 1.0, -1.0);
+            }
+            if self.z_up {
+                joint.offset_m =
+                    DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2) * joint.offset_m;
+            }
+            joint.offset_m *= self.unit;
+        }
+        let expected =
+            dialect.expected.iter().map(|(landmark, name)| (*landmark, self.name(name))).collect();
+        Dialect { maker: dialect.maker, skeleton, expected }
+    }
+}
+
+/// The joints in another order, parents before children.
+fn in_other_order(skeleton: &Skeleton, seed: u64) -> Skeleton {
+    let mut state = seed;
+    let mut order: Vec<usize> = vec![0];
+    let mut open: Vec<usize> = (1..skeleton.joints.len()).collect();
+    while !open.is_empty() {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let ready: Vec<usize> = open
+            .iter()
+            .copied()
+            .filter(|joint| order.contains(&skeleton.joints[*joint].parent.unwrap_or(0)))
+            .collect();
+        let next = ready[usize::try_from(state >> 33).expect("31 bits") % ready.len()];
+        order.push(next);
+        open.retain(|joint| *joint != next);
+    }
+    let place =
+        |joint: usize| order.iter().position(|other| *other == joint).expect("all are there");
+    let joints = order.iter().map(|joint| {
+        let mut moved = skeleton.joints[*joint].clone();
+        moved.parent = moved.parent.map(place);
+        moved
+    });
+    Skeleton { joints: joints.collect() }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// MMD's names have no case; `l5` in small letters says nothing.
+    #[test]
+    fn names_in_other_dress_mean_the_same(which in 0..DIALECTS.len(), change in change()) {
+        let dialect = &DIALECTS[which];
+        let maker = dialect.maker;
+        prop_assume!(!(maker == "xsens_mvn" && change.case == 1));
+        let changed = change.apply(dialect);
+        prop_assert_eq!(wrong(&changed), Vec::<String>::new(), "{}", maker);
+        let matched = SkeletonMatch::new(&changed.skeleton, &[]);
+        let unit = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit).expect("a usual unit");
+        prop_assert!((unit * change.unit - 1.0).abs() < 1e-3, "{:?}", matched.unit);
+        prop_assert_eq!(matched.up.as_ref().map(|up| up.axis), Some(if change.z_up { DVec3::Z } else { DVec3::Y }));
+        prop_assert_eq!(matched.findings, Vec::<String>::new());
+    }
+}
+
+/// Names that say nothing: tree and lengths must do, and are less sure.
+#[test]
+fn without_names_the_tree_tells() {
+    let (mut right, mut all) = (0, 0);
+    let mut lines = Vec::new();
+    for dialect in DIALECTS.iter() {
+        let (maker, mut dialect) = (dialect.maker, dialect.clone());
+        let joint_of =
+            |name: &String| dialect.skeleton.find(name).expect("expected joints are there");
+        let expected: Vec<(Landmark, usize)> =
+            dialect.expected.iter().map(|(landmark, name)| (*landmark, joint_of(name))).collect();
+        for (place, joint) in dialect.skeleton.joints.iter_mut().enumerate() {
+            joint.name = format!("joint_{place}");
+        }
+        let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
+        let mut missed = Vec::new();
+        for (landmark, joint) in &expected {
+            all += 1;
+            if matched.joint(*landmark) == Some(*joint) {
+                right += 1;
+            } else {
+                missed.push(landmark.name());
+            }
+            assert!(matched.get(*landmark).is_none_or(|found| found.confidence < 0.75), "{maker}");
+        }
+        lines.push(format!(
+            "{maker}: {} of {}, not {missed:?}",
+            expected.len() - missed.len(),
+            expected.len()
+        ));
+    }
+    println!("{}\nwithout names: {right} of {all}", lines.join("\n"));
+    assert!(right * 100 >= all * 80, "{}", lines.join("\n"));
+}
+
+/// A side is what the names say; toes that point the other way are told.
+#[test]
+fn sides_against_the_toes_are_told() {
+    let mut dialect = DIALECTS[0].clone();
+    for joint in &mut dialect.skeleton.joints {
+        joint.offset_m.x = -joint.offset_m.x;
+    }
+    let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
+    assert!(
+        matched.findings.iter().any(|finding| finding.contains("wrong sides")),
+        "{:?}",
+        matched.findings
+    );
+    let hip = matched.get(Landmark::Hip(Side::Left)).expect("a hip");
+    assert_eq!(
+        dialect.skeleton.joints[hip.joint].name,
+        dialect.expected[&Landmark::Hip(Side::Left)]
+    );
+    assert!(hip.confidence < 0.9 && hip.reason.contains("the other side"), "{hip:?}");
+}
