@@ -1,0 +1,215 @@
+//! How small a show is at which error: 10 minutes of the 20 joint angles that move most in each of CMU's fights, and of
+//! its walks, low-passed at 6 Hz.
+//!
+//! `SINEW_DATA=.../data cargo run --release -p sinew-show --example size`
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small positive numbers"
+)]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use glam::{DQuat, DVec3};
+use sinew_mocap::{Clip, filter::LowPass, flips, format, gaps};
+use sinew_show::write::{Motion, Settings, Written, write};
+use sinew_show::{Joint, Player, Position, Rate, Show};
+
+const CHANNELS: usize = 20;
+const RATE: Rate = Rate { samples: 120, seconds: 1 };
+const RATE_HZ: f64 = 120.0;
+const SECONDS: f64 = 600.0;
+/// From the end of a clip to the beginning of the next one. It counts as bytes, not as time.
+const BETWEEN_S: f64 = 0.5;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Some(data) = std::env::var_os("SINEW_DATA") else {
+        return Err("set SINEW_DATA to the folder of recordings".into());
+    };
+    let cmu = Path::new(&data).join("cmu");
+    let bounds: Vec<f64> = std::env::args().skip(1).map(|a| a.parse()).collect::<Result<_, _>>()?;
+    let bounds = if bounds.is_empty() { vec![0.05, 0.1, 0.25, 0.5, 1.0] } else { bounds };
+    println!(
+        "motion   bound_deg        bytes  largest_deg  rms_deg  acc_rms_rad_s2  of_rad_s2  knots_per_s  write_s  \
+         ns_a_frame"
+    );
+    for class in ["fight", "walk"] {
+        let q = performance(&cmu, class)?;
+        for bound in &bounds {
+            row(class, &q, *bound)?;
+        }
+    }
+    Ok(())
+}
+
+fn row(class: &str, q: &[f64], bound_deg: f64) -> Result<(), Box<dyn Error>> {
+    let settings = Settings { angle_rad: bound_deg.to_radians(), ..Settings::default() };
+    let motion = Motion {
+        joints: &[Joint::Revolute; CHANNELS],
+        q,
+        rate: RATE,
+        is_loop: false,
+        rig: 0,
+        cues: &[],
+        time_code: None,
+        course: &[],
+    };
+    let begun = Instant::now();
+    let Written { bytes, angles, knots, .. } = write(&motion, &settings)?;
+    let write_s = begun.elapsed().as_secs_f64();
+    let mut player = Player::<CHANNELS>::new(Show::open(&bytes)?)?;
+    let samples = q.len() / CHANNELS;
+    // Against central differences of the samples.
+    let (mut squares, mut all) = (0.0, 0.0);
+    let [mut p, mut v, mut a] = [[0.0; CHANNELS]; 3];
+    for sample in 1..samples - 1 {
+        player.state_at(Position::from_samples(u32::try_from(sample)?), &mut p, &mut v, &mut a)?;
+        for (c, a) in a.iter().enumerate() {
+            let at = |k: usize| q[k * CHANNELS + c];
+            let wanted = (at(sample - 1) - 2.0 * at(sample) + at(sample + 1)) * RATE_HZ * RATE_HZ;
+            squares += (wanted - f64::from(*a)).powi(2);
+            all += wanted.powi(2);
+        }
+    }
+    let count = (CHANNELS * (samples - 2)) as f64;
+    // 500 ticks a second.
+    let pace = player.show().pace(0.002);
+    let ticks = u32::try_from(samples)? / 120 * 500;
+    let begun = Instant::now();
+    for tick in 0..ticks {
+        player.state_at(pace.position(tick), &mut p, &mut v, &mut a)?;
+        black_box((&p, &v, &a));
+    }
+    let ns = begun.elapsed().as_secs_f64() * 1e9 / f64::from(ticks);
+    println!(
+        "{class:8} {bound_deg:9} {:12} {:12.4} {:8.4} {:15.2} {:10.2} {:12.1} {write_s:8.1} {ns:13.0}",
+        bytes.len(),
+        angles.largest.to_degrees(),
+        angles.rms.to_degrees(),
+        (squares / count).sqrt(),
+        (all / count).sqrt(),
+        knots as f64 / SECONDS,
+    );
+    Ok(())
+}
+
+/// Samples of 20 joint angles: all clips of a class, one behind the other, until they are long enough.
+fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+    let mut clips = Vec::new();
+    for line in std::fs::read_to_string(cmu.join("index.csv"))?.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        // A description may have commas.
+        let first_is_t_pose = fields[fields.len() - 4] == "1";
+        if fields[0].starts_with(&format!("{class}/")) {
+            clips.push(moving_angles(&read(&cmu.join(fields[0]), first_is_t_pose)?));
+        }
+    }
+    let between = (BETWEEN_S * RATE_HZ) as usize;
+    let (mut channels, mut seconds) = (vec![Vec::new(); CHANNELS], 0.0);
+    for clip in clips.iter().cycle() {
+        for (to, from) in channels.iter_mut().zip(clip) {
+            if let Some(last) = to.last().copied() {
+                let before = last - to[to.len() - 2];
+                bridge(to, last, before, from[0], from[1] - from[0], between);
+            }
+            let left = ((SECONDS - seconds) * RATE_HZ) as usize;
+            to.extend(&from[..from.len().min(left + 2)]);
+        }
+        seconds += clip[0].len() as f64 / RATE_HZ;
+        if seconds >= SECONDS {
+            break;
+        }
+    }
+    let count = channels[0].len();
+    Ok((0..count).flat_map(|k| channels.iter().map(move |channel| channel[k])).collect())
+}
+
+/// A quintic from one value and slope to another, accelerations zero.
+fn bridge(to: &mut Vec<f64>, p0: f64, v0: f64, p1: f64, v1: f64, count: usize) {
+    let n = count as f64;
+    for k in 1..count {
+        let x = k as f64 / n;
+        let rest = p1 - p0 - v0 * n;
+        let (x3, x4, x5) = (x.powi(3), x.powi(4), x.powi(5));
+        let slope = (v1 - v0) * n;
+        to.push(
+            p0 + v0 * n * x
+                + rest * (10.0 * x3 - 15.0 * x4 + 6.0 * x5)
+                + slope * (-4.0 * x3 + 7.0 * x4 - 3.0 * x5),
+        );
+    }
+}
+
+/// A clip, low-passed, and its joints that do not flip in it: no rig should be asked to follow a fault of a recording.
+fn read(file: &Path, skip_first: bool) -> Result<(Clip, Vec<usize>), Box<dyn Error>> {
+    let mut recording = format::read(file)?.in_metres(1.0);
+    if skip_first {
+        recording.frames.remove(0);
+    }
+    let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+    let (mut clip, _) = gaps::fill(recording, frame_time_s, 0.5)?;
+    let joints = 1..clip.skeleton.joints.len();
+    let flips = flips::find(&clip, &vec![true; joints.end]).0;
+    let sound =
+        joints.filter(|j| flips.iter().all(|flip| flip.joint != clip.skeleton.joints[*j].name));
+    let sound = sound.collect();
+    if let Some(low_pass) = LowPass::new(clip.rate_hz(), 6.0) {
+        low_pass.apply_to_clip(&mut clip)?;
+    }
+    Ok((clip, sound))
+}
+
+/// The components of the joints' rotation vectors that move fastest, root mean square, at [`RATE`].
+fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
+    let mut angles: Vec<Vec<f64>> = Vec::new();
+    for joint in joints.iter().copied() {
+        // From the mean rotation, which few joints are half a turn away from.
+        let mean = clip.frames.iter().fold(DQuat::from_array([0.0; 4]), |sum, frame| {
+            let q = frame[joint].rotation;
+            if sum.dot(q) < 0.0 { sum - q } else { sum + q }
+        });
+        let mean = mean.normalize();
+        let (mut components, mut last) = (vec![Vec::new(); 3], DVec3::ZERO);
+        for frame in &clip.frames {
+            let q = mean.conjugate() * frame[joint].rotation;
+            let q = if q.w < 0.0 { -q } else { q };
+            let mut vector = q.to_scaled_axis();
+            // The same rotation, next to the last one.
+            let turn = vector.normalize_or_zero() * TAU;
+            if (vector - turn).distance(last) < vector.distance(last) {
+                vector -= turn;
+            }
+            last = vector;
+            for (component, x) in components.iter_mut().zip(vector.to_array()) {
+                component.push(x);
+            }
+        }
+        angles.extend(components);
+    }
+    let speed = |angle: &Vec<f64>| -> f64 { angle.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum() };
+    angles.sort_by(|a, b| speed(b).total_cmp(&speed(a)));
+    angles.truncate(CHANNELS);
+    angles.iter().map(|angle| resampled(angle, clip.rate_hz())).collect()
+}
+
+/// By cubics through four samples: what was low-passed has nothing that they miss.
+fn resampled(angle: &[f64], rate_hz: f64) -> Vec<f64> {
+    let last = angle.len() - 1;
+    let count = (last as f64 * RATE_HZ / rate_hz) as usize;
+    (0..=count)
+        .map(|k| {
+            let at = k as f64 * rate_hz / RATE_HZ;
+            let i = (at as usize).min(last - 1);
+            let u = at - i as f64;
+            let (a, b) = (angle[i], angle[i + 1]);
+            let (before, after) = (angle[i.saturating_sub(1)], angle[(i + 2).min(last)]);
+            let (v0, v1) = ((b - before) / 2.0, (after - a) / 2.0);
+            a + u * (v0 + u * (3.0 * (b - a) - 2.0 * v0 - v1 + u * (2.0 * (a - b) + v0 + v1)))
+        })
+        .collect()
+}

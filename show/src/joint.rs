@@ -1,0 +1,94 @@
+//! Joints as a show knows them, and what their channels are.
+
+use sinew_core::JointKind;
+
+/// A joint, without its axes: what a show has to know of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joint {
+    /// No freedom.
+    Fixed,
+    /// An angle, rad.
+    Revolute,
+    /// A displacement, m.
+    Prismatic,
+    /// Two angles, rad.
+    Universal,
+    /// A rotation.
+    Spherical,
+    /// A rotation and a position, m.
+    Free,
+}
+
+impl Joint {
+    const ALL: [Self; 6] = [
+        Self::Fixed,
+        Self::Revolute,
+        Self::Prismatic,
+        Self::Universal,
+        Self::Spherical,
+        Self::Free,
+    ];
+
+    /// Its number in a show.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The joint of that number.
+    pub fn of_code(code: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(code)).copied()
+    }
+
+    /// Its numbers in `q`, and as many channels.
+    pub const fn coordinate_count(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Revolute | Self::Prismatic => 1,
+            Self::Universal => 2,
+            Self::Spherical => 4,
+            Self::Free => 7,
+        }
+    }
+
+    /// Its numbers in `qd` and `qdd`.
+    pub const fn degrees_of_freedom(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Revolute | Self::Prismatic => 1,
+            Self::Universal => 2,
+            Self::Spherical => 3,
+            Self::Free => 6,
+        }
+    }
+
+    /// Whether its first four channels are a quaternion.
+    pub const fn turns_freely(self) -> bool {
+        matches!(self, Self::Spherical | Self::Free)
+    }
+}
+
+impl From<JointKind> for Joint {
+    fn from(kind: JointKind) -> Self {
+        match kind {
+            JointKind::Fixed => Self::Fixed,
+            JointKind::Revolute { .. } => Self::Revolute,
+            JointKind::Prismatic { .. } => Self::Prismatic,
+            JointKind::Universal { .. } => Self::Universal,
+            JointKind::Spherical => Self::Spherical,
+            JointKind::Free => Self::Free,
+        }
+    }
+}
+
+impl core::fmt::Display for Joint {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+            Self::Universal => "universal",
+            Self::Spherical => "spherical",
+            Self::Free => "free",
+        })
+    }
+}

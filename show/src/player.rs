@@ -1,0 +1,71 @@
+//! A show as it is played.
+
+use crate::channel::{Channel, Checked};
+use crate::chart::Coordinates;
+use crate::error::ShowError;
+use crate::position::Position;
+use crate::show::Show;
+
+/// Plays a show of at most `C` channels, forwards at little cost, or from anywhere.
+///
+/// It keeps about 100 bytes for each channel.
+#[derive(Debug, Clone)]
+pub struct Player<'a, const C: usize> {
+    show: Show<'a>,
+    channels: [Channel; C],
+    checked: Checked,
+}
+
+impl<'a, const C: usize> Player<'a, C> {
+    /// A player of a show.
+    ///
+    /// # Errors
+    /// [`ShowError::Capacity`] if the show has more than `C` channels.
+    pub fn new(show: Show<'a>) -> Result<Self, ShowError> {
+        let found = show.channel_count();
+        if found > C {
+            return Err(ShowError::Capacity { found, holds: C });
+        }
+        Ok(Self { show, channels: [Channel::default(); C], checked: Checked::NONE })
+    }
+
+    /// The show.
+    pub fn show(&self) -> &Show<'a> {
+        &self.show
+    }
+
+    /// The rig's coordinates at a position, with the derivatives of the very curve: `q` of nq numbers, `qd` and `qdd`
+    /// of nv, as [`coordinates`](sinew_core::coordinates) has them. What does not fit is left out.
+    ///
+    /// Behind its end, a looped show goes round, another one stays at its last pose, with the speed it has there.
+    /// The same position gives the same bits, whatever was asked before. From tick to tick O(channels); a jump to
+    /// another place costs O(block).
+    ///
+    /// # Errors
+    /// [`ShowError::Block`] if a block is damaged that this position needs. Nothing is written then.
+    pub fn state_at(
+        &mut self,
+        position: Position,
+        q: &mut [f32],
+        qd: &mut [f32],
+        qdd: &mut [f32],
+    ) -> Result<(), ShowError> {
+        let position = self.show.within(position);
+        let rate = self.show.rate().hz();
+        let squared = rate * rate;
+        for (index, channel) in self.channels.iter_mut().enumerate().take(self.show.channel_count())
+        {
+            channel.seek(&self.show, index, position, &mut self.checked)?;
+        }
+        let mut to = Coordinates::new(q, qd, qdd);
+        let mut channels = self.channels.iter();
+        for joint in self.show.joints() {
+            to.put(joint, || {
+                let [p, v, a] =
+                    channels.next().map(|channel| channel.at(position)).unwrap_or_default();
+                [p, v * rate, a * squared]
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,192 @@
+//! Least squares: the control values of a cubic spline with given knots.
+
+/// Weight of the spans' jerks, beside 1 for a sample: it decides only what no sample does.
+const SMOOTHING: f64 = 1e-10;
+/// The same of so many spans at both ends, where a curve may swing out between samples that are as noisy as the spans
+/// are short: three control values more than samples.
+const AT_ENDS: (usize, f64) = (3, 1e-4);
+
+/// The weights of control values 1 to 4 of six knots between knots 2 and 3, as cubics of the way from knot 2: by power.
+struct Weights([[f64; 4]; 4]);
+
+impl Weights {
+    /// Of position, velocity, half of the acceleration and a sixth of the jerk at knot 2, as the decoder's `Cubic` has
+    /// them of control values.
+    fn new(knots: [i32; 6]) -> Self {
+        let [t0, t1, t2, t3, t4, t5] = knots.map(f64::from);
+        let slopes = [3.0 / (t3 - t0), 3.0 / (t4 - t1), 3.0 / (t5 - t2)];
+        let bends = [1.0 / (t3 - t1), 1.0 / (t4 - t2)];
+        let (before, here) = (t2 - t1, t3 - t2);
+        // Slopes of the control polygon's slopes, at both ends.
+        let second = |bend: f64, from: f64, to: f64| [bend * from, -bend * (from + to), bend * to];
+        let [a, b, c] = second(bends[0], slopes[0], slopes[1]);
+        let [p, q, r] = second(bends[1], slopes[1], slopes[2]);
+        let third = 1.0 / (3.0 * here);
+        let [from, to] = [slopes[0] * here * bends[0], slopes[1] * before * bends[0]];
+        let velocity = [-from, from - to, to, 0.0];
+        let half = [a, b, c, 0.0];
+        let (back, bent) = ((here - before) / 3.0, before * here / 3.0);
+        let mut position: [f64; 4] = std::array::from_fn(|k| half[k] * bent - velocity[k] * back);
+        position[1] += 1.0;
+        Self([position, velocity, half, [-a, p - b, q - c, r].map(|change| change * third)])
+    }
+}
+
+/// The weights of control values 1 to 4 of six knots, at a place between knots 2 and 3.
+#[cfg(test)]
+pub(crate) fn weights(knots: [i32; 6], at: f64) -> [f64; 4] {
+    let u = at - f64::from(knots[2]);
+    let [a, b, c, d] = Weights::new(knots).0;
+    std::array::from_fn(|k| a[k] + u * (b[k] + u * (c[k] + u * d[k])))
+}
+
+/// Sums of the powers 0 to 6 of the integers from 0 to before `count` (Faulhaber).
+fn power_sums(count: i32) -> [f64; 7] {
+    let n = f64::from(count);
+    let p = n * (n - 1.0);
+    let (squares, cubes) = (p * (2.0 * n - 1.0) / 6.0, p * p / 4.0);
+    [
+        n,
+        p / 2.0,
+        squares,
+        cubes,
+        squares * (3.0 * p - 1.0) / 5.0,
+        cubes * (2.0 * p - 1.0) / 3.0,
+        squares * (3.0 * p * (p - 1.0) + 1.0) / 7.0,
+    ]
+}
+
+/// The control values, one for each knot, whose spline is nearest to the samples: `values`, from `knots[2]` on and
+/// before the last knot but two. The first and the last are of no account, and repeat their neighbours.
+///
+/// Sums of products of weights are those of powers, which are known, and of powers times values: O(1) for a sample, and
+/// the rest for a span.
+pub(super) fn fit(knots: &[i32], values: &[f64]) -> Vec<f64> {
+    let unknowns = knots.len() - 2;
+    // Rows of the normal equations: the diagonal and three places behind it, of knots from the second on.
+    let mut rows = vec![[0.0; 4]; unknowns];
+    let mut right = vec![0.0; unknowns];
+    let mut rest = values;
+    for (first, window) in knots.windows(6).enumerate() {
+        let window: [i32; 6] = window.try_into().expect("windows of six");
+        let length = window[3] - window[2];
+        let weights = Weights::new(window);
+        let (of_span, behind) = rest.split_at(length.unsigned_abs() as usize);
+        rest = behind;
+        let mut powers = power_sums(length);
+        // The jerk times the cube of the span: a third difference, where spans are equal.
+        let is_at_end = first.min(unknowns - 4 - first) < AT_ENDS.0;
+        let smoothing = if is_at_end { AT_ENDS.1 } else { SMOOTHING };
+        let cubed = 6.0 * powers[0] * powers[0] * powers[0];
+        powers[6] += smoothing * cubed * cubed;
+        for (weights, sum) in weights.0.iter().zip(powers_times(of_span)) {
+            for (right, weight) in right[first..first + 4].iter_mut().zip(weights) {
+                *right += weight * sum;
+            }
+        }
+        let mut products = [[0.0; 4]; 4];
+        for (power, weights_of_power) in weights.0.iter().enumerate() {
+            let mut sums = [0.0; 4];
+            for (weights, sum_of_powers) in weights.0.iter().zip(&powers[power..]) {
+                for (sum, weight) in sums.iter_mut().zip(weights) {
+                    *sum += weight * sum_of_powers;
+                }
+            }
+            for (products, sum) in products.iter_mut().zip(sums) {
+                for (product, weight) in products.iter_mut().zip(weights_of_power) {
+                    *product += sum * weight;
+                }
+            }
+        }
+        for (k, products) in products.iter().enumerate() {
+            for (slot, product) in rows[first + k].iter_mut().zip(&products[k..]) {
+                *slot += product;
+            }
+        }
+    }
+    solve(&mut rows, &mut right);
+    let (first, last) = (right[0], right[unknowns - 1]);
+    [first].into_iter().chain(right).chain([last]).collect()
+}
+
+/// Sums over a span's samples of their values times the powers 0 to 3 of their places in it.
+fn powers_times(values: &[f64]) -> [f64; 4] {
+    let mut sums = [0.0; 4];
+    let mut place = 0.0;
+    for value in values {
+        let mut product = *value;
+        for sum in &mut sums {
+            *sum += product;
+            product *= place;
+        }
+        place += 1.0;
+    }
+    sums
+}
+
+/// Cholesky's factors of a band of three, in place: `right` becomes the solution.
+fn solve(rows: &mut [[f64; 4]], right: &mut [f64]) {
+    let count = rows.len();
+    for row in 0..count {
+        let pivot = rows[row][0];
+        for k in 1..4.min(count - row) {
+            let factor = rows[row][k] / pivot;
+            for place in k..4 {
+                rows[row + k][place - k] -= factor * rows[row][place];
+            }
+            right[row + k] -= factor * right[row];
+        }
+    }
+    for row in (0..count).rev() {
+        let mut sum = right[row];
+        for k in 1..4.min(count - row) {
+            sum -= rows[row][k] * right[row + k];
+        }
+        right[row] = sum / rows[row][0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jerks_are_third_differences_where_spans_are_equal_and_none_of_a_parabola() {
+        let jerk = |knots: [i32; 6]| {
+            let length = f64::from(knots[3] - knots[2]);
+            Weights::new(knots).0[3].map(|cubic| 6.0 * cubic * (length * length * length))
+        };
+        let mut pairs = jerk([0, 3, 6, 9, 12, 15]).into_iter().zip([-1.0, 3.0, -3.0, 1.0]);
+        assert!(pairs.all(|(weight, third)| (weight - third).abs() < 1e-12));
+        // The control value at a knot of x²: the mean product of two of the three knots about it (blossom).
+        let knots = [-9, -2, 0, 1, 8, 9];
+        let control = |k: usize| {
+            let [a, b, c] = [knots[k - 1], knots[k], knots[k + 1]].map(f64::from);
+            (a * b + b * c + c * a) / 3.0
+        };
+        let sum: f64 = jerk(knots).iter().zip(1..).map(|(weight, k)| weight * control(k)).sum();
+        assert!(sum.abs() < 1e-12, "{sum}");
+    }
+
+    #[test]
+    fn weights_sum_to_one_and_a_parabola_is_met_exactly() {
+        let knots = [-7, -3, 0, 2, 8, 9, 12, 20, 21, 24, 30, 31];
+        for window in knots.windows(6) {
+            let window: [i32; 6] = window.try_into().expect("six knots");
+            for at in [0.0, 0.3, 0.9] {
+                let at = f64::from(window[2]) + at * f64::from(window[3] - window[2]);
+                assert!((weights(window, at).iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            }
+        }
+        let parabola = |x: f64| 1.0 + x * (0.5 - x * 0.03);
+        let values: Vec<f64> = (0..24).map(|sample| parabola(f64::from(sample))).collect();
+        let controls = fit(&knots, &values);
+        for (first, window) in knots.windows(6).enumerate() {
+            let window: [i32; 6] = window.try_into().expect("six knots");
+            let at = f64::from(window[2] + window[3]) / 2.0;
+            let sum: f64 =
+                weights(window, at).iter().zip(&controls[first + 1..]).map(|(w, c)| w * c).sum();
+            assert!((sum - parabola(at)).abs() < 1e-9, "{sum} {}", parabola(at));
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Fitting and writing shows, in f64.
+
+mod channels;
+mod check;
+mod curve;
+mod error;
+mod fit;
+mod measure;
+mod pack;
+mod refine;
+
+use crate::joint::Joint;
+use crate::layout::{
+    CHANNEL_LEN, ChannelRecord, HEADER_LEN, Header, LARGEST_CONTROL, LOOP, SLOWED,
+};
+use crate::position::Rate;
+use crate::show::CHECKSUM;
+use crate::time_code::TimeCode;
+use channels::groups;
+use check::{check, per_sample};
+use curve::Samples;
+pub use error::WriteError;
+#[cfg(test)]
+pub(crate) use fit::weights;
+pub use measure::Errors;
+use measure::measure;
+use refine::Bound;
+
+/// The fewest spans of a loop: a player looks three knots ahead, and no farther than the next round.
+const LEAST_SPANS: i32 = 6;
+
+/// What a show is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// The rig's joints, in regular numbering.
+    pub joints: &'a [Joint],
+    /// The rig's coordinates in each sample, one sample behind the other: nq numbers each, rad, m, quaternions xyzw.
+    pub q: &'a [f64],
+    /// Samples per second.
+    pub rate: Rate,
+    /// Whether the sample behind the last one is the first again.
+    pub is_loop: bool,
+    /// The CRC of the rig's compact form, or 0.
+    pub rig: u32,
+    /// What happens when: a sample, and a name of at most 255 bytes.
+    pub cues: &'a [(u32, &'a str)],
+    /// The time code of the first sample.
+    pub time_code: Option<TimeCode>,
+    /// Where the performance was when the show is at a sample, if the show was slowed down: pairs of samples, both in
+    /// order, between which it goes evenly. The time code follows.
+    pub course: &'a [(u32, u32)],
+}
+
+/// How near the show must be to its samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The largest error of angles and rotations, rad. Default: 0.25°.
+    pub angle_rad: f64,
+    /// The largest error of displacements and positions, along each axis, m. Default: 1 mm.
+    pub length_m: f64,
+    /// How long a block is, s. Default: 4.
+    pub block_s: f64,
+    /// The step of control values, in shares of the largest error. Default: 1/2.
+    pub step: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { angle_rad: 0.25_f64.to_radians(), length_m: 1e-3, block_s: 4.0, step: 0.5 }
+    }
+}
+
+/// A show, and how near it is to its samples.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// The show.
+    pub bytes: Vec<u8>,
+    /// Of angles and rotations, rad.
+    pub angles: Errors,
+    /// Of displacements and positions, m.
+    pub lengths: Errors,
+    /// Knots of all channels.
+    pub knots: usize,
+}
+
+/// Writes a show of a motion, with as few knots as the largest errors allow.
+///
+/// # Errors
+/// [`WriteError`] names what of the motion or the settings cannot be.
+pub fn write(motion: &Motion<'_>, settings: &Settings) -> Result<Written, WriteError> {
+    let samples = check(motion, settings)?;
+    let length = if motion.is_loop { samples } else { samples - 1 };
+    let block = settings.block_s * f64::from(motion.rate.samples) / f64::from(motion.rate.seconds);
+    #[expect(clippy::cast_possible_truncation, reason = "clamped")]
+    let block = block.clamp(16.0, 8192.0) as i32;
+    let length = i32::try_from(length).expect("checked");
+    let blocks = (length + block - 1) / block;
+    let most = if motion.is_loop { length / LEAST_SPANS } else { i32::MAX };
+    let longest = (block / 4).min(most).max(1);
+    let (mut records, mut streams, mut knots) = (Vec::new(), Vec::new(), 0);
+    for (group, bound) in channels(motion, settings) {
+        for (curve, step, flips) in refine::refine(&group, bound, settings.step, longest) {
+            let record = pack::record(&curve, step, flips, block, blocks);
+            let found = record.most.max(-record.least);
+            if found > LARGEST_CONTROL {
+                let [found, most] = [found, LARGEST_CONTROL].map(|n| n.unsigned_abs() as usize);
+                return Err(WriteError::TooMuch { what: "steps in a channel", found, most });
+            }
+            knots += curve.knots.len();
+            streams.push(pack::streams(&record, &curve, block, blocks));
+            records.push(record);
+        }
+    }
+    let blocks: Vec<Vec<u8>> = (0..blocks.unsigned_abs() as usize)
+        .map(|k| pack::block(&streams.iter().map(|channel| &channel[k]).collect::<Vec<_>>()))
+        .collect();
+    let mut parts = Parts { motion, records: &records, blocks: &blocks, errors: [0.0; 2] };
+    let timing = (length.unsigned_abs(), block.unsigned_abs());
+    let (angles, lengths) = measure(&parts.bytes(timing)?, motion, settings)?;
+    #[expect(clippy::cast_possible_truncation, reason = "errors are rounded")]
+    {
+        parts.errors = [angles.largest as f32, lengths.largest as f32];
+    }
+    Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
+}
+
+/// All groups of curves, in the order of channels.
+fn channels(motion: &Motion<'_>, settings: &Settings) -> Vec<(Vec<Samples>, Bound)> {
+    let per_sample = per_sample(motion);
+    let mut first = 0;
+    let mut all = Vec::new();
+    for joint in motion.joints {
+        let columns = (first..first + joint.coordinate_count())
+            .map(|c| motion.q.iter().skip(c).step_by(per_sample).copied().collect())
+            .collect();
+        first += joint.coordinate_count();
+        all.extend(groups(*joint, columns, motion.is_loop, settings));
+    }
+    all
+}
+
+/// What a file is put together from.
+struct Parts<'a> {
+    motion: &'a Motion<'a>,
+    records: &'a [ChannelRecord],
+    blocks: &'a [Vec<u8>],
+    /// The largest ones, rad and m.
+    errors: [f32; 2],
+}
+
+impl Parts<'_> {
+    /// The show. `length` and `block` in samples.
+    fn bytes(&self, (length, block): (u32, u32)) -> Result<Vec<u8>, WriteError> {
+        let Self { motion, records, blocks, errors: [error_rad, error_m] } = *self;
+        let mut cues = Vec::new();
+        for (sample, name) in motion.cues {
+            cues.extend(sample.to_le_bytes());
+            cues.push(u8::try_from(name.len()).expect("checked"));
+            cues.extend(name.bytes());
+        }
+        let mut course = Vec::new();
+        if !motion.course.is_empty() {
+            course.extend(u16::try_from(motion.course.len()).expect("checked").to_le_bytes());
+            course.extend(
+                motion.course.iter().flat_map(|(at, of)| [*at, *of]).flat_map(u32::to_le_bytes),
+            );
+        }
+        let tables = motion.joints.len() + records.len() * CHANNEL_LEN;
+        let head_len = HEADER_LEN + tables + cues.len() + course.len() + blocks.len() * 4;
+        let total_len = head_len + 4 + blocks.iter().map(Vec::len).sum::<usize>();
+        for (what, found, most) in
+            [("bytes", total_len, 1 << 28), ("bytes of cues", cues.len(), usize::from(u16::MAX))]
+        {
+            if found > most {
+                return Err(WriteError::TooMuch { what, found, most });
+            }
+        }
+        let count = |count: usize| u16::try_from(count).expect("checked");
+        let header = Header {
+            flags: if motion.is_loop { LOOP } else { 0 }
+                | if course.is_empty() { 0 } else { SLOWED },
+            total_len: u32::try_from(total_len).expect("checked"),
+            head_len: u32::try_from(head_len).expect("checked"),
+            rig: motion.rig,
+            rate: motion.rate,
+            length,
+            block: count(block as usize),
+            joints: count(motion.joints.len()),
+            channels: count(records.len()),
+            cues: count(motion.cues.len()),
+            cues_len: count(cues.len()),
+            time_code: motion.time_code,
+            error_rad,
+            error_m,
+        };
+        let mut bytes = Vec::with_capacity(total_len);
+        header.write(&mut bytes);
+        bytes.extend(motion.joints.iter().map(|joint| joint.code()));
+        for record in records {
+            record.write(&mut bytes);
+        }
+        bytes.extend(&cues);
+        bytes.extend(&course);
+        let mut start = head_len + 4;
+        for block in blocks {
+            bytes.extend(u32::try_from(start).expect("checked").to_le_bytes());
+            start += block.len();
+        }
+        bytes.extend(CHECKSUM.checksum(&bytes).to_le_bytes());
+        bytes.extend(blocks.iter().flatten());
+        Ok(bytes)
+    }
+}

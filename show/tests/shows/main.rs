@@ -1,0 +1,7 @@
+//! Shows as they are written, played, blended, damaged and read by another program.
+
+mod attack;
+mod blend;
+mod examples;
+mod round_trip;
+mod second_reader;
