@@ -1,0 +1,48 @@
+//! A line that servos hang on.
+
+use std::io;
+use std::time::Duration;
+
+/// A half-duplex line: bytes out, and what comes back. A serial port is one, a simulated line is another, and a board
+/// that passes packets on can be a third.
+pub trait Exchange {
+    /// Forgets what came before, sends `bytes`, and gives what comes to `take` until that says that it has all, or
+    /// `wait` is over since the call.
+    ///
+    /// # Errors
+    /// What the line says: it is gone. Silence is no error.
+    fn exchange(
+        &mut self,
+        bytes: &[u8],
+        wait: Duration,
+        take: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> io::Result<()>;
+
+    /// Talks and listens at this rate from now on, bits per second.
+    ///
+    /// # Errors
+    /// If the line does not do this rate.
+    fn set_baud(&mut self, baud: u32) -> io::Result<()>;
+
+    /// Nobody talks for a while.
+    fn pause(&mut self, time: Duration);
+}
+
+impl<E: Exchange + ?Sized> Exchange for &mut E {
+    fn exchange(
+        &mut self,
+        bytes: &[u8],
+        wait: Duration,
+        take: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> io::Result<()> {
+        (**self).exchange(bytes, wait, take)
+    }
+
+    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
+        (**self).set_baud(baud)
+    }
+
+    fn pause(&mut self, time: Duration) {
+        (**self).pause(time);
+    }
+}

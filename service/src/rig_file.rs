@@ -1,0 +1,171 @@
+//! What was calibrated, into the rig file: the rest of the text stays as a person wrote it.
+
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+
+use crate::ServiceError;
+
+/// What changes of a servo in a rig file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServoChange {
+    /// The servo.
+    pub name: String,
+    /// Its range.
+    pub range_deg: Option<[f64; 2]>,
+    /// Where the drive has zero.
+    pub offset_deg: Option<f64>,
+}
+
+/// The text with other ranges and offsets. Comments, order and all other keys stay.
+///
+/// # Errors
+/// [`ServiceError::Rig`] if the text is no rig, before or after, or has no such servo.
+pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceError> {
+    let refused = |name: &str, what: String| ServiceError::Rig { name: name.to_owned(), what };
+    let mut document: DocumentMut = text
+        .parse()
+        .map_err(|error: toml_edit::TomlError| refused("the rig file", error.to_string()))?;
+    for change in changes {
+        let servo = servo(&mut document, &change.name)
+            .ok_or_else(|| refused(&change.name, "the rig file has no such servo".to_owned()))?;
+        if let Some(range) = change.range_deg {
+            let range: Array = range.map(hundredths).into_iter().collect();
+            set(servo, "range_deg", range.into());
+        }
+        if let Some(offset) = change.offset_deg {
+            set(servo, "offset_deg", hundredths(offset).into());
+        }
+    }
+    let text = document.to_string();
+    // What is written must be a rig: a range may lie beyond something else in the file.
+    sinew_rig::toml_file::read(&text)
+        .map_err(|error| refused("the rig file", error.to_string()))?;
+    Ok(text)
+}
+
+fn servo<'d>(document: &'d mut DocumentMut, name: &str) -> Option<&'d mut dyn TableLike> {
+    let is = |table: &dyn TableLike| table.get("name").and_then(Item::as_str) == Some(name);
+    match document.get_mut("servo")? {
+        Item::ArrayOfTables(tables) => {
+            tables.iter_mut().find(|table| is(*table)).map(|table| table as &mut dyn TableLike)
+        }
+        Item::Value(Value::Array(tables)) => tables
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .find(|table| is(*table))
+            .map(|table| table as &mut dyn TableLike),
+        _ => None,
+    }
+}
+
+/// Sets a value, and keeps the comment behind the one that was there.
+fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(value));
+}
+
+/// No servo knows its position better.
+fn hundredths(degrees: f64) -> f64 {
+    // No -0.
+    (degrees * 100.0).round() / 100.0 + 0.0
+}
+
+/// Writes a file as a whole, or not at all: a new one beside it takes its place.
+///
+/// # Errors
+/// What the system says.
+pub fn replace(path: &Path, text: &str) -> io::Result<()> {
+    // A link stays a link.
+    let path = path.canonicalize()?;
+    let folder = path.parent().unwrap_or_else(|| Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".rig-").tempfile_in(folder)?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().set_permissions(std::fs::metadata(&path)?.permissions())?;
+    file.as_file().sync_all()?;
+    file.persist(&path)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIG: &str = r#"# My arm, built in May.
+name = "arm"
+[[body]]
+name = "base"
+[[body]]
+name = "link"
+[[joint]]
+name = "bend"
+parent = "base"
+child = "link"
+axis = [0, 0, 1]   # about z
+[[drive]]
+joints = ["bend"]
+servos = ["one"]
+
+[[servo]] # the one with the dent
+name = "one"
+model = "STS3215-7.4V"
+id = 1
+range_deg = [-90, 90] # by eye
+direction = -1
+"#;
+
+    fn change() -> ServoChange {
+        ServoChange {
+            name: "one".to_owned(),
+            range_deg: Some([-57.298_765, 80.0]),
+            offset_deg: Some(-12.341),
+        }
+    }
+
+    #[test]
+    fn only_what_changes_is_changed() {
+        let text = edited(RIG, &[change()]).unwrap();
+        let expected = RIG.replace("[-90, 90]", "[-57.3, 80.0]") + "offset_deg = -12.34\n";
+        assert_eq!(text, expected);
+        // The same again changes nothing.
+        assert_eq!(edited(&text, &[change()]).unwrap(), text);
+    }
+
+    #[test]
+    fn servos_in_one_line_are_found_too() {
+        let (head, _) = RIG.split_once("[[servo]]").unwrap();
+        let line = "servo = [{ name = \"one\", model = \"STS3215-7.4V\", id = 1 }]\n";
+        let text = head.replacen("name = \"arm\"\n", &format!("name = \"arm\"\n{line}"), 1);
+        let text = edited(&text, &[change()]).unwrap();
+        let rig = sinew_rig::toml_file::read(&text).unwrap();
+        assert_eq!(rig.servos[0].offset_rad, Some((-12.34_f64).to_radians()));
+    }
+
+    #[test]
+    fn what_would_be_no_rig_is_refused() {
+        let nobody = ServoChange { name: "two".to_owned(), ..change() };
+        assert!(edited(RIG, &[nobody]).unwrap_err().to_string().contains("no such servo"));
+        let reversed = ServoChange { range_deg: Some([10.0, -10.0]), ..change() };
+        assert!(edited(RIG, &[reversed]).unwrap_err().to_string().contains("range_deg"));
+        assert!(edited("name =", &[]).is_err());
+    }
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_with_its_permissions() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("rig.toml"), folder.path().join("link.toml"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        replace(&link, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        assert!(replace(&folder.path().join("none.toml"), "new").is_err());
+    }
+}
