@@ -196,18 +196,14 @@ impl JointKind {
     ///
     /// Angles are in [-π, π].
     pub(crate) fn along(self, in_joint: &Transform) -> [f32; 2] {
-        let turn_about = |axis: Vec3, rotation: Quat| {
-            let q = if rotation.w < 0.0 { -rotation } else { rotation };
-            2.0 * math::atan2(Vec3::new(q.x, q.y, q.z).dot(axis), q.w)
-        };
         match self {
-            Self::Revolute { axis } => [turn_about(axis, in_joint.rotation), 0.0],
+            Self::Revolute { axis } => [math::turn_about(axis, in_joint.rotation), 0.0],
             Self::Prismatic { axis } => [axis.dot(in_joint.translation_m), 0.0],
             Self::Universal { first, second } => {
                 let turned = math::rotate(in_joint.rotation, second);
                 let angle = math::atan2(first.cross(second).dot(turned), second.dot(turned));
                 let rest = math::exp(first * -angle) * in_joint.rotation;
-                [angle, turn_about(second, rest)]
+                [angle, math::turn_about(second, rest)]
             }
             Self::Fixed | Self::Spherical | Self::Free => [0.0; 2],
         }

@@ -122,7 +122,8 @@ impl<const N: usize> JointStates<N> {
         Ok(rate_hz)
     }
 
-    /// Moves one joint on to a pose that [`check_pose`](crate::state::check_pose) would pass, at a rate of [`Self::rate`].
+    /// Moves one joint on to a pose that [`check_pose`](crate::state::check_pose) would pass, at a rate of
+    /// [`Self::rate`].
     pub(crate) fn move_on(&mut self, joint: usize, pose: Transform, rate_hz: f32) {
         if let Some(state) = self.states.get_mut(joint) {
             move_on(state, pose, rate_hz);

@@ -214,6 +214,21 @@ pub(crate) fn is_unit(q: Quat) -> bool {
     (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
 }
 
+/// The part of a rotation that turns about a unit axis, unit: the twist, without the swing. No turn at all, if the
+/// rotation is a half turn about an axis across.
+#[inline]
+pub(crate) fn twist_about(axis: Vec3, rotation: Quat) -> Quat {
+    let Quat { x, y, z, w } = rotation;
+    let along = axis * axis.dot(Vec3::new(x, y, z));
+    unit(Quat::from_xyzw(along.x, along.y, along.z, w))
+}
+
+/// The angle of [`twist_about`] in rad, in [-π, π].
+pub(crate) fn turn_about(axis: Vec3, rotation: Quat) -> f32 {
+    let q = if rotation.w < 0.0 { -rotation } else { rotation };
+    2.0 * atan2(Vec3::new(q.x, q.y, q.z).dot(axis), q.w)
+}
+
 /// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.
 ///
 /// `q` and `-q` are the same rotation and give the same vector; at an angle of π exactly, where both

@@ -287,7 +287,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 
     /// Predicts one joint over a tick, corrects it by its measurement, and looks ahead over the delay.
     fn correct(&mut self, joint: usize, body: &Body, measured: &Transform) {
-        let ObserverSettings { dt_s, pose_gain, velocity_gain_per_s, .. } = self.settings;
+        let dt_s = self.settings.dt_s;
         let (Some(before), Some(disturbance)) =
             (self.estimates.as_slice().get(joint).copied(), self.disturbances.get_mut(joint))
         else {
@@ -302,7 +302,39 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let none = Command { acceleration: Twist::ZERO, limited: false };
         let made = commands.next().unwrap_or(none);
 
-        let slides = matches!(body.joint, JointKind::Prismatic { .. } | JointKind::Free);
+        let mut state = match body.joint {
+            JointKind::Revolute { axis } => {
+                let about = (axis, &body.placement);
+                self.settings.correct_hinge(about, &before, made, measured, disturbance)
+            }
+            _ => self.settings.correct(body, &before, made, measured, disturbance),
+        };
+        let disturbance = *disturbance;
+        // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
+        if self.estimates.set(joint, state).is_err() {
+            state = JointState { pose: *measured, velocity: Twist::ZERO };
+            let _ = self.estimates.set(joint, state);
+        }
+        for command in commands {
+            state = moved(&state, command.acceleration + disturbance, dt_s, body.joint.slides());
+        }
+        let _ = self.ahead.set(joint, state);
+    }
+}
+
+impl ObserverSettings {
+    /// The state of a joint after a tick, and what its measurement tells of its disturbance.
+    #[inline]
+    fn correct(
+        &self,
+        body: &Body,
+        before: &JointState,
+        made: Command,
+        measured: &Transform,
+        disturbance: &mut Twist,
+    ) -> JointState {
+        let Self { dt_s, pose_gain, velocity_gain_per_s, .. } = *self;
+        let slides = body.joint.slides();
         // The way of this tick as expected and as it came, both in the axes of the body before it.
         let to_body = before.pose.rotation.conjugate();
         let velocity = before.velocity + scaled(made.acceleration + *disturbance, dt_s);
@@ -320,32 +352,59 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         };
         let off = body.joint.project_twist(in_joint, came + scaled(expected, -1.0));
         if !made.limited {
-            let learnt = scaled(off, self.settings.disturbance_gain_per_s2);
-            *disturbance = self.settings.bounded(*disturbance + learnt);
+            let learnt = scaled(off, self.disturbance_gain_per_s2);
+            *disturbance = self.bounded(*disturbance + learnt);
         }
         let way = expected + scaled(off, pose_gain);
         let velocity = velocity + scaled(off, velocity_gain_per_s);
-        let mut state = on(&before, way, velocity, slides);
+        let mut state = on(before, way, velocity, slides);
         if !slides {
             state.pose.translation_m = measured.translation_m;
         }
         let carried =
             keep_on_axes(body.joint, &body.placement, &before.pose, &mut state, *disturbance);
         *disturbance = if carried.is_finite() { carried } else { Twist::ZERO };
-        let disturbance = *disturbance;
-        // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
-        if self.estimates.set(joint, state).is_err() {
-            state = JointState { pose: *measured, velocity: Twist::ZERO };
-            let _ = self.estimates.set(joint, state);
-        }
-        for command in commands {
-            state = moved(&state, command.acceleration + disturbance, dt_s, slides);
-        }
-        let _ = self.ahead.set(joint, state);
+        state
     }
-}
 
-impl ObserverSettings {
+    /// The same of a joint that turns about an axis, in the numbers along it.
+    // Apart, so that joints of other kinds do not pay for its stack.
+    #[inline(never)]
+    fn correct_hinge(
+        &self,
+        (axis, placement): (Vec3, &Transform),
+        before: &JointState,
+        made: Command,
+        measured: &Transform,
+        disturbance: &mut Twist,
+    ) -> JointState {
+        let Self { dt_s, pose_gain, velocity_gain_per_s, most_rad_s2, .. } = *self;
+        let mut unexpected = axis.dot(disturbance.angular);
+        let speed = axis.dot(before.velocity.angular)
+            + (axis.dot(made.acceleration.angular) + unexpected) * dt_s;
+        let expected = speed * dt_s;
+        let turn = math::turn_in_body(before.pose.rotation, measured.rotation);
+        let off = axis.dot(math::log(turn)) - expected;
+        if !made.limited {
+            unexpected += off * self.disturbance_gain_per_s2;
+            unexpected = if unexpected.is_finite() {
+                // Not `clamp`, which would panic if the bounds were none.
+                unexpected.max(-most_rad_s2).min(most_rad_s2)
+            } else {
+                0.0
+            };
+        }
+        *disturbance = Twist::new(axis * unexpected, Vec3::ZERO);
+        // Back on the axis: no measurement would ever correct what is across.
+        let turned = before.pose.rotation * math::exp(axis * (expected + off * pose_gain));
+        let twist = math::twist_about(axis, placement.rotation.conjugate() * turned);
+        let rotation = placement.rotation * twist;
+        JointState {
+            pose: Transform { rotation, translation_m: placement.translation_m },
+            velocity: Twist::new(axis * (speed + off * velocity_gain_per_s), Vec3::ZERO),
+        }
+    }
+
     fn bounded(&self, disturbance: Twist) -> Twist {
         let within = |v: Vec3, most: f32| {
             let squared = v.dot(v);
@@ -371,17 +430,6 @@ fn keep_on_axes(
 ) -> Twist {
     if matches!(joint, JointKind::Spherical | JointKind::Free) {
         return acceleration;
-    }
-    if let JointKind::Revolute { axis } = joint {
-        // Its twist about the axis, which needs no angle.
-        let Quat { x, y, z, w } = placement.rotation.conjugate() * state.pose.rotation;
-        let twist = axis * axis.dot(Vec3::new(x, y, z));
-        let twist = math::unit(Quat::from_xyzw(twist.x, twist.y, twist.z, w));
-        let translation_m = placement.translation_m;
-        state.pose = Transform { rotation: placement.rotation * twist, translation_m };
-        let along = |v: Vec3| Twist::new(axis * axis.dot(v), Vec3::ZERO);
-        state.velocity = along(state.velocity.angular);
-        return along(acceleration.angular);
     }
     let in_joint = joint.at(joint.along(&(placement.inverse() * state.pose)));
     state.pose = *placement * in_joint;

@@ -198,10 +198,18 @@ fn try_four_bar(links: Links, half: f32, effort: f32) -> &'static str {
     let mut links = links;
     let mut made = FourBar::new(links, [-half, half]);
     if made == Err(DriveError::RockerWraps) {
-        // The zero of a rocker that passes half a turn is put where the servo's is.
-        let at_zero = rocker_angle(&links, 0.0).expect("it closes, or it was refused for that");
+        // The zero of a rocker that passes half a turn is put in the middle of its range.
+        let angles = (-500..=500)
+            .filter_map(|k| rocker_angle(&links, f64::from(half) * f64::from(k) / 500.0));
+        let (mut last, mut range) = (None, [f64::INFINITY, f64::NEG_INFINITY]);
+        for angle in angles {
+            // Beyond half a turn it goes on.
+            let turn = |last: f64| ((last - angle) / TAU).round() * TAU;
+            let angle = angle + last.map_or(0.0, turn);
+            (last, range) = (Some(angle), [range[0].min(angle), range[1].max(angle)]);
+        }
         #[expect(clippy::cast_possible_truncation, reason = "a zero may be anywhere")]
-        let rocker_zero_rad = at_zero as f32;
+        let rocker_zero_rad = (0.5 * (range[0] + range[1])) as f32;
         links.rocker_zero_rad = rocker_zero_rad;
         made = FourBar::new(links, [-half, half]);
     }

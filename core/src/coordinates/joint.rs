@@ -65,7 +65,16 @@ impl JointKind {
     ) -> JointState {
         let unit = |x, y, z, w| math::unit(Quat::from_xyzw(x, y, z, w));
         let in_joint = match (self, position) {
-            (Self::Revolute { .. } | Self::Prismatic { .. }, &[a]) => self.at([a, 0.0]),
+            (Self::Revolute { axis }, &[a]) => {
+                // Without the ways and the columns of the other kinds.
+                let rotation = placement.rotation * math::exp(axis * a);
+                let speed = speed.first().copied().unwrap_or_default();
+                return JointState {
+                    pose: Transform { rotation, ..placement },
+                    velocity: turning(axis * speed),
+                };
+            }
+            (Self::Prismatic { .. }, &[a]) => self.at([a, 0.0]),
             (Self::Universal { .. }, &[a, b]) => self.at([a, b]),
             (Self::Spherical, &[x, y, z, w]) => Transform::new(unit(x, y, z, w), Vec3::ZERO),
             (Self::Free, &[x, y, z, w, px, py, pz]) => {
@@ -79,8 +88,7 @@ impl JointKind {
 
     /// S `numbers`: the twist of speeds or accelerations along the axes, body axes.
     pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
-        // The joints that most rigs have need no columns. From zero on, as the sum below: it has no negative zeros.
-        let turning = |angular| Twist::new(Vec3::ZERO + angular, Vec3::ZERO);
+        // The joints that most rigs have need no columns.
         match (self, numbers) {
             (Self::Revolute { axis }, &[speed]) => return turning(axis * speed),
             (Self::Spherical, &[x, y, z]) => return turning(Vec3::new(x, y, z)),
@@ -114,6 +122,11 @@ impl JointKind {
             _ => copy(self.along(in_joint), out),
         }
     }
+}
+
+/// From zero on, as the sum of columns: it has no negative zeros.
+fn turning(angular: Vec3) -> Twist {
+    Twist::new(Vec3::ZERO + angular, Vec3::ZERO)
 }
 
 /// The squared length of the quaternion that a joint's coordinates begin with, if it is not a unit quaternion; those of

@@ -10,13 +10,15 @@
 //! | prismatic | displacement, m | m/s, m/s², N |
 //! | universal | both angles, rad | two of a revolute joint's |
 //! | spherical | unit quaternion x y z w of the body in the joint frame | three about x, y, z of the body |
-//! | free | that quaternion, then the position x y z in the joint frame, m | three about, then three along x, y, z of the body |
+//! | free | that quaternion, then the position x y z in the joint frame, m | three about, then three along x, y, z of
+//! the body |
 //!
 //! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
-//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). [`Tree::coordinates`](crate::Tree::coordinates) and
-//! [`Tree::freedoms`](crate::Tree::freedoms) say where a body's numbers are.
+//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). [`Tree::coordinates`](crate::Tree::coordinates)
+//! and [`Tree::freedoms`](crate::Tree::freedoms) say where a body's numbers are.
 //!
-//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured; of encoders without speeds
+//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured; of encoders without
+//!   speeds
 //!   [`JointStates::update_coordinates`](crate::JointStates::update_coordinates)),
 //!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
 //! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or

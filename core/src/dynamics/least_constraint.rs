@@ -11,6 +11,7 @@ use heapless::Vec;
 use super::spatial_inertia::SpatialInertia;
 use crate::fixed;
 use crate::joint::JointKind;
+use crate::math;
 use crate::matrix::symmetric_inverse;
 use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
@@ -30,8 +31,19 @@ pub(crate) enum Freedoms {
     Ball,
     /// To anything.
     Free,
+    /// To a turn about an axis: most joints of a rig of servos.
+    Hinge(Hinge),
     /// Along some axes; none if it is rigid.
     Axes(Vec<Axis, 3>),
+}
+
+/// A turn about an axis through the body's origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hinge {
+    /// Unit axis, world axes.
+    pub(crate) axis: Vec3,
+    /// As [`Axis::held`].
+    pub(crate) held: bool,
 }
 
 /// One way that a joint can move.
@@ -50,8 +62,19 @@ pub(crate) enum Response {
     Ball { turn: Vec3, per_way: Mat3 },
     /// The body moves so.
     Free(Twist),
+    /// About the axis.
+    Hinge(HingeResponse),
     /// Along each axis.
     Axes(Vec<AxisResponse, 3>),
+}
+
+/// The step about the axis is `per_force (force - wrench · carried)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HingeResponse {
+    axis: Vec3,
+    wrench: Wrench,
+    force: f32,
+    per_force: f32,
 }
 
 /// The step along an axis is `per_force (force - wrench · carried)`.
@@ -69,6 +92,9 @@ impl Freedoms {
         match body.joint {
             JointKind::Spherical => Self::Ball,
             JointKind::Free => Self::Free,
+            JointKind::Revolute { axis } => {
+                Self::Hinge(Hinge { axis: math::rotate(world, axis), held: false })
+            }
             kind => {
                 let in_joint = body.placement.rotation.conjugate() * relative;
                 let axis = |motion: &Twist| Axis { motion: motion.rotated(world), held: false };
@@ -97,6 +123,7 @@ impl Demand {
                 *self = Self::ZERO;
                 Response::Free(Twist { angular: turn - per_way * linear, linear })
             }
+            Freedoms::Hinge(hinge) => Response::Hinge(self.eliminate_hinge(hinge, damping)),
             Freedoms::Axes(axes) => Response::Axes(fixed::collect(
                 axes.iter().map(|axis| self.eliminate_axis(axis, damping)),
             )),
@@ -129,16 +156,32 @@ impl Demand {
 
     fn eliminate_axis(&mut self, axis: &Axis, damping: f32) -> AxisResponse {
         let wrench = self.inertia.wrench(axis.motion);
-        let resistance = wrench.power_w(axis.motion) * (1.0 + damping);
-        let per_force = if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 };
+        let per_force = yielding(wrench.power_w(axis.motion), damping);
         let force = self.wrench.power_w(axis.motion);
         if !axis.held {
-            let share = force * per_force;
-            self.inertia = self.inertia.without_one(wrench, per_force);
-            self.wrench =
-                self.wrench + Wrench::new(wrench.moment_nm * -share, wrench.force_n * -share);
+            self.give_way(wrench, force, per_force);
         }
         AxisResponse { motion: axis.motion, wrench, force, per_force }
+    }
+
+    /// As an axis, with nothing to compute of ways.
+    fn eliminate_hinge(&mut self, hinge: &Hinge, damping: f32) -> HingeResponse {
+        let Hinge { axis, held } = *hinge;
+        let SpatialInertia { angular, coupling, .. } = self.inertia;
+        let wrench = Wrench { moment_nm: angular * axis, force_n: coupling.transpose() * axis };
+        let per_force = yielding(wrench.moment_nm.dot(axis), damping);
+        let force = self.wrench.moment_nm.dot(axis);
+        if !held {
+            self.give_way(wrench, force, per_force);
+        }
+        HingeResponse { axis, wrench, force, per_force }
+    }
+
+    /// Takes out an axis that asks for `force`, from its wrench per acceleration.
+    fn give_way(&mut self, wrench: Wrench, force: f32, per_force: f32) {
+        let share = force * per_force;
+        self.inertia = self.inertia.without_one(wrench, per_force);
+        self.wrench = self.wrench + Wrench::new(wrench.moment_nm * -share, wrench.force_n * -share);
     }
 
     /// Adds what a child passes on, `arm_m` away from this body's origin.
@@ -147,6 +190,12 @@ impl Demand {
         let Wrench { moment_nm, force_n } = child.wrench;
         self.wrench = self.wrench + Wrench::new(moment_nm + arm_m.cross(force_n), force_n);
     }
+}
+
+/// How far an axis goes per force along it.
+fn yielding(resistance: f32, damping: f32) -> f32 {
+    let resistance = resistance * (1.0 + damping);
+    if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 }
 }
 
 impl Response {
@@ -158,6 +207,11 @@ impl Response {
                 Twist { angular: *turn - *per_way * carried.linear, linear: carried.linear }
             }
             Self::Free(motion) => *motion,
+            Self::Hinge(hinge) => {
+                let HingeResponse { axis, wrench, force, per_force } = *hinge;
+                let step = limit(0, (force - wrench.power_w(carried)) * per_force);
+                Twist { angular: carried.angular + axis * step, ..carried }
+            }
             Self::Axes(axes) => {
                 let mut motion = carried;
                 // The last one eliminated is the first that nothing else stands open for.

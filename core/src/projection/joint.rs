@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::JointRange;
-use crate::dynamics::least_constraint::{Axis, Freedoms, Response};
+use crate::dynamics::least_constraint::{Axis, Freedoms, Hinge, Response};
 use crate::joint::JointKind;
 use crate::math;
 use crate::transform::{Transform, Twist};
@@ -44,6 +44,17 @@ impl Joint {
                 self.pose = Transform { rotation: start.rotation, ..body.placement };
                 self.keep_turn_within(body, range, desired);
             }
+            JointKind::Revolute { axis } => {
+                let in_joint = body.placement.rotation.conjugate() * start.rotation;
+                let twist = if range == JointRange::Any {
+                    math::twist_about(axis, in_joint)
+                } else {
+                    self.along = range.clamp([math::turn_about(axis, in_joint), 0.0]);
+                    math::exp(axis * self.along[0])
+                };
+                self.pose =
+                    Transform { rotation: body.placement.rotation * twist, ..body.placement };
+            }
             kind => {
                 let translation_m = desired.translation_m + self.deviation.translation_m;
                 let in_joint = body.placement.inverse() * Transform { translation_m, ..start };
@@ -78,8 +89,7 @@ impl Joint {
             JointKind::Spherical => Freedoms::Ball,
             // As below, with nothing to ask of where it stands.
             JointKind::Revolute { axis } => {
-                let motion = Twist::new(math::rotate(pose.rotation, axis), Vec3::ZERO);
-                Freedoms::Axes([Axis { motion, held: held(0) }].into_iter().collect())
+                Freedoms::Hinge(Hinge { axis: math::rotate(pose.rotation, axis), held: held(0) })
             }
             kind => {
                 let subspace = kind.motion_subspace(kind.at(self.along).rotation);
@@ -146,25 +156,25 @@ impl Joint {
                 };
                 carried + Twist::new(turn, Vec3::ZERO)
             }
+            JointKind::Revolute { axis } => {
+                self.pressed = 0;
+                let mut turn = 0.0;
+                let motion = response.motion(carried, |_, step| {
+                    turn = if range == JointRange::Any && step.is_finite() {
+                        step.clamp(-LONGEST_STEP, LONGEST_STEP)
+                    } else {
+                        self.step_along(0, range, step)
+                    };
+                    turn
+                });
+                self.pose.rotation = math::unit(self.pose.rotation * math::exp(axis * turn));
+                self.deviation.rotation = math::turn_in_body(desired.rotation, self.pose.rotation);
+                motion
+            }
             kind => {
                 self.pressed = 0;
-                let along = &mut self.along;
-                let pressed = &mut self.pressed;
-                let motion = response.motion(carried, |index, step| {
-                    let Some(now) = along.get_mut(index) else { return 0.0 };
-                    if !step.is_finite() {
-                        return 0.0;
-                    }
-                    let wanted = *now + step.clamp(-LONGEST_STEP, LONGEST_STEP);
-                    let [least, most] = range.ends(index);
-                    let next = wanted.max(least).min(most);
-                    if wanted < least || wanted > most {
-                        *pressed |= if index == 0 { 1 } else { 2 };
-                    }
-                    let made = next - *now;
-                    *now = next;
-                    made
-                });
+                let motion =
+                    response.motion(carried, |index, step| self.step_along(index, range, step));
                 self.go_along(body);
                 self.deviation.rotation =
                     math::unit(desired.rotation.conjugate() * self.pose.rotation);
@@ -179,6 +189,21 @@ impl Joint {
                 motion
             }
         }
+    }
+
+    /// Goes a step along one of its axes, as far as the range lets it; returns how far. A step that is no number is
+    /// none.
+    fn step_along(&mut self, index: usize, range: JointRange, step: f32) -> f32 {
+        let Some(now) = self.along.get_mut(index).filter(|_| step.is_finite()) else { return 0.0 };
+        let wanted = *now + step.clamp(-LONGEST_STEP, LONGEST_STEP);
+        let [least, most] = range.ends(index);
+        let next = wanted.max(least).min(most);
+        if wanted < least || wanted > most {
+            self.pressed |= if index == 0 { 1 } else { 2 };
+        }
+        let made = next - *now;
+        *now = next;
+        made
     }
 
     /// Takes the pose of its angles or ways; the zero pose, if a way leads beyond f32.

@@ -9,8 +9,8 @@ pub enum Frame<'a> {
     /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
     /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
     Poses(&'a [Transform]),
-    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. They need
-    /// neither projection nor differences, and nothing keeps them within the joints' ranges.
+    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. They
+    /// need neither projection nor differences, and nothing keeps them within the joints' ranges.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
@@ -33,8 +33,8 @@ pub enum Measured<'a> {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
     },
-    /// Positions and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates the speeds itself; it
-    /// uses these only to start.
+    /// Positions and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates the speeds itself;
+    /// it uses these only to start.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],

@@ -228,8 +228,13 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
                 // There is room: freedoms were counted.
                 let _ = rows.push(row);
             }
-            let matrix = if kind == 1 { Matrix::of_ball } else { Matrix::new };
-            matrix(&rows, &offset).map_err(refused)?.into()
+            // No pointer to a function: the audit could not follow it.
+            let matrix = if kind == 1 {
+                Matrix::of_ball(&rows, &offset)
+            } else {
+                Matrix::new(&rows, &offset)
+            };
+            matrix.map_err(refused)?.into()
         }
         2 => {
             let found = usize::from(from.u16()?);

@@ -19,17 +19,26 @@ impl Mechanism {
         self.bodies.iter().map(of_link).collect()
     }
 
+    /// Poses of the bodies, each in its parent's frame, that of the base in the world. `q`: as [`Mechanism::home`];
+    /// numbers that are not there count as zero. O(n).
+    pub fn joint_poses<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pose> + 'a {
+        self.bodies.iter().zip(self.coordinate_ranges()).map(|(link, range)| {
+            let moved = link.joint.motion(q.get(range).unwrap_or_default());
+            let joint = Pose { rotation: link.rotation, position_m: link.position_m };
+            Pose {
+                rotation: joint.rotation * moved.rotation,
+                position_m: joint.point(moved.position_m),
+            }
+        })
+    }
+
     /// World poses of the bodies. `q`: as [`Mechanism::home`]; numbers that are not there count as zero. O(n).
     pub fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
-        for (link, range) in self.bodies.iter().zip(self.coordinate_ranges()) {
-            let moved = link.joint.motion(q.get(range).unwrap_or_default());
-            let joint = Pose { rotation: link.rotation, position_m: link.position_m };
-            let (position_m, rotation) =
-                (joint.point(moved.position_m), joint.rotation * moved.rotation);
+        for (link, pose) in self.bodies.iter().zip(self.joint_poses(q)) {
             let pose = match link.parent.and_then(|parent| poses.get(parent)) {
-                Some(parent) => parent.child(position_m, rotation),
-                None => Pose { rotation, position_m },
+                Some(parent) => parent.child(pose.position_m, pose.rotation),
+                None => pose,
             };
             poses.push(pose);
         }

@@ -1,6 +1,7 @@
 //! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
 
 mod freedom;
+mod inverse_dynamics;
 mod kinematics;
 mod pose;
 
@@ -10,6 +11,7 @@ use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 use crate::number::single;
 
 pub use freedom::Freedom;
+pub use inverse_dynamics::InverseDynamics;
 pub use pose::Pose;
 
 /// Acceleration of gravity, m/s², world axes: that of `sinew-core`, f64.

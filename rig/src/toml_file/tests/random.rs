@@ -32,7 +32,7 @@ impl Random {
     /// From 0.001 to 1000, of three to six digits.
     fn positive(&mut self) -> f64 {
         let scale = self.one_of(&[1e3, 1e4, 1e6]);
-        (self.below(1_000_000) + 1000) as f64 / scale
+        (self.below(999_001) + 1000) as f64 / scale
     }
 
     fn number(&mut self) -> f64 {

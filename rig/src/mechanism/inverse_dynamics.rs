@@ -1,0 +1,57 @@
+//! Efforts that a motion of a mechanism takes, by the core's inverse dynamics.
+
+use sinew_core::coordinates::CoordinatesError;
+use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
+use sinew_core::{GRAVITY_M_S2, JointTargets, Tree, TreeError, Wrench};
+
+use super::Mechanism;
+
+/// The most bodies of a mechanism: what `sinew-core` holds at most.
+const CAPACITY: usize = 128;
+
+/// Computes efforts of a mechanism, with room for one instant.
+#[derive(Debug)]
+pub struct InverseDynamics {
+    tree: Box<Tree<CAPACITY>>,
+    motion: Box<JointTargets<CAPACITY>>,
+    scratch: Vec<BodyMotion>,
+    wrenches: Vec<Wrench>,
+    efforts: Vec<f32>,
+}
+
+impl InverseDynamics {
+    /// Of a mechanism. O(bodies).
+    ///
+    /// # Errors
+    /// [`TreeError`] if it is larger than the core takes, or a number does not survive f32.
+    pub fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
+        let tree = Box::new(mechanism.tree::<CAPACITY>()?);
+        Ok(Self {
+            motion: Box::new(JointTargets::rest(&tree)),
+            scratch: vec![BodyMotion::default(); tree.len()],
+            wrenches: vec![Wrench::ZERO; tree.len()],
+            efforts: vec![0.0; tree.degrees_of_freedom()],
+            tree,
+        })
+    }
+
+    /// Efforts along the degrees of freedom, N m or N, with rotors and without friction. Positions, speeds and
+    /// accelerations as `sinew_core::coordinates` has them. O(n).
+    ///
+    /// # Errors
+    /// [`CoordinatesError`] if a slice does not fit the mechanism, or a number is none of a machine.
+    pub fn efforts(
+        &mut self,
+        q: &[f32],
+        qd: &[f32],
+        qdd: &[f32],
+    ) -> Result<&[f32], CoordinatesError> {
+        self.motion.set_coordinates(&self.tree, q, qd, qdd)?;
+        let (states, accelerations) = (self.motion.states(), self.motion.accelerations());
+        let (scratch, wrenches) = (&mut self.scratch, &mut self.wrenches);
+        let bodies = self.tree.bodies();
+        inverse_dynamics(bodies, states, accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
+        self.tree.efforts(states, wrenches, &mut self.efforts)?;
+        Ok(&self.efforts)
+    }
+}
