@@ -3,6 +3,10 @@
 //!
 //! - [`show`]: a performance and its rig, baked into flash and read in place;
 //! - [`frames`]: where frames come from, for a [`Tracker`](sinew_core::tracker::Tracker);
+//! - [`drives`]: from what a tracker asks of joints to what servos are commanded, and back;
+//! - [`supervisor`]: may anything move, how fast, and what happens on a fault;
+//! - [`controller`]: the loop that joins all of it, one tick a call;
+//! - [`node`]: the whole of a board: the loop above, link and storage below it;
 //! - [`indicator`]: the status light.
 //!
 //! # Features
@@ -15,8 +19,15 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod controller;
+pub mod drives;
 #[cfg(feature = "defmt")]
 mod format;
 pub mod frames;
 pub mod indicator;
+pub mod node;
+mod setting;
 pub mod show;
+pub mod supervisor;
+
+pub use setting::SettingError;

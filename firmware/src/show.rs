@@ -10,7 +10,10 @@
 //! | u16 | bodies n, at least 1 |
 //! | u32 | frames f, at least 1 |
 //! | f32 | time from frame to frame, s |
-//! | n x 108 | rig, per body: parent i16 (-1: the world), joint kind u16 (0 fixed, 1 revolute, 2 prismatic, 3 universal, 4 spherical, 5 free), two axes 6 x f32 (unused ones zero), placement quaternion xyzw and translation 7 x f32 (m), performer's offset 3 x f32 (m), mass f32 (kg), centre of mass 3 x f32 (m), inertia xx xy xz yy yz zz 6 x f32 (kg m²) |
+//! | n x 108 | rig, per body: parent i16 (-1: the world), joint kind u16 (0 fixed, 1 revolute, 2 prismatic, 3
+//! universal, 4 spherical, 5 free), two axes 6 x f32 (unused ones zero), placement quaternion xyzw and translation 7 x
+//! f32 (m), performer's offset 3 x f32 (m), mass f32 (kg), centre of mass 3 x f32 (m), inertia xx xy xz yy yz zz 6 x
+//! f32 (kg m²) |
 //! | f x (12 + 16 n) | frame: root translation 3 x f32 (m), rotation of each body to its parent, xyzw 4 x f32 |
 //! | u32 | CRC-32 (ISO-HDLC) of all bytes before it |
 //!

@@ -8,7 +8,7 @@
 //! Not there yet: servos. Until a bus is driven, the measured joints are those of the stand-in
 //! ([`sinew_parity::replay`]), and the torques go nowhere but the log.
 
-#![allow(
+#![expect(
     unsafe_code,
     reason = "the interrupt that drives the control executor; its macro copies the function"
 )]

@@ -1,0 +1,442 @@
+//! The controller: one tick in two halves, with the board's wire between them.
+
+use heapless::Vec;
+use sinew_bus::{EncodeError, Health, Schedule, ServoBus};
+use sinew_core::tracker::Timing;
+use sinew_rig::board::BoardRig;
+use sinew_show::{ShowError, ShowFrames};
+
+use super::error::{ControllerError, Incomplete};
+use super::feed::{Jog, LiveSource, Sources, plays_show};
+use super::output::Output;
+use super::part::{number, put};
+use super::path::Path;
+use super::performance::Performance;
+use super::pose::Pose;
+use super::report::{FreedomReport, Report, ServoReport};
+use super::settings::{ControllerSettings, ServoSetup, Start};
+use super::stop_test::StopTest;
+use super::watch::Watch;
+use crate::drives::{Condition, Measured};
+use crate::supervisor::{
+    Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Source, State,
+    Supervisor,
+};
+
+/// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
+const SWITCH: (u32, u32) = (14, 2);
+
+/// What a tick brings from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Inputs {
+    /// Time since the board's start, µs; it never goes back.
+    pub now_us: u64,
+    /// A valid and *new* message of the host came since the last tick.
+    pub heard: bool,
+    /// A command, if one came. Others wait for their own tick.
+    pub command: Option<Command>,
+    /// Faults that the board finds: the line of the emergency stop, settings that cannot be read.
+    pub found: FaultSet,
+    /// Settings or rig were uploaded, and are good. Of shows the controller knows.
+    pub uploaded: bool,
+    /// The joint that somebody moves.
+    pub jog: Option<Jog>,
+}
+
+/// A tick that has begun: to be given to [`Controller::end`].
+#[derive(Debug)]
+#[must_use = "a tick that is not ended is not whole"]
+pub struct Begun {
+    result: Result<(), Incomplete>,
+}
+
+/// A tick was whole and valid: what feeds the watchdog. Nothing else makes one.
+#[derive(Debug)]
+#[must_use = "it feeds the watchdog"]
+pub struct Complete(());
+
+/// The loop of a rig of at most `B` bodies, `V` freedoms, `S` servos and `C` coordinates. All memory is in here: put it
+/// in a static.
+#[derive(Debug)]
+pub struct Controller<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
+    rig: &'a BoardRig<B, V, S>,
+    rig_crc: u32,
+    dt_s: f32,
+    tick_us: u32,
+    supervisor: Supervisor,
+    watch: Watch<V, S>,
+    path: Path<V, C>,
+    sources: Sources<'a, V, C>,
+    performance: Performance<'a, B, V, S>,
+    output: Output<S>,
+    stop_test: StopTest,
+    readings: Readings<V, S, C>,
+    permission: Permission,
+    state: State,
+    is_there: bool,
+    /// Faults of the tick before, or of the board's start: found in the next tick.
+    pending: FaultSet,
+    was_late: bool,
+    report: Report<V, S>,
+}
+
+/// What servos said in the tick before.
+#[derive(Debug)]
+struct Readings<const V: usize, const S: usize, const C: usize> {
+    servos: Vec<(Condition, Health), S>,
+    conditions: Vec<Condition, S>,
+    freedoms: Vec<Option<Measured>, V>,
+    /// Positions and speeds; what is not measured is where it was commanded.
+    pose: Pose<V, C>,
+}
+
+impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
+    Controller<'a, B, V, S, C>
+{
+    /// A controller at the board's start: torque is off. `schedule`: of the bus that it will be given; its servos are
+    /// the rig's, in its order.
+    ///
+    /// # Errors
+    /// [`ControllerError`] says in words what does not fit: the rig, the rate, a setting.
+    pub fn new(
+        rig: &'a BoardRig<B, V, S>,
+        settings: &ControllerSettings,
+        servos: &[ServoSetup],
+        schedule: &Schedule,
+        start: Start,
+    ) -> Result<Self, ControllerError> {
+        let (expected, found) = (rig.servos().len(), servos.len());
+        if expected != found {
+            return Err(ControllerError::Servos { expected, found });
+        }
+        let dt_s = 1e-6 * schedule.tick_us() as f32;
+        check_budget(settings, schedule, servos.len())?;
+        let found = rig.tree().coordinate_count();
+        let path = Path::new(rig, dt_s).ok_or(ControllerError::Capacity { found, holds: C })?;
+        let groups = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
+        let timing = Timing { dt_s, latency_ticks: groups };
+        let mut supervisor = Supervisor::new(settings.supervisor, start.count, start.log)?;
+        // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
+        let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
+        let report = Report {
+            state,
+            source: permission.source,
+            show: None,
+            answer: None,
+            present: FaultSet::EMPTY,
+            raised: FaultSet::EMPTY,
+            latched: FaultSet::EMPTY,
+            following: None,
+            freedoms: filled(rig.freedoms().len(), FreedomReport::default()),
+            servos: filled(servos.len(), ServoReport::NOTHING),
+            overruns: 0,
+        };
+        Ok(Self {
+            watch: Watch::new(rig, settings, servos, dt_s)?,
+            performance: Performance::new(rig, settings, servos, timing)?,
+            output: Output::new(rig.servos(), servos, dt_s)?,
+            sources: Sources::new(path.now()),
+            readings: Readings {
+                servos: Vec::new(),
+                conditions: Vec::new(),
+                freedoms: filled(rig.freedoms().len(), None),
+                pose: path.now().clone(),
+            },
+            rig,
+            rig_crc: settings.rig_crc,
+            dt_s,
+            tick_us: schedule.tick_us(),
+            supervisor,
+            path,
+            stop_test: StopTest::default(),
+            permission,
+            state,
+            is_there: false,
+            pending: start.causes,
+            was_late: false,
+            report,
+        })
+    }
+
+    /// The same with another rest pose than the rig's home.
+    ///
+    /// # Errors
+    /// [`ControllerError::Rest`] if there is not a number from -1e6 to 1e6 for each coordinate,
+    /// [`ControllerError::RestRange`] if one is outside of its joint's range.
+    pub fn with_rest(mut self, q: &[f32]) -> Result<Self, ControllerError> {
+        let rest = self.sources.rest.q_mut();
+        let refused = ControllerError::Rest { expected: rest.len(), found: q.len() };
+        if rest.len() != q.len() {
+            return Err(refused);
+        }
+        rest.iter_mut().zip(q).for_each(|(rest, q)| *rest = *q);
+        if !self.sources.rest.is_finite() {
+            return Err(refused);
+        }
+        // Half a millionth of a turn is rounding of whoever wrote it.
+        match self.path.beyond(q, 3e-6) {
+            Some(freedom) => Err(ControllerError::RestRange { freedom }),
+            None => Ok(self),
+        }
+    }
+
+    /// Another show, read where it lies, or none. The one before is let go of in any case; if it plays, the rig holds.
+    /// O(size).
+    ///
+    /// # Errors
+    /// [`ShowError`] if it cannot be read, or is of another rig. While a show plays that is a fault besides.
+    pub fn load_show(&mut self, bytes: Option<&'a [u8]>) -> Result<(), ShowError> {
+        let plays = plays_show(self.state, self.permission.source);
+        self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)
+    }
+
+    /// Another show, which [`open_show`](super::open_show) has opened below the loop, or none. If one plays, it ends,
+    /// and the rig holds. O(1).
+    pub fn put_show(&mut self, show: Option<ShowFrames<'a, C>>) {
+        self.sources.put(show, plays_show(self.state, self.permission.source));
+    }
+
+    /// Time between two ticks, s.
+    pub fn dt_s(&self) -> f32 {
+        self.dt_s
+    }
+
+    /// The first half of a tick: what servos said in the tick before, what is wrong, what may be done, and commands for
+    /// the bus, which are to be [exchanged](super::exchange) now. O(freedoms).
+    pub fn begin(
+        &mut self,
+        inputs: &Inputs,
+        live: &mut impl LiveSource,
+        bus: &mut impl ServoBus,
+    ) -> Begun {
+        let is_finite = self.read(bus);
+        let mut findings = self.find(inputs, is_finite);
+        let jog = inputs.jog.filter(|jog| jog.speed.is_finite());
+        if !self.sources.listen(inputs.now_us, live) || jog.is_some() != inputs.jog.is_some() {
+            findings.note(Fault::NotFinite);
+        }
+        let outcome = self.supervise(inputs, jog, findings);
+        let before = core::mem::replace(&mut self.permission, outcome.permission);
+        self.state = outcome.state;
+        self.tell(&outcome);
+        if !self.permission.torque {
+            self.path.place(self.readings.pose.q());
+            return Begun { result: self.output.release(bus, &self.permission) };
+        }
+        let mut result = self.change_source(&before);
+        if result.is_ok() {
+            result = self.perform(jog, bus);
+        }
+        if let Err(why) = result {
+            // In this very tick, and as a fault in the next.
+            if why == Incomplete::NotFinite {
+                self.pending = self.pending.with(Fault::NotFinite);
+            }
+            return Begun { result: self.output.release(bus, &self.permission).and(Err(why)) };
+        }
+        Begun { result }
+    }
+
+    /// The second half of a tick, behind the exchange. `took_us`: from its beginning until now.
+    ///
+    /// # Errors
+    /// [`Incomplete`] says what was missing. The watchdog is not fed then.
+    #[expect(clippy::needless_pass_by_value, reason = "a tick ends once")]
+    pub fn end(
+        &mut self,
+        begun: Begun,
+        exchanged: Result<(), EncodeError>,
+        took_us: u32,
+    ) -> Result<Complete, Incomplete> {
+        self.was_late = took_us > self.tick_us;
+        let result = begun.result.and(exchanged.map_err(Incomplete::Exchange));
+        if self.permission.torque || result.is_ok() {
+            self.stop_test.sent(!self.permission.torque);
+        }
+        result.map(|()| Complete(()))
+    }
+
+    /// What became of the last tick.
+    pub fn report(&self) -> &Report<V, S> {
+        &self.report
+    }
+
+    /// The supervisor, with the log of faults.
+    pub fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+
+    /// What drives may do.
+    pub fn permission(&self) -> &Permission {
+        &self.permission
+    }
+
+    /// The pose that is commanded, in the rig's coordinates: positions, and speeds of the freedoms.
+    pub fn commanded(&self) -> (&[f32], &[f32]) {
+        (self.path.now().q(), self.path.now().qd())
+    }
+
+    /// The pose that was measured last, in the rig's coordinates; what no servo tells is where it was commanded.
+    pub fn measured(&self) -> &[f32] {
+        self.readings.pose.q()
+    }
+
+    /// Takes what the bus knows; says whether all of it are numbers.
+    fn read(&mut self, bus: &impl ServoBus) -> bool {
+        let Readings { servos, conditions, freedoms, pose } = &mut self.readings;
+        servos.clear();
+        conditions.clear();
+        for servo in 0..self.rig.servos().len() {
+            let condition = Condition::of(bus, servo);
+            // Servos of a rig are counted: there is room.
+            let _ = servos.push((condition, bus.health(servo).unwrap_or_default()));
+            let _ = conditions.push(condition);
+        }
+        if self.performance.drives.measured(conditions, freedoms).is_err() {
+            return false;
+        }
+        let mut at = [0.0; V];
+        // What is not measured is where it was commanded.
+        self.path.positions(&mut at);
+        let [q, qd, _] = pose.all_mut();
+        for (index, measured) in freedoms.iter().enumerate() {
+            let speed = number(self.path.now().qd(), index);
+            put(qd, index, measured.map_or(speed, |measured| measured.velocity));
+            if let Some(measured) = measured {
+                put(&mut at, index, measured.position);
+            }
+        }
+        self.path.coordinates(&at, q);
+        true
+    }
+
+    fn find(&mut self, inputs: &Inputs, is_finite: bool) -> Findings {
+        let mut findings = Findings::default();
+        let pending = core::mem::take(&mut self.pending);
+        pending.union(inputs.found).iter().for_each(|fault| findings.note(fault));
+        if !is_finite {
+            findings.note(Fault::NotFinite);
+        }
+        self.watch.servos(&self.readings.servos, &mut findings, &mut self.report.servos);
+        self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
+        let mut errors = [0.0; V];
+        self.path.errors(self.readings.pose.q(), &mut errors);
+        let Permission { torque, effort, .. } = self.permission;
+        let freedoms = &self.readings.freedoms;
+        let following =
+            self.watch.freedoms(&errors, freedoms, torque && effort >= 1.0, &mut findings);
+        self.report.following = torque.then_some(following);
+        for ((report, error), measured) in self.report.freedoms.iter_mut().zip(errors).zip(freedoms)
+        {
+            let measured_effort = measured.and_then(|measured| measured.effort);
+            *report = FreedomReport { error, measured_effort, ..FreedomReport::default() };
+        }
+        if let Some(fault) = self.watch.overrun.step(self.was_late) {
+            findings.note(fault);
+        }
+        findings
+    }
+
+    fn supervise(&mut self, inputs: &Inputs, jog: Option<Jog>, mut findings: Findings) -> Outcome {
+        let plays_show = plays_show(self.state, self.permission.source);
+        // What was wrong with a show that plays no more is no fault.
+        if let Some(fault) = self.sources.take_fault().filter(|_| plays_show) {
+            findings.note(fault);
+        }
+        let of_settings = if inputs.uploaded { FaultSet::OF_SETTINGS } else { FaultSet::EMPTY };
+        self.stop_test.look(self.watch.telling(&self.readings.conditions));
+        self.supervisor.step(&Supervised {
+            now_us: inputs.now_us,
+            heard: inputs.heard,
+            command: inputs.command,
+            findings,
+            uploaded: self.sources.take_uploaded().union(of_settings),
+            measured: self.watch.is_measured(&self.readings.conditions),
+            stop_tested: self.stop_test.is_passed(),
+            feeds: self.sources.feeds(jog, plays_show),
+            is_there: self.is_there,
+        })
+    }
+
+    fn tell(&mut self, outcome: &Outcome) {
+        let report = &mut self.report;
+        (report.state, report.source) = (outcome.state, outcome.permission.source);
+        (report.present, report.raised) = (outcome.present, outcome.raised);
+        (report.latched, report.answer) = (outcome.latched, outcome.answer);
+        report.show = self.sources.position();
+        report.overruns = self.watch.overrun.count();
+    }
+
+    /// Torque comes on where the rig is; or another source begins where the last one is left.
+    fn change_source(&mut self, before: &Permission) -> Result<(), Incomplete> {
+        let source = self.permission.source;
+        let measured = self.readings.pose.q();
+        if !before.torque {
+            self.path.place(measured);
+            self.watch.begin();
+            self.performance
+                .begin(self.path.now(), &self.readings.conditions)
+                .map_err(|_| Incomplete::NotFinite)?;
+        }
+        if !before.torque || before.source != source {
+            self.sources.begin(source, self.path.depart(), measured);
+            self.is_there = false;
+        }
+        Ok(())
+    }
+
+    fn perform(&mut self, jog: Option<Jog>, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
+        let permission = &self.permission;
+        let goal = self.sources.goal(permission, jog, &self.path, self.dt_s);
+        if !goal.is_finite() {
+            return Err(Incomplete::NotFinite);
+        }
+        self.is_there = self.path.step(goal, permission.weight, permission.speed_rad_s);
+        let Readings { pose, conditions, .. } = &self.readings;
+        let watch = &self.watch;
+        let commands = self
+            .performance
+            .step(
+                self.path.now(),
+                (pose.q(), pose.qd()),
+                conditions,
+                |servo| permission.effort * watch.share(servo),
+                &mut self.report.freedoms,
+            )
+            .map_err(|_| Incomplete::NotFinite)?;
+        let switch_on = self.state == State::Arming && permission.source == Source::Measured;
+        let servos = &mut self.report.servos;
+        self.output.send(bus, (commands, conditions), permission, switch_on, servos)
+    }
+}
+
+/// So many of one thing; what does not fit is left out.
+fn filled<T: Clone, const K: usize>(count: usize, of: T) -> Vec<T, K> {
+    let mut all = Vec::new();
+    // Held to the capacity: there is room.
+    let _ = all.resize(count.min(K), of);
+    all
+}
+
+fn check_budget(
+    settings: &ControllerSettings,
+    schedule: &Schedule,
+    servos: usize,
+) -> Result<(), ControllerError> {
+    let ControllerSettings { compute_us, stale_s, .. } = *settings;
+    let (fixed, each) = SWITCH;
+    let count = u32::try_from(servos).unwrap_or(u32::MAX);
+    let switch_us = schedule.timing().bytes_us(each.saturating_mul(count).saturating_add(fixed));
+    let (bus_us, tick_us) = (schedule.busy_us().saturating_add(switch_us), schedule.tick_us());
+    if bus_us.saturating_add(compute_us) > tick_us {
+        return Err(ControllerError::Budget { bus_us, compute_us, tick_us });
+    }
+    let read_hz = schedule.read_hz();
+    // Written so that NaN is refused.
+    let is_often = stale_s * read_hz >= 1.0;
+    if is_often && stale_s <= 10.0 {
+        Ok(())
+    } else {
+        Err(ControllerError::ReadTooSeldom { read_hz, stale_s })
+    }
+}

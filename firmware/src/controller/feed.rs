@@ -1,0 +1,206 @@
+//! Where poses come from: a show, a live stream, somebody who jogs, a pose that stands.
+
+use sinew_core::tracker::FrameSource;
+use sinew_rig::board::BoardRig;
+use sinew_show::{Position, Show, ShowError, ShowFrames};
+
+use super::path::Path;
+use super::pose::Pose;
+use crate::supervisor::{Fault, FaultSet, Feed, Feeds, Permission, Source, State};
+
+/// A live stream, behind its jitter buffer.
+pub trait LiveSource {
+    /// Writes the target of a tick in the rig's coordinates (nq positions, nv speeds and accelerations), and says
+    /// whether there is one: of a stream that is late there is none, and the rig holds. It does not wait.
+    fn target(&mut self, now_us: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool;
+}
+
+/// No stream.
+impl LiveSource for () {
+    fn target(&mut self, _: u64, _: &mut [f32], _: &mut [f32], _: &mut [f32]) -> bool {
+        false
+    }
+}
+
+/// A joint that somebody moves, as long as it comes in every tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Jog {
+    /// Index of the freedom.
+    pub freedom: u16,
+    /// How fast, rad/s or m/s; held to what the state allows.
+    pub speed: f32,
+}
+
+/// All sources, and where each of them is.
+#[derive(Debug)]
+pub(super) struct Sources<'a, const V: usize, const C: usize> {
+    show: Option<ShowFrames<'a, C>>,
+    /// Ticks that the show has run.
+    ticks: u32,
+    /// What is wrong with the show that played, until it was told.
+    fault: Option<Fault>,
+    /// A good show came.
+    uploaded: bool,
+    /// The show that played is there no more: its feed is silent for a tick, and the rig holds.
+    changed: bool,
+    pub(super) rest: Pose<V, C>,
+    live: Pose<V, C>,
+    has_live: bool,
+    /// The pose of the source that is followed now.
+    goal: Pose<V, C>,
+}
+
+impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
+    pub(super) fn new(rest: &Pose<V, C>) -> Self {
+        let (show, fault, uploaded, has_live) = (None, None, false, false);
+        let (rest, live, goal) = (rest.clone(), rest.clone(), rest.clone());
+        Self { show, ticks: 0, fault, uploaded, changed: false, rest, live, has_live, goal }
+    }
+
+    /// Another show, or none. Of one that is refused nothing is left.
+    pub(super) fn load<const B: usize, const S: usize>(
+        &mut self,
+        bytes: Option<&'a [u8]>,
+        (rig, crc): (&BoardRig<B, V, S>, u32),
+        dt_s: f32,
+        plays: bool,
+    ) -> Result<(), ShowError> {
+        (self.show, self.ticks) = (None, 0);
+        self.changed |= plays;
+        let Some(bytes) = bytes else { return Ok(()) };
+        match open_show(rig, crc, dt_s, bytes) {
+            Ok(show) => {
+                (self.show, self.uploaded) = (Some(show), true);
+                Ok(())
+            }
+            Err(error) => {
+                use ShowError::{Joint, Joints, Rig};
+                let is_foreign = matches!(error, Rig { .. } | Joint { .. } | Joints { .. });
+                let fault = if is_foreign { Fault::ShowForeign } else { Fault::ShowBad };
+                self.fault = plays.then_some(fault);
+                Err(error)
+            }
+        }
+    }
+
+    /// Another show that was checked, or none.
+    pub(super) fn put(&mut self, show: Option<ShowFrames<'a, C>>, plays: bool) {
+        self.uploaded |= show.is_some();
+        (self.show, self.ticks) = (show, 0);
+        self.changed |= plays;
+    }
+
+    /// What good shows have mended that came since this was asked.
+    pub(super) fn take_uploaded(&mut self) -> FaultSet {
+        if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
+    }
+
+    /// What is wrong with the show that plays, told once.
+    pub(super) fn take_fault(&mut self) -> Option<Fault> {
+        self.fault.take()
+    }
+
+    /// Takes the stream's target; says whether all of it are numbers.
+    pub(super) fn listen(&mut self, now_us: u64, live: &mut impl LiveSource) -> bool {
+        let [q, qd, qdd] = self.live.all_mut();
+        self.has_live = live.target(now_us, q, qd, qdd);
+        !self.has_live || self.live.is_finite()
+    }
+
+    /// Which feeds give poses. A show that is over gives none, until another begins; a loop is over when its ticks
+    /// cannot be counted any more: after 2³¹, 50 days at 500 Hz.
+    pub(super) fn feeds(&mut self, jog: Option<Jog>, plays_show: bool) -> Feeds {
+        let has_changed = core::mem::take(&mut self.changed);
+        let is_over = |frames: &ShowFrames<'a, C>| {
+            let show = frames.show();
+            let is_at_end = self.at(frames) > Position::from_samples(show.length());
+            plays_show && (!show.is_loop() && is_at_end || self.index() == i32::MAX)
+        };
+        let show = !has_changed && self.show.as_ref().is_some_and(|frames| !is_over(frames));
+        Feeds { show, live: self.has_live, jog: jog.is_some() }
+    }
+
+    /// Where the show is.
+    pub(super) fn position(&self) -> Option<Position> {
+        self.show.as_ref().map(|frames| self.at(frames))
+    }
+
+    fn at(&self, frames: &ShowFrames<'a, C>) -> Position {
+        frames.position(self.index())
+    }
+
+    fn index(&self) -> i32 {
+        i32::try_from(self.ticks).unwrap_or(i32::MAX)
+    }
+
+    /// A source begins. `here`: where the rig comes to stand; `measured`: where it is.
+    pub(super) fn begin(&mut self, source: Source, here: &Pose<V, C>, measured: &[f32]) {
+        self.ticks = 0;
+        self.goal.clone_from(if source == Source::Rest { &self.rest } else { here });
+        if source == Source::Measured {
+            self.goal
+                .q_mut()
+                .iter_mut()
+                .zip(measured)
+                .for_each(|(goal, measured)| *goal = *measured);
+        }
+    }
+
+    /// The pose to be followed in a tick. A source that has just fallen silent stands.
+    pub(super) fn goal(
+        &mut self,
+        permission: &Permission,
+        jog: Option<Jog>,
+        path: &Path<V, C>,
+        dt_s: f32,
+    ) -> &Pose<V, C> {
+        match permission.source {
+            Source::Feed(Feed::Show) => self.show_goal(permission.runs),
+            Source::Feed(Feed::Live) if self.has_live => self.goal.clone_from(&self.live),
+            Source::Feed(Feed::Jog) => {
+                if let Some(Jog { freedom, speed }) = jog {
+                    let most = permission.speed_rad_s.unwrap_or(0.0);
+                    let by = dt_s * speed.max(-most).min(most);
+                    path.jog(usize::from(freedom), by, self.goal.q_mut());
+                }
+            }
+            _ => {}
+        }
+        &self.goal
+    }
+
+    /// Before the show runs, the rig rests in its first frame: the frame before that stands there.
+    fn show_goal(&mut self, runs: bool) {
+        let index = if runs { self.index() } else { -1 };
+        let Some(frames) = &mut self.show else { return };
+        self.goal.take(frames.frame(index));
+        if frames.fault().is_some() {
+            self.fault = Some(Fault::ShowBad);
+            self.show = None;
+        } else if runs {
+            self.ticks = self.ticks.saturating_add(1);
+        }
+    }
+}
+
+/// Opens a show of a rig where it lies, and checks all of it, for ticks of `dt_s`. It is for below the loop: O(size).
+///
+/// # Errors
+/// [`ShowError`] if it cannot be read, or is of another rig.
+pub fn open_show<'a, const B: usize, const V: usize, const S: usize, const C: usize>(
+    rig: &BoardRig<B, V, S>,
+    rig_crc: u32,
+    dt_s: f32,
+    bytes: &'a [u8],
+) -> Result<ShowFrames<'a, C>, ShowError> {
+    let show = Show::open(bytes)?;
+    show.check_rig(rig_crc)?;
+    show.check_joints(rig.tree().bodies().iter().map(|body| body.joint))?;
+    ShowFrames::new(show, dt_s)
+}
+
+/// Whether a show is what plays.
+pub(super) fn plays_show(state: State, source: Source) -> bool {
+    state == State::Playing && source == Source::Feed(Feed::Show)
+}

@@ -1,0 +1,253 @@
+//! What is commanded: sources blended, within range, speed and acceleration of the joints.
+
+use heapless::Vec;
+use sinew_core::math;
+use sinew_rig::board::BoardRig;
+use sinew_rig::drive::Numbers;
+
+use super::part::{Part, between, number, parts, put, put_three, put_turn, three, turn};
+use super::pose::Pose;
+use crate::drives::follower::Follower;
+
+/// A commanded pose this near to its source is there, rad or m.
+const THERE: f32 = 1e-3;
+
+/// The commanded pose, from tick to tick.
+#[derive(Debug, Clone)]
+pub(super) struct Path<const V: usize, const C: usize> {
+    parts: Vec<Part, V>,
+    freedoms: Vec<Axis, V>,
+    dt_s: f32,
+    /// Where the source was left that was followed before.
+    from: Pose<V, C>,
+    now: Pose<V, C>,
+}
+
+/// One freedom.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    follower: Follower,
+    /// The largest speed, rad/s or m/s.
+    speed: f32,
+    /// The fastest shaft of its drive, in rad for a rad or m of it; at least 1.
+    shaft: f32,
+}
+
+impl<const V: usize, const C: usize> Path<V, C> {
+    /// At the rig's home; none if it has more coordinates than there is room for.
+    pub(super) fn new<const B: usize, const S: usize>(
+        rig: &BoardRig<B, V, S>,
+        dt_s: f32,
+    ) -> Option<Self> {
+        let tree = rig.tree();
+        let (nq, nv) = (tree.coordinate_count(), tree.degrees_of_freedom());
+        if nq > C {
+            return None;
+        }
+        let mut freedoms = Vec::new();
+        for freedom in rig.freedoms() {
+            let follower =
+                Follower::within(freedom.range, freedom.speed, freedom.acceleration, dt_s);
+            freedoms.push(Axis { follower, speed: freedom.speed, shaft: 1.0 }).ok()?;
+        }
+        set_shafts(rig, &mut freedoms);
+        let now = Pose::new(nq, nv);
+        let mut path = Self { parts: parts(tree)?, freedoms, dt_s, from: now.clone(), now };
+        let mut home: Vec<f32, V> = Vec::new();
+        home.extend(rig.freedoms().iter().map(|freedom| freedom.home).take(V));
+        let mut at: Pose<V, C> = Pose::new(nq, nv);
+        path.coordinates(&home, at.q_mut());
+        path.place(at.q());
+        Some(path)
+    }
+
+    /// The commanded pose.
+    pub(super) fn now(&self) -> &Pose<V, C> {
+        &self.now
+    }
+
+    /// Coordinates of positions by freedom, of a ball joint its rotation vector.
+    pub(super) fn coordinates(&self, freedoms: &[f32], q: &mut [f32]) {
+        for part in &self.parts {
+            match *part {
+                Part::Number { q: at, v } => put(q, at, number(freedoms, v)),
+                Part::Turn { q: at, v } => put_turn(q, at, math::exp(three(freedoms, v))),
+            }
+        }
+    }
+
+    /// The commanded position of each freedom, of a ball joint its rotation vector.
+    pub(super) fn positions(&self, out: &mut [f32]) {
+        for part in &self.parts {
+            match *part {
+                Part::Number { q: at, v } => put(out, v, number(self.now.q(), at)),
+                Part::Turn { q: at, v } => put_three(out, v, math::log(turn(self.now.q(), at))),
+            }
+        }
+    }
+
+    /// How far the commanded pose is from another, by freedom: of a ball joint in body axes.
+    pub(super) fn errors(&self, q: &[f32], out: &mut [f32]) {
+        for part in &self.parts {
+            match *part {
+                Part::Number { q: at, v } => put(out, v, number(self.now.q(), at) - number(q, at)),
+                Part::Turn { q: at, v } => {
+                    put_three(out, v, between(turn(q, at), turn(self.now.q(), at)));
+                }
+            }
+        }
+    }
+
+    /// The first number of a pose that is farther beyond its range than `slack`: its freedom. From there the rig cannot
+    /// be armed where it is.
+    pub(super) fn beyond(&self, pose: &[f32], slack: f32) -> Option<usize> {
+        self.parts.iter().find_map(|part| match *part {
+            Part::Number { q, v } => {
+                let at = number(pose, q);
+                let held = self.freedoms.get(v).map_or(at, |axis| axis.follower.held(at));
+                ((held - at).abs() > slack).then_some(v)
+            }
+            Part::Turn { .. } => None,
+        })
+    }
+
+    /// Stands in a pose, or where the ranges are next to it.
+    pub(super) fn place(&mut self, q: &[f32]) {
+        let Self { parts, freedoms, now, from, .. } = self;
+        now.rest();
+        for part in parts.iter() {
+            match *part {
+                Part::Number { q: at, v } => {
+                    if let Some(axis) = freedoms.get_mut(v) {
+                        axis.follower.begin(number(q, at));
+                        put(now.q_mut(), at, axis.follower.stop_rad());
+                    }
+                }
+                Part::Turn { q: at, .. } => put_turn(now.q_mut(), at, turn(q, at)),
+            }
+        }
+        from.clone_from(now);
+    }
+
+    /// Another source begins: the last one is left where the joints can stand. Ball joints stand at once.
+    pub(super) fn depart(&mut self) -> &Pose<V, C> {
+        let Self { parts, freedoms, now, from, .. } = self;
+        from.clone_from(now);
+        from.rest();
+        for part in parts.iter() {
+            if let Part::Number { q, v } = *part
+                && let Some(axis) = freedoms.get(v)
+            {
+                put(from.q_mut(), q, axis.follower.stop_rad());
+            }
+        }
+        from
+    }
+
+    /// Turns one freedom of a pose on by so much; a pose of numbers stays within its range.
+    pub(super) fn jog(&self, freedom: usize, by: f32, q: &mut [f32]) {
+        let Some(axis) = self.freedoms.get(freedom) else { return };
+        for part in &self.parts {
+            match *part {
+                Part::Number { q: at, v } if v == freedom => {
+                    put(q, at, axis.follower.held(number(q, at) + by));
+                }
+                Part::Turn { q: at, v } if (v..v.saturating_add(3)).contains(&freedom) => {
+                    let mut axis = [0.0; 3];
+                    put(&mut axis, freedom.saturating_sub(v), by);
+                    put_turn(q, at, math::unit(turn(q, at) * math::exp(axis.into())));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// A tick: nearer to a goal, which counts `weight` against where the last source was left. Says whether it is
+    /// there. `speed_rad_s`: the fastest joint; none for what the joints' own limits say. O(freedoms).
+    pub(super) fn step(
+        &mut self,
+        goal: &Pose<V, C>,
+        weight: f32,
+        speed_rad_s: Option<f32>,
+    ) -> bool {
+        let Self { parts, freedoms, dt_s, from, now } = self;
+        let (mut is_there, is_over) = (true, weight >= 1.0);
+        let [q, qd, qdd] = now.all_mut();
+        for part in parts.iter() {
+            match *part {
+                Part::Number { q: at, v } => {
+                    let Some(axis) = freedoms.get_mut(v) else { continue };
+                    axis.follower.set_speed(axis.most(speed_rad_s));
+                    let (from, to) = (number(from.q(), at), number(goal.q(), at));
+                    let wanted = if is_over { to } else { from + weight * (to - from) };
+                    let (next, limit) = axis.follower.step(wanted, weight * number(goal.qd(), v));
+                    let exact = is_over && limit.is_none();
+                    put(q, at, next);
+                    put(qd, v, axis.follower.velocity_rad_s());
+                    put(qdd, v, if exact { number(goal.qdd(), v) } else { 0.0 });
+                    is_there &= (next - to).abs() <= THERE;
+                }
+                Part::Turn { q: at, v } => {
+                    let own = freedoms.get(v..v.saturating_add(3)).unwrap_or_default();
+                    let most =
+                        own.iter().fold(f32::INFINITY, |m, axis| m.min(axis.most(speed_rad_s)));
+                    let (from, to) = (turn(from.q(), at), turn(goal.q(), at));
+                    let wanted = from * math::exp(between(from, to) * weight);
+                    let here = turn(q, at);
+                    let (mut way, far) = (between(here, wanted), most * *dt_s);
+                    let length = math::length(way);
+                    let is_limited = length > far;
+                    if is_limited {
+                        way *= far / length;
+                    }
+                    let next = math::unit(here * math::exp(way));
+                    let exact = is_over && !is_limited;
+                    put_turn(q, at, next);
+                    put_three(qd, v, if exact { three(goal.qd(), v) } else { way / *dt_s });
+                    put_three(qdd, v, if exact { three(goal.qdd(), v) } else { [0.0; 3].into() });
+                    is_there &= math::length(between(next, to)) <= THERE;
+                }
+            }
+        }
+        is_there && is_over
+    }
+}
+
+impl Axis {
+    /// Its largest speed: its own, and that of its shafts.
+    fn most(&self, speed_rad_s: Option<f32>) -> f32 {
+        speed_rad_s.map_or(self.speed, |speed| self.speed.min(speed / self.shaft))
+    }
+}
+
+/// How fast the shafts of drives turn for a joint's speed, in the home pose. Where several joints turn one shaft, each
+/// may have all of it: their sum is within.
+fn set_shafts<const B: usize, const V: usize, const S: usize>(
+    rig: &BoardRig<B, V, S>,
+    axes: &mut [Axis],
+) {
+    for drive in rig.drives() {
+        let mut home = Numbers::new();
+        for freedom in &drive.freedoms {
+            let freedom = rig.freedoms().get(usize::from(*freedom));
+            // Freedoms of a drive are counted: there is room.
+            let _ = home.push(freedom.map_or(0.0, |freedom| freedom.home));
+        }
+        let Ok(pose) = drive.drive.at_joints(&home) else { continue };
+        let mut sums = Numbers::new();
+        let _ = sums.resize(drive.servos.len(), 0.0);
+        for place in 0..home.len() {
+            let mut alone = Numbers::new();
+            let _ = alone.resize(home.len(), 0.0);
+            put(&mut alone, place, 1.0);
+            let Ok(shafts) = pose.servo_velocities(&alone) else { continue };
+            sums.iter_mut().zip(&shafts).for_each(|(sum, shaft)| *sum += shaft.abs());
+        }
+        let fastest = sums.iter().fold(1.0_f32, |most, sum| most.max(*sum));
+        for freedom in &drive.freedoms {
+            if let Some(axis) = axes.get_mut(usize::from(*freedom)) {
+                axis.shaft = fastest;
+            }
+        }
+    }
+}

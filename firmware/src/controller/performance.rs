@@ -1,0 +1,101 @@
+//! From a pose to commands of servos: the tracker, and the drives.
+
+use heapless::Vec;
+use sinew_core::coordinates::DofCommand;
+use sinew_core::tracker::{Measured, Timing, Tracker};
+use sinew_rig::board::BoardRig;
+
+use super::error::ControllerError;
+use super::pose::Pose;
+use super::report::FreedomReport;
+use super::settings::{ControllerSettings, ServoSetup};
+use crate::drives::{Class, Condition, Drives, ServoCommand, ServoDrive};
+
+/// One more than the longest latency in ticks.
+const DELAYS: usize = 8;
+
+/// A number on the way was refused: there are no commands.
+pub(super) struct NotFinite;
+
+/// Tracker and drives of a rig.
+#[derive(Debug)]
+pub(super) struct Performance<'a, const B: usize, const V: usize, const S: usize> {
+    rig: &'a BoardRig<B, V, S>,
+    tracker: Tracker<B, DELAYS>,
+    pub(super) drives: Drives<'a, B, V, S>,
+    commands: Vec<DofCommand, V>,
+    out: Vec<Option<ServoCommand>, S>,
+}
+
+impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S> {
+    pub(super) fn new(
+        rig: &'a BoardRig<B, V, S>,
+        settings: &ControllerSettings,
+        servos: &[ServoSetup],
+        timing: Timing,
+    ) -> Result<Self, ControllerError> {
+        let mut of_drives: Vec<_, S> = Vec::new();
+        of_drives.extend(servos.iter().map(|servo| servo.drive).take(S));
+        let drives = Drives::new(rig, &of_drives, timing).map_err(ControllerError::Drives)?;
+        let tracker = Tracker::new(rig.tree().clone(), &settings.tracker, timing)
+            .map_err(ControllerError::Tracker)?;
+        let (mut commands, mut out) = (Vec::new(), Vec::new());
+        // Freedoms and servos of a rig are counted: there is room.
+        let _ = commands.resize(rig.freedoms().len(), DofCommand::default());
+        let _ = out.resize(rig.servos().len(), None);
+        Ok(Self { rig, tracker, drives, commands, out })
+    }
+
+    /// Begins where the rig is, at rest.
+    pub(super) fn begin<const C: usize>(
+        &mut self,
+        pose: &Pose<V, C>,
+        conditions: &[Condition],
+    ) -> Result<(), NotFinite> {
+        self.drives.begin(conditions);
+        let measured = Measured::Positions { q: pose.q() };
+        self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
+    }
+
+    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(freedoms).
+    pub(super) fn step<const C: usize>(
+        &mut self,
+        pose: &Pose<V, C>,
+        (q, qd): (&[f32], &[f32]),
+        conditions: &[Condition],
+        share: impl Fn(usize) -> f32,
+        report: &mut [FreedomReport],
+    ) -> Result<&[Option<ServoCommand>], NotFinite> {
+        let Self { rig, tracker, drives, commands, out } = self;
+        let measured = Measured::Coordinates { q, qd };
+        let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
+        tick.dof_commands(commands).map_err(|_| NotFinite)?;
+        for (command, report) in commands.iter().zip(report) {
+            (report.effort, report.limit) = (command.effort(), command.limited);
+        }
+        // What a servo in position mode gives more than its target asks for is its offset.
+        for drive in rig.drives() {
+            let servos = drive.servos.iter().map(|servo| usize::from(*servo));
+            let share = servos.map(&share).fold(1.0, f32::min);
+            for freedom in &drive.freedoms {
+                let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
+                if let Some(command) = commands.get_mut(usize::from(*freedom))
+                    && class == Some(Class::Position)
+                {
+                    command.feedforward_effort *= share;
+                }
+            }
+        }
+        drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
+        for (index, servo) in out.iter_mut().enumerate() {
+            if let Some(ServoCommand { command: sinew_bus::Command::Current(a), .. }) = servo {
+                *a *= share(index);
+            }
+        }
+        Ok(out)
+    }
+}
+
+fn class(servos: &[ServoDrive], servo: u16) -> Option<Class> {
+    servos.get(usize::from(servo)).map(ServoDrive::class)
+}

@@ -1,0 +1,103 @@
+//! What became of a tick.
+
+use heapless::Vec;
+use sinew_show::Position;
+
+use crate::drives::Limit;
+use crate::supervisor::detect::Concern;
+use crate::supervisor::{Answer, FaultSet, GuardReason, Source, State};
+
+/// What became of a tick: of `V` freedoms and `S` servos at most.
+#[derive(Debug, Clone)]
+pub struct Report<const V: usize, const S: usize> {
+    /// The state.
+    pub state: State,
+    /// Where the pose comes from.
+    pub source: Source,
+    /// Where the show is that is loaded.
+    pub show: Option<Position>,
+    /// What became of the command.
+    pub answer: Option<Answer>,
+    /// Faults whose condition is there.
+    pub present: FaultSet,
+    /// Faults that came in this tick.
+    pub raised: FaultSet,
+    /// Faults that wait to be cleared.
+    pub latched: FaultSet,
+    /// How far the rig is from where it should be; none while torque is off.
+    pub following: Option<Following>,
+    /// By freedom.
+    pub freedoms: Vec<FreedomReport, V>,
+    /// By servo.
+    pub servos: Vec<ServoReport, S>,
+    /// Ticks that took too long, since the start.
+    pub overruns: u32,
+}
+
+/// How far measured freedoms are from what was commanded in the tick before, rad; of slides, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Following {
+    /// Mean of the sizes.
+    pub mean_rad: f32,
+    /// The largest.
+    pub most_rad: f32,
+    /// The freedom that has it.
+    pub freedom: u16,
+}
+
+/// One freedom.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FreedomReport {
+    /// Commanded less measured; rad or m.
+    pub error: f32,
+    /// What the tracker asked for, N m or N.
+    pub effort: f32,
+    /// What its servos give by their currents, N m or N.
+    pub measured_effort: Option<f32>,
+    /// What limited the effort.
+    pub limit: Option<sinew_core::control::LimitReason>,
+}
+
+/// One servo.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ServoReport {
+    /// What limited its drive.
+    pub limit: Option<Limit>,
+    /// What the guard held, which drives should have.
+    pub guard: Option<GuardReason>,
+    /// What part of its effort it may give, 0 to 1.
+    pub share: f32,
+    /// Why that is less, or soon will be.
+    pub concern: Option<Concern>,
+    /// Temperature, degC.
+    pub temperature_c: Option<f32>,
+    /// Heat of its winding by the model, 1 at the limit.
+    pub heat: f32,
+    /// Its supply, filtered, V.
+    pub voltage_v: Option<f32>,
+    /// Replies that did not come, over all.
+    pub missed: u32,
+    /// Readings that were not believed, over all.
+    pub not_believed: u32,
+    /// The last error number of a reply; 0 for none.
+    pub last_error: u8,
+}
+
+impl ServoReport {
+    /// Of a servo that was never read.
+    pub(super) const NOTHING: Self = Self {
+        limit: None,
+        guard: None,
+        share: 1.0,
+        concern: None,
+        temperature_c: None,
+        heat: 0.0,
+        voltage_v: None,
+        missed: 0,
+        not_believed: 0,
+        last_error: 0,
+    };
+}

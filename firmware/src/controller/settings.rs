@@ -1,0 +1,85 @@
+//! What a controller is made of.
+
+use crate::drives::DriveSettings;
+use crate::supervisor::detect::{
+    FollowingSettings, HeatSettings, OverrunSettings, Silence, SupplySettings, WindingSettings,
+};
+use crate::supervisor::{FaultLog, FaultSet, LOGGED, Settings};
+
+/// Numbers of the loop. What a rig's servos bear is in [`ServoSetup`].
+#[derive(Debug, Clone)]
+pub struct ControllerSettings {
+    /// Times and speeds of the supervisor.
+    pub supervisor: Settings,
+    /// Method, gains and observer.
+    pub tracker: sinew_core::tracker::Settings,
+    /// When a servo does not follow.
+    pub following: FollowingSettings,
+    /// When a servo does not answer.
+    pub silence: Silence,
+    /// How many ticks may take too long.
+    pub overrun: OverrunSettings,
+    /// A reading that is older is not valid, s. Every servo must be read more often.
+    pub stale_s: f32,
+    /// A servo whose voltage and temperature were not read for longer is silent, s. They are read in turn, one servo a
+    /// tick, where there is time.
+    pub blind_s: f32,
+    /// How far beyond its range a servo may be measured, rad: what it overshoots.
+    pub beyond_rad: f32,
+    /// What a tick takes the board besides its bus, µs.
+    pub compute_us: u32,
+    /// The last four bytes of the rig's compact form, which a show must carry.
+    pub rig_crc: u32,
+}
+
+/// Recommended tracking, readings up to 0.1 s, health up to 2 s, 3 deg beyond a range, 500 µs a tick, a rig without a
+/// CRC.
+impl Default for ControllerSettings {
+    fn default() -> Self {
+        Self {
+            supervisor: Settings::default(),
+            tracker: sinew_core::tracker::Settings::recommended(),
+            following: FollowingSettings::default(),
+            silence: Silence::default(),
+            overrun: OverrunSettings::default(),
+            stale_s: 0.1,
+            blind_s: 2.0,
+            beyond_rad: 0.052,
+            compute_us: 500,
+            rig_crc: 0,
+        }
+    }
+}
+
+/// How one servo is driven, and what it bears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoSetup {
+    /// Its class, with settings.
+    pub drive: DriveSettings,
+    /// Temperatures.
+    pub heat: HeatSettings,
+    /// Voltages; of each servo, since a plug may be loose.
+    pub supply: SupplySettings,
+    /// Its winding.
+    pub winding: WindingSettings,
+    /// Current at stall, A: of a servo that tells its load alone, load is a part of it.
+    pub stall_a: f32,
+}
+
+/// What is known when the board starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// Starts of the board, counted.
+    pub count: u32,
+    /// Why it starts, if that is a fault: watchdog, brown-out, panic.
+    pub causes: FaultSet,
+    /// Faults that storage has kept.
+    pub log: FaultLog<LOGGED>,
+}
+
+/// The first start, by power.
+impl Default for Start {
+    fn default() -> Self {
+        Self { count: 0, causes: FaultSet::EMPTY, log: FaultLog::default() }
+    }
+}

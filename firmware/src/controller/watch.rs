@@ -1,0 +1,228 @@
+//! All detectors of a rig.
+
+use heapless::Vec;
+use sinew_bus::{Effort, Health};
+use sinew_rig::board::BoardRig;
+
+use super::error::ControllerError;
+use super::part::number;
+use super::path::Path;
+use super::report::{Following as Error, ServoReport};
+use super::settings::{ControllerSettings, ServoSetup};
+use crate::SettingError;
+use crate::drives::{Condition, DriveSettings, Measured};
+use crate::supervisor::detect::{Derated, Following, Heat, Overrun, Silence, Supply, Winding};
+use crate::supervisor::{Fault, Findings, GuardSettings};
+
+/// Looks at every servo and freedom, once a tick.
+#[derive(Debug)]
+pub(super) struct Watch<const V: usize, const S: usize> {
+    servos: Vec<Servo, S>,
+    freedoms: Vec<(Following, u16), V>,
+    silence: Silence,
+    pub(super) overrun: Overrun,
+    stale_ticks: u32,
+    blind_ticks: u32,
+    beyond_rad: f32,
+}
+
+/// One servo, and what is found of it.
+#[derive(Debug)]
+struct Servo {
+    guard: GuardSettings,
+    stall_a: f32,
+    heat: Heat,
+    supply: Supply,
+    winding: Winding,
+    derated: Derated,
+}
+
+impl<const V: usize, const S: usize> Watch<V, S> {
+    pub(super) fn new<const B: usize>(
+        rig: &BoardRig<B, V, S>,
+        settings: &ControllerSettings,
+        setups: &[ServoSetup],
+        dt_s: f32,
+    ) -> Result<Self, ControllerError> {
+        SettingError::check("beyond_rad", settings.beyond_rad, [0.0, 0.5])?;
+        SettingError::check("stale_s", settings.stale_s, [1e-3, 10.0])?;
+        SettingError::check("blind_s", settings.blind_s, [0.1, 60.0])?;
+        let mut servos = Vec::new();
+        for (index, (servo, setup)) in rig.servos().iter().zip(setups).enumerate() {
+            let of = |why| ControllerError::Servo { servo: index, why };
+            SettingError::check("stall_a", setup.stall_a, [1e-3, 100.0]).map_err(of)?;
+            if let DriveSettings::Current(drive) = setup.drive {
+                // Else it would fall at the fault that lets it down.
+                let least = setup.heat.off_c;
+                SettingError::check("cut_off.warm_c", drive.cut_off.warm_c, [least, 150.0])
+                    .map_err(of)?;
+            }
+            // Servos of a rig are counted: there is room.
+            let _ = servos.push(Servo {
+                guard: GuardSettings::of(&servo.servo, &setup.drive),
+                stall_a: setup.stall_a,
+                heat: Heat::new(setup.heat).map_err(of)?,
+                supply: Supply::new(setup.supply, dt_s).map_err(of)?,
+                winding: Winding::new(setup.winding, dt_s).map_err(of)?,
+                derated: Derated::FULL,
+            });
+        }
+        let mut freedoms: Vec<(Following, u16), V> = Vec::new();
+        let _ = freedoms
+            .resize(rig.freedoms().len(), (Following::new(settings.following, dt_s)?, u16::MAX));
+        for drive in rig.drives() {
+            for freedom in &drive.freedoms {
+                if let (Some((_, of)), Some(servo)) =
+                    (freedoms.get_mut(usize::from(*freedom)), drive.servos.first())
+                {
+                    *of = *servo;
+                }
+            }
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+        let ticks = |seconds: f32| (seconds / dt_s + 1e-3) as u32;
+        Ok(Self {
+            servos,
+            freedoms,
+            silence: settings.silence,
+            overrun: Overrun::new(settings.overrun)?,
+            stale_ticks: ticks(settings.stale_s),
+            blind_ticks: ticks(settings.blind_s),
+            beyond_rad: settings.beyond_rad,
+        })
+    }
+
+    /// The rig is armed: nothing was off until now.
+    pub(super) fn begin(&mut self) {
+        self.freedoms.iter_mut().for_each(|(following, _)| following.begin());
+    }
+
+    /// What part of its effort a servo may give.
+    pub(super) fn share(&self, servo: usize) -> f32 {
+        self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
+    }
+
+    /// Whether every servo that tells has a reading that is new enough.
+    pub(super) fn is_measured(&self, conditions: &[Condition]) -> bool {
+        self.servos.iter().zip(conditions).all(|(servo, condition)| {
+            let read = condition.feedback;
+            !servo.guard.tells || read.is_some_and(|read| read.age_ticks <= self.stale_ticks)
+        })
+    }
+
+    /// Servos that tell, with their stall currents.
+    pub(super) fn telling(
+        &self,
+        conditions: &[Condition],
+    ) -> impl Iterator<Item = (Condition, f32)> {
+        let all = self.servos.iter().zip(conditions);
+        all.filter(|(servo, _)| servo.guard.tells).map(|(servo, read)| (*read, servo.stall_a))
+    }
+
+    /// Servos of a tick.
+    pub(super) fn servos(
+        &mut self,
+        read: &[(Condition, Health)],
+        findings: &mut Findings,
+        out: &mut [ServoReport],
+    ) {
+        let (silence, beyond_rad) = (self.silence, self.beyond_rad);
+        for (index, ((servo, (condition, health)), out)) in
+            self.servos.iter_mut().zip(read).zip(out).enumerate()
+        {
+            let name = u16::try_from(index).unwrap_or(u16::MAX);
+            let mut note = |fault: Option<Fault>| {
+                if let Some(fault) = fault {
+                    findings.note_of(fault, name);
+                }
+            };
+            if servo.guard.tells {
+                note(silence.step(health.missed_in_a_row));
+                // Voltage and temperature are read in the time that is left.
+                note((health.age_ticks > self.blind_ticks).then_some(Fault::ServoSilent));
+            }
+            if health.alert || health.hardware_error != 0 {
+                note(Some(Fault::ServoError));
+            }
+            if let Some(read) = condition.feedback {
+                let [least, most] = servo.guard.range_rad;
+                let own_rad = read.position_rad - servo.guard.zero_rad;
+                if own_rad < least - beyond_rad || own_rad > most + beyond_rad {
+                    note(Some(Fault::Range));
+                }
+            }
+            let current_a = condition.feedback.map_or(0.0, |read| match read.effort {
+                Effort::Current(a) => a,
+                Effort::Load(share) => share * servo.stall_a,
+            });
+            let found = [
+                servo.supply.step(health.voltage_v),
+                servo.heat.step(health.temperature_c),
+                servo.winding.step(current_a),
+            ];
+            for found in found {
+                note(found.fault);
+            }
+            servo.derated = found.into_iter().fold(Derated::FULL, Derated::and);
+            *out = ServoReport {
+                limit: None,
+                guard: None,
+                share: servo.derated.share,
+                concern: servo.derated.reason,
+                temperature_c: health.temperature_c,
+                heat: servo.winding.heat(),
+                voltage_v: servo.supply.filtered_v(),
+                missed: health.missed,
+                not_believed: health.not_believed,
+                last_error: health.last_error,
+            };
+        }
+    }
+
+    /// A joint beyond its range: of its first servo.
+    pub(super) fn range<const C: usize>(
+        &self,
+        path: &Path<V, C>,
+        q: &[f32],
+        findings: &mut Findings,
+    ) {
+        if let Some((_, servo)) =
+            path.beyond(q, self.beyond_rad).and_then(|freedom| self.freedoms.get(freedom))
+        {
+            findings.note_of(Fault::Range, *servo);
+        }
+    }
+
+    /// How far the measured freedoms are from what was commanded. `is_held`: they have all their effort to be there.
+    pub(super) fn freedoms(
+        &mut self,
+        errors: &[f32],
+        measured: &[Option<Measured>],
+        is_held: bool,
+        findings: &mut Findings,
+    ) -> Error {
+        let (mut error, mut sum, mut count) = (Error::default(), 0.0, 0.0);
+        for (index, ((following, servo), measured)) in
+            self.freedoms.iter_mut().zip(measured).enumerate()
+        {
+            if measured.is_none() {
+                continue;
+            }
+            let off = number(errors, index);
+            (sum, count) = (sum + off.abs(), count + 1.0);
+            if off.abs() > error.most_rad {
+                error.most_rad = off.abs();
+                error.freedom = u16::try_from(index).unwrap_or(u16::MAX);
+            }
+            if is_held {
+                if let Some(fault) = following.step(off) {
+                    findings.note_of(fault, *servo);
+                }
+            } else {
+                following.begin();
+            }
+        }
+        error.mean_rad = if count > 0.0 { sum / count } else { 0.0 };
+        error
+    }
+}

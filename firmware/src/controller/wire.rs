@@ -1,0 +1,34 @@
+//! What a board's line has to do in a tick.
+
+use sinew_bus::{EncodeError, ServoBus};
+
+/// A line with servos on it.
+///
+/// **Duty**: whatever servos do or do not, every call comes back within its time.
+pub trait Wire {
+    /// Empties its input, sends `bytes`, and gives what comes to `reply`, as it comes, until that says that it has all
+    /// or `wait_us` are over since the first byte out.
+    fn exchange(&mut self, bytes: &[u8], wait_us: u32, reply: impl FnMut(&[u8]) -> bool);
+
+    /// What is left of the tick, µs.
+    fn left_us(&self) -> u32;
+}
+
+/// The exchange of a tick: packets out and replies in, as long as the bus wants more and there is time. `out`: room for
+/// the longest packets.
+///
+/// # Errors
+/// [`EncodeError`] if there is no room in `out`: that packet did not go out, and none behind it.
+pub fn exchange(
+    bus: &mut impl ServoBus,
+    wire: &mut impl Wire,
+    out: &mut [u8],
+) -> Result<(), EncodeError> {
+    let mut request = Some(bus.plan(out)?);
+    while let Some(asked) = request {
+        let bytes = out.get(..asked.len).unwrap_or_default();
+        wire.exchange(bytes, asked.time_us, |said| bus.reply(said));
+        request = bus.plan_more(wire.left_us(), out)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! Servos in current mode: the whole effort.
+
+use sinew_bus::Command;
+use sinew_core::tracker::Timing;
+use sinew_rig::limited::Limited;
+use sinew_rig::servo::Servo;
+
+use super::{Class, Condition, CutOff, Encoder, Limit, Refused, ServoCommand, ShaftTarget};
+use crate::SettingError;
+
+/// What is less than this is no torque constant of a geared servo, N m/A: the smallest hobby servo has 0.3.
+const LEAST_CONSTANT_NM_A: f32 = 0.01;
+/// Time in which the current comes and goes where it is cut off, s.
+const FADE_S: f32 = 0.2;
+
+/// How a servo in current mode is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CurrentSettings {
+    /// Its encoder.
+    pub encoder: Encoder,
+    /// The most current either way, A.
+    pub current_a: f32,
+    /// When it gives less.
+    pub cut_off: CutOff,
+}
+
+/// Current control: feed-forward and feedback effort, and the friction at the wanted speed
+/// ([`Servo::shaft_friction`]), through the gear and over the torque constant.
+///
+/// Beyond an end of its range it gives no torque outwards. Without fresh readings, and where it is hot, the current
+/// fades to nothing: the loop is closed by the tracker, and a servo in current mode holds nothing by itself. O(1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurrentDrive {
+    servo: Servo,
+    settings: CurrentSettings,
+    dt_s: f32,
+    share: f32,
+}
+
+impl CurrentDrive {
+    /// At one tick of latency, which a bus takes: what the tracker's recommended setting bears, see
+    /// [`LATE_MOST_S`](sinew_core::tracker::LATE_MOST_S).
+    pub const LEAST_HZ: f32 = 200.0;
+
+    /// A drive of a servo. `timing`: the tracker's. What is read in one tick acts in the next, so its latency is at
+    /// least one tick; where a bus reads each servo every n ticks it is n.
+    ///
+    /// # Errors
+    /// [`Refused`] if readings come too late for the tracker's loop, the torque constant is not known, the range goes
+    /// over the encoder's seam, or a number cannot be.
+    pub fn new(servo: &Servo, settings: &CurrentSettings, timing: Timing) -> Result<Self, Refused> {
+        Class::Current.check(timing)?;
+        let late = Timing { latency_ticks: timing.latency_ticks.max(1), ..timing };
+        if late.check_recommended().is_err() {
+            return Err(Refused::TooSlow { class: Class::Current, least_hz: Self::LEAST_HZ });
+        }
+        if servo.settings().torque_constant_nm_a < LEAST_CONSTANT_NM_A {
+            return Err(Refused::NoTorqueConstant);
+        }
+        settings.encoder.check(servo)?;
+        settings.cut_off.check()?;
+        SettingError::check("current_a", settings.current_a, [0.0, 100.0])?;
+        Ok(Self { servo: *servo, settings: *settings, dt_s: timing.dt_s, share: 0.0 })
+    }
+
+    /// Begins anew: the current rises from nothing.
+    pub fn begin(&mut self) {
+        self.share = 0.0;
+    }
+
+    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
+        let (share, cut) = self.settings.cut_off.share(condition, self.dt_s);
+        let step = self.dt_s / FADE_S;
+        self.share = share.max(self.share - step).min(self.share + step);
+
+        let friction_nm = self.servo.shaft_friction(target.velocity_rad_s).unwrap_or(0.0);
+        let shaft_nm = target.feedforward_nm + target.feedback_nm + friction_nm;
+        let torque =
+            self.servo.own_torque(shaft_nm).unwrap_or(Limited { value: 0.0, reason: None });
+        let mut limit = torque.reason.map(Limit::from);
+        let mut current_a = torque.value / self.servo.settings().torque_constant_nm_a;
+
+        let most_a = self.settings.current_a;
+        if current_a.abs() > most_a {
+            (current_a, limit) = (current_a.max(-most_a).min(most_a), Some(Limit::Current));
+        }
+        if self.is_outwards(current_a, condition) {
+            (current_a, limit) = (0.0, Some(Limit::Range));
+        }
+        ServoCommand { command: Command::Current(current_a * self.share), limit: cut.or(limit) }
+    }
+
+    /// Whether a current drives the servo on, beyond an end of its range.
+    fn is_outwards(&self, current_a: f32, condition: &Condition) -> bool {
+        let [least, most] = self.servo.settings().range_rad;
+        condition.feedback.is_some_and(|feedback| {
+            let own_rad = feedback.position_rad - self.settings.encoder.zero_rad;
+            own_rad > most && current_a > 0.0 || own_rad < least && current_a < 0.0
+        })
+    }
+
+    pub(super) fn servo(&self) -> &Servo {
+        &self.servo
+    }
+
+    pub(super) fn encoder(&self) -> Encoder {
+        self.settings.encoder
+    }
+}

@@ -1,0 +1,99 @@
+//! From what servos measure to joints, by the same drives.
+
+use sinew_bus::Effort;
+use sinew_rig::board::BoardDrive;
+use sinew_rig::drive::{DriveInputError, MOST, Numbers};
+
+use super::{Condition, Drives, InputError};
+
+/// What is measured of one freedom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// rad or m; of a ball joint a component of the rotation vector.
+    pub position: f32,
+    /// rad/s or m/s; of a ball joint in body axes.
+    pub velocity: f32,
+    /// What the motors give by their currents, friction among it, N m or N; none without current sensors.
+    pub effort: Option<f32>,
+    /// Ticks since the oldest of the readings in it.
+    pub age_ticks: u32,
+}
+
+impl<const B: usize, const V: usize, const S: usize> Drives<'_, B, V, S> {
+    /// What is measured of each freedom; none where a servo of its drive was never read, or nothing drives it.
+    ///
+    /// # Errors
+    /// [`InputError`] as of [`Self::step`].
+    pub fn measured(
+        &self,
+        conditions: &[Condition],
+        out: &mut [Option<Measured>],
+    ) -> Result<(), InputError> {
+        Condition::check_all(self.servos.len(), conditions)?;
+        InputError::check_count("freedoms out", self.rig.freedoms().len(), out.len())?;
+        out.fill(None);
+        for (index, drive) in self.rig.drives().iter().enumerate() {
+            let Some(shafts) = self.shafts(drive, conditions) else { continue };
+            shafts.to_joints(drive, out).map_err(|_| InputError::Drive { drive: index })?;
+        }
+        Ok(())
+    }
+
+    /// Readings of a drive's servos at its shafts; none if one was never read.
+    pub(super) fn shafts(&self, drive: &BoardDrive, conditions: &[Condition]) -> Option<Shafts> {
+        let mut shafts = Shafts { torques: Some(Numbers::new()), ..Shafts::default() };
+        for index in &drive.servos {
+            let index = usize::from(*index);
+            let read = conditions.get(index)?.feedback?;
+            let drive = self.servos.get(index)?;
+            let servo = drive.servo();
+            let own_rad = read.position_rad - drive.encoder().zero_rad;
+            // There is room: servos are counted.
+            let _ = shafts.positions.push(servo.shaft_position(own_rad));
+            let _ = shafts.velocities.push(servo.shaft_velocity(read.velocity_rad_s));
+            match (&mut shafts.torques, read.effort) {
+                (Some(torques), Effort::Current(a)) => {
+                    let own_nm = a * servo.settings().torque_constant_nm_a;
+                    let _ = torques.push(servo.shaft_torque(own_nm));
+                }
+                (torques, _) => *torques = None,
+            }
+            shafts.age_ticks = shafts.age_ticks.max(read.age_ticks);
+        }
+        Some(shafts)
+    }
+}
+
+/// Readings of a drive's servos, at the shafts that it sees.
+#[derive(Debug, Default)]
+pub(super) struct Shafts {
+    pub(super) positions: Numbers,
+    velocities: Numbers,
+    torques: Option<Numbers>,
+    age_ticks: u32,
+}
+
+impl Shafts {
+    fn to_joints(
+        &self,
+        drive: &BoardDrive,
+        out: &mut [Option<Measured>],
+    ) -> Result<(), DriveInputError> {
+        let pose = drive.drive.at_servos(&self.positions)?;
+        let velocities = pose.joint_velocities(&self.velocities)?;
+        let efforts =
+            self.torques.as_ref().map(|torques| pose.joint_efforts(torques)).transpose()?;
+        for (place, freedom) in drive.freedoms.iter().enumerate().take(MOST) {
+            let at = |numbers: &[f32]| numbers.get(place).copied().unwrap_or(0.0);
+            if let Some(out) = out.get_mut(usize::from(*freedom)) {
+                *out = Some(Measured {
+                    position: at(pose.joints()),
+                    velocity: at(&velocities),
+                    effort: efforts.as_ref().map(|efforts| at(efforts)),
+                    age_ticks: self.age_ticks,
+                });
+            }
+        }
+        Ok(())
+    }
+}

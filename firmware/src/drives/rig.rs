@@ -1,0 +1,208 @@
+//! The drives of a whole rig.
+
+use heapless::Vec;
+use sinew_core::coordinates::DofCommand;
+use sinew_core::tracker::Timing;
+use sinew_rig::board::{BoardDrive, BoardRig};
+use sinew_rig::drive::{DriveInputError, DrivePose, Numbers};
+
+use super::turn::{self, Turn};
+use super::{
+    Condition, DriveSettings, InputError, Limit, ServoCommand, ServoDrive, SetupError, ShaftTarget,
+};
+
+/// The drives of a rig: efforts and targets of its freedoms to commands of its servos, and readings back.
+///
+/// Targets of joints that turn come in [-π, π]. They are unwrapped: next to the middle of the joint's range, or, of a
+/// joint without one, next to the last target.
+#[derive(Debug, Clone)]
+pub struct Drives<'r, const B: usize, const V: usize, const S: usize> {
+    pub(super) rig: &'r BoardRig<B, V, S>,
+    pub(super) servos: Vec<ServoDrive, S>,
+    turns: Vec<Turn, V>,
+}
+
+impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
+    /// Drives of a rig; `settings`: of each servo, in the rig's order. `timing`: the tracker's, see
+    /// [`CurrentDrive::new`](super::CurrentDrive::new).
+    ///
+    /// # Errors
+    /// [`SetupError`] names the servo or the drive, and what is wrong with it.
+    pub fn new(
+        rig: &'r BoardRig<B, V, S>,
+        settings: &[DriveSettings],
+        timing: Timing,
+    ) -> Result<Self, SetupError> {
+        let (expected, found) = (rig.servos().len(), settings.len());
+        let count = SetupError::Count { expected, found };
+        if expected != found {
+            return Err(count);
+        }
+        let mut servos = Vec::new();
+        for (index, (on_board, settings)) in rig.servos().iter().zip(settings).enumerate() {
+            let refused = |why| SetupError::Servo { servo: index, why };
+            let drive = ServoDrive::new(&on_board.servo, settings, timing).map_err(refused)?;
+            drive.check_address(on_board.address).map_err(refused)?;
+            servos.push(drive).map_err(|_| count)?;
+        }
+        let mut drives = Self { rig, servos, turns: turn::turns(rig) };
+        drives.check_classes()?;
+        drives.begin(&[]);
+        Ok(drives)
+    }
+
+    /// Servos of two classes on one drive would work against each other.
+    fn check_classes(&self) -> Result<(), SetupError> {
+        for (index, drive) in self.rig.drives().iter().enumerate() {
+            let mut classes = drive.servos.iter().filter_map(|servo| self.class(*servo));
+            let first = classes.next();
+            if classes.any(|class| Some(class) != first) {
+                return Err(SetupError::Mixed { drive: index });
+            }
+        }
+        Ok(())
+    }
+
+    fn class(&self, servo: u16) -> Option<super::Class> {
+        self.servos.get(usize::from(servo)).map(ServoDrive::class)
+    }
+
+    /// The drive of each servo.
+    pub fn servos(&self) -> &[ServoDrive] {
+        &self.servos
+    }
+
+    /// Begins anew: each servo from where it was read, those that were not from the rig's home pose. Offsets and
+    /// currents rise from nothing.
+    pub fn begin(&mut self, conditions: &[Condition]) {
+        for drive in self.rig.drives() {
+            let mut homes = Numbers::new();
+            for freedom in &drive.freedoms {
+                let home = self.rig.freedoms().get(usize::from(*freedom));
+                // Freedoms and servos of a drive are counted: there is room.
+                let _ = homes.push(home.map_or(0.0, |freedom| freedom.home));
+            }
+            let Ok(home) = drive.drive.at_joints(&homes) else { continue };
+            for (index, shaft_rad) in drive.servos.iter().zip(home.servos()) {
+                let index = usize::from(*index);
+                let Some(servo) = self.servos.get_mut(index) else { continue };
+                let read = conditions.get(index).and_then(|condition| condition.feedback);
+                let own_rad = if let Some(read) = read {
+                    read.position_rad - servo.encoder().zero_rad
+                } else {
+                    let settings = servo.servo().settings();
+                    settings.gear * shaft_rad + settings.offset_rad
+                };
+                servo.begin(if own_rad.is_finite() { own_rad } else { 0.0 });
+            }
+        }
+        for (turn, freedom) in self.turns.iter_mut().zip(self.rig.freedoms()) {
+            if let Turn::Last(last) = turn {
+                *last = freedom.home;
+            }
+        }
+    }
+
+    /// A tick: what each servo is commanded; none where no drive moves it. `commands`: of each freedom; `conditions`:
+    /// of each servo. O(servos).
+    ///
+    /// # Errors
+    /// [`InputError`], and nothing is taken: a number is NaN, infinite or above 1e6 in size, or there is not one for
+    /// each freedom or servo.
+    pub fn step(
+        &mut self,
+        commands: &[DofCommand],
+        conditions: &[Condition],
+        out: &mut [Option<ServoCommand>],
+    ) -> Result<(), InputError> {
+        self.check(commands, conditions)?;
+        InputError::check_count("commands out", self.servos.len(), out.len())?;
+        let mut targets: Vec<Option<(ShaftTarget, Option<Limit>)>, S> = Vec::new();
+        // There is room: servos are counted.
+        let _ = targets.resize(self.servos.len(), None);
+        let mut turns = self.turns.clone();
+        for (index, drive) in self.rig.drives().iter().enumerate() {
+            self.targets(drive, commands, conditions, &mut turns, &mut targets)
+                .map_err(|_| InputError::Drive { drive: index })?;
+        }
+        self.turns = turns;
+        for (((out, servo), target), condition) in
+            out.iter_mut().zip(&mut self.servos).zip(&targets).zip(conditions)
+        {
+            *out = target.map(|(target, limit)| {
+                let command = servo.command(&target, condition);
+                ServoCommand { limit: command.limit.or(limit), ..command }
+            });
+        }
+        Ok(())
+    }
+
+    fn check(&self, commands: &[DofCommand], conditions: &[Condition]) -> Result<(), InputError> {
+        InputError::check_count("commands", self.rig.freedoms().len(), commands.len())?;
+        Condition::check_all(self.servos.len(), conditions)?;
+        for (index, command) in commands.iter().enumerate() {
+            for (what, found) in [
+                ("position of freedom", command.position),
+                ("velocity of freedom", command.velocity),
+                ("feed-forward effort of freedom", command.feedforward_effort),
+                ("feedback effort of freedom", command.feedback_effort),
+            ] {
+                InputError::check_number(what, index, found)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the shafts of a drive's servos have to do. Efforts are shared where the servos are, if all were read, else
+    /// where they should be.
+    fn targets(
+        &self,
+        drive: &BoardDrive,
+        commands: &[DofCommand],
+        conditions: &[Condition],
+        turns: &mut [Turn],
+        targets: &mut [Option<(ShaftTarget, Option<Limit>)>],
+    ) -> Result<(), DriveInputError> {
+        let mut numbers: [Numbers; 4] = Default::default();
+        for freedom in &drive.freedoms {
+            let index = usize::from(*freedom);
+            let command = commands.get(index).copied().unwrap_or_default();
+            let position = turns
+                .get_mut(index)
+                .map_or(command.position, |turn| turn.unwrapped(command.position));
+            let parts =
+                [position, command.velocity, command.feedforward_effort, command.feedback_effort];
+            for (all, part) in numbers.iter_mut().zip(parts) {
+                // There is room: freedoms are counted.
+                let _ = all.push(part);
+            }
+        }
+        let [q, qd, feedforward, feedback] = &numbers;
+        let wanted = drive.drive.at_joints(q)?;
+        let limit = wanted.reason().map(Limit::from);
+        let velocities = wanted.servo_velocities(qd)?;
+        let shafts = self.shafts(drive, conditions);
+        let measured = shafts.as_ref().map(|shafts| drive.drive.at_servos(&shafts.positions));
+        let here: DrivePose<'_> = match measured {
+            Some(measured) => measured?,
+            None => wanted.clone(),
+        };
+        let feedforward = here.servo_torques(feedforward)?;
+        let feedback = here.servo_torques(feedback)?;
+        let parts = wanted.servos().iter().zip(&velocities).zip(feedforward.iter().zip(&feedback));
+        for (index, ((position, velocity), (feedforward, feedback))) in
+            drive.servos.iter().zip(parts)
+        {
+            if let Some(target) = targets.get_mut(usize::from(*index)) {
+                let shaft = ShaftTarget {
+                    position_rad: *position,
+                    velocity_rad_s: *velocity,
+                    feedforward_nm: *feedforward,
+                    feedback_nm: *feedback,
+                };
+                *target = Some((shaft, limit));
+            }
+        }
+        Ok(())
+    }
+}

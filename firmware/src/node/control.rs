@@ -1,0 +1,187 @@
+//! Above: the loop with its orders, once a tick.
+
+use sinew_bus::ServoBus;
+use sinew_link::{LiveSettings, LiveSetupError};
+use sinew_rig::board::BoardRig;
+use sinew_storage::Disarmed;
+
+use super::board::Safety;
+use super::live::Live;
+use super::mail::{Mail, Order, Said, Shared, Tick, Ticket};
+use super::snapshot::{self, Times};
+use crate::controller::{Controller, Incomplete, Inputs, Jog, Wire, exchange};
+use crate::supervisor::{Command, Fault, FaultLog, FaultRecord, FaultSet, LOGGED};
+
+/// The loop of a node. It has a context of its own, which nothing but the bus may interrupt.
+#[derive(Debug)]
+pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
+    rig: &'a BoardRig<B, V, S>,
+    controller: Controller<'a, B, V, S, C>,
+    live: Live<C>,
+    /// Here while torque may be on.
+    disarmed: Option<Disarmed>,
+    /// The command that this tick carries out.
+    asked: Option<Ticket>,
+    busy: Option<Ticket>,
+    jog: Option<(Jog, u64)>,
+    /// Faults that were handed down.
+    told: FaultLog<LOGGED>,
+    show_hz: Option<f32>,
+    times: Times,
+    wants_snapshot: bool,
+}
+
+impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control<'a, B, V, S, C> {
+    /// The loop of a controller of this rig.
+    ///
+    /// # Errors
+    /// [`LiveSetupError`] if a setting of the live stream cannot be.
+    pub fn new(
+        rig: &'a BoardRig<B, V, S>,
+        controller: Controller<'a, B, V, S, C>,
+        live: LiveSettings,
+    ) -> Result<Self, LiveSetupError> {
+        let live = Live::new(rig, LiveSettings { tick_s: controller.dt_s(), ..live })?;
+        Ok(Self {
+            rig,
+            told: *controller.supervisor().log(),
+            controller,
+            live,
+            disarmed: None,
+            asked: None,
+            busy: None,
+            jog: None,
+            show_hz: None,
+            times: Times::default(),
+            wants_snapshot: false,
+        })
+    }
+
+    /// The controller.
+    pub fn controller(&self) -> &Controller<'a, B, V, S, C> {
+        &self.controller
+    }
+
+    /// A tick: orders in, one exchange on the bus, answers out. The watchdog is fed if, and only if, it was whole.
+    /// `out`: room for the longest packets. O(freedoms).
+    ///
+    /// # Errors
+    /// [`Incomplete`] says why the watchdog was not fed.
+    pub fn tick(
+        &mut self,
+        board: &mut impl Safety,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+        bus: &mut impl ServoBus,
+        wire: &mut impl Wire,
+        out: &mut [u8],
+    ) -> Result<(), Incomplete> {
+        let now_us = board.now_us();
+        let mut inputs = mail.with(|mail| self.take(mail, now_us));
+        if board.is_stopped() {
+            inputs.found = FaultSet::of(Fault::EStop);
+        }
+        let begun = self.controller.begin(&inputs, &mut self.live, bus);
+        board.enable_outputs(self.controller.permission().torque);
+        let exchanged = exchange(bus, wire, out);
+        // Within the time that is measured, and outside of the mail.
+        let snapshot = self.snapshot(board);
+        let took_us = u32::try_from(board.now_us().saturating_sub(now_us)).unwrap_or(u32::MAX);
+        self.times.add(took_us);
+        let ended = self.controller.end(begun, exchanged, took_us);
+        mail.with(|mail| self.put(mail, snapshot));
+        ended.map(|tick| board.feed(tick))
+    }
+
+    fn take(&mut self, mail: &mut Mail<'a, V, S, C>, now_us: u64) -> Inputs {
+        while let Some(frame) = mail.live.pop_front() {
+            self.live.push(&frame, now_us);
+        }
+        self.wants_snapshot |= core::mem::take(&mut mail.wants_snapshot);
+        if let Some(jog) = mail.jog.take() {
+            self.jog = Some((jog, now_us));
+        }
+        let held_s = self.controller.supervisor().settings().enable_s;
+        self.jog = self.jog.filter(|(_, at)| now_us.saturating_sub(*at) as f32 * 1e-6 < held_s);
+        Inputs {
+            now_us,
+            heard: core::mem::take(&mut mail.heard),
+            command: self.command(mail),
+            found: FaultSet::EMPTY,
+            uploaded: false,
+            jog: self.jog.map(|(jog, _)| jog),
+        }
+    }
+
+    /// One command a tick; an emergency stop before all others.
+    fn command(&mut self, mail: &mut Mail<'a, V, S, C>) -> Option<Command> {
+        if let Some(ticket) = mail.stop.take() {
+            self.asked = Some(ticket);
+            return Some(Command::EStop);
+        }
+        match mail.order.take() {
+            Some((ticket, Order::Supervise(command))) => {
+                // Nothing else leads to torque.
+                if command == Command::Arm && self.disarmed.is_none() {
+                    self.disarmed = mail.disarmed.take();
+                    if self.disarmed.is_none() {
+                        self.busy = Some(ticket);
+                        return None;
+                    }
+                }
+                self.asked = Some(ticket);
+                Some(command)
+            }
+            Some((ticket, Order::Show(show))) => {
+                self.show_hz = show.as_ref().map(|show| show.show().rate().hz());
+                self.controller.put_show(show);
+                // There is room: one command is under way, and a stop.
+                let _ = mail.answers.push_back((ticket, Said::Shown));
+                None
+            }
+            None => mail.enable.take().map(Command::Enable),
+        }
+    }
+
+    /// What this tick has found and commanded, if somebody asked.
+    fn snapshot(&mut self, board: &impl Safety) -> Option<Tick<V, S, C>> {
+        if !core::mem::take(&mut self.wants_snapshot) {
+            return None;
+        }
+        let times = core::mem::take(&mut self.times);
+        self.times = times.go_on();
+        let (stack_free, live_age_ms) = (board.stack_free(), self.live.age_ms());
+        let more = snapshot::More { times, stack_free, live_age_ms, show_hz: self.show_hz };
+        Some(snapshot::of(&self.controller, self.rig, &more))
+    }
+
+    fn put(&mut self, mail: &mut Mail<'a, V, S, C>, snapshot: Option<Tick<V, S, C>>) {
+        let report = self.controller.report();
+        mail.state = report.state;
+        if !report.state.is_on()
+            && let Some(disarmed) = self.disarmed.take()
+        {
+            mail.disarmed = Some(disarmed);
+        }
+        if let (Some(ticket), Some(answer)) = (self.asked.take(), report.answer) {
+            let _ = mail.answers.push_back((ticket, Said::Supervised(answer)));
+        }
+        if let Some(ticket) = self.busy.take() {
+            let _ = mail.answers.push_back((ticket, Said::Busy));
+        }
+        let log = self.controller.supervisor().log();
+        if *log != self.told {
+            let is_new = |record: &FaultRecord| self.told.last().all(|told| told != *record);
+            let room = mail.faults.capacity().saturating_sub(mail.faults.len());
+            // All or none, so that none is told twice. There is room for all in an empty mail.
+            if log.last().filter(is_new).count() <= room {
+                for record in log.last().filter(is_new) {
+                    let _ = mail.faults.push_back(record);
+                }
+                self.told = *log;
+            }
+        }
+        if snapshot.is_some() {
+            mail.snapshot = snapshot;
+        }
+    }
+}

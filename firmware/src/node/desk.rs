@@ -1,0 +1,187 @@
+//! Below: link and storage, a step at a time.
+
+use embedded_storage::nor_flash::NorFlash;
+use heapless::Deque;
+use sinew_link::message::{
+    About, Command, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
+};
+use sinew_link::{Decoder, Intake, Order as Sequence, Session};
+use sinew_rig::board::BoardRig;
+use sinew_storage::{Disarmed, Store, Upload};
+
+use super::board::Port;
+use super::commands::Wait;
+use super::mail::{FAULTS_WAITING, Mail, Shared, Ticket};
+use super::outbox::Outbox;
+use super::settings::NodeSettings;
+use super::telemetry::Telemeter;
+use super::words;
+use crate::controller::Jog;
+use crate::supervisor::FaultRecord;
+
+/// Bytes that are taken from the line in a step.
+const AT_ONCE: usize = 64;
+
+/// What the board is to do behind a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[must_use = "new settings count after a restart"]
+pub enum Next {
+    /// The next step.
+    Step,
+    /// Reset itself: there are another rig or other settings, and they are read at the start. Torque is off.
+    Restart,
+}
+
+/// What a node is made of, beside its storage.
+#[derive(Debug)]
+pub struct Setup<'a, const B: usize, const V: usize, const S: usize> {
+    /// Who the host talks to. Rig and counts are filled in.
+    pub about: About,
+    /// The settings that count now.
+    pub settings: NodeSettings,
+    /// Whether what is stored of settings or rig is [bad](super::Found::is_bad).
+    pub is_bad: bool,
+    /// The rig of the loop, and its CRC; none if there is no loop.
+    pub rig: Option<(&'a BoardRig<B, V, S>, u32)>,
+    /// Time between two ticks, s.
+    pub tick_s: f32,
+    /// What the line to the host carries, bit/s.
+    pub line_bps: u32,
+}
+
+/// Link and storage of a node. It runs below the loop, which interrupts it anywhere.
+pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: usize> {
+    pub(super) setup: Setup<'a, B, V, S>,
+    pub(super) store: Store<F>,
+    session: Session,
+    decoder: Decoder<ToController>,
+    pub(super) outbox: Outbox,
+    /// The command that the loop has now.
+    pub(super) waiting: Option<(Ticket, Wait)>,
+    /// The slot of the show that the loop reads.
+    pub(super) lent: Option<usize>,
+    pub(super) upload: Option<Upload>,
+    pub(super) telemeter: Telemeter<V, S, C>,
+    /// Faults that storage has not taken yet.
+    pub(super) faults: Deque<FaultRecord, FAULTS_WAITING>,
+    /// What was stored counts after a restart: until then nobody arms.
+    pub(super) kept: Option<Disarmed>,
+}
+
+impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
+    Desk<'a, F, B, V, S, C>
+{
+    /// A desk before any host. `first_session`: another number at each start.
+    pub fn new(store: Store<F>, mut setup: Setup<'a, B, V, S>, first_session: u16) -> Self {
+        setup.about.rig = setup.rig.map_or(0, |(_, crc)| crc);
+        Self {
+            setup,
+            store,
+            session: Session::new(first_session),
+            decoder: Decoder::new(),
+            outbox: Outbox::new(),
+            waiting: None,
+            lent: None,
+            upload: None,
+            telemeter: Telemeter::new(),
+            faults: Deque::new(),
+            kept: None,
+        }
+    }
+
+    /// The store.
+    pub fn store(&mut self) -> &mut Store<F> {
+        &mut self.store
+    }
+
+    /// Bytes in, bytes out, and what is to be done between: at most one thing that writes flash. It may take as long as
+    /// a sector's erase, and only while torque is off; the loop goes on meanwhile, if it does not run from that flash.
+    pub fn step(
+        &mut self,
+        port: &mut impl Port<'a>,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) -> Next {
+        while let Some((ticket, said)) = mail.with(|mail| mail.answers.pop_front()) {
+            self.said(ticket, said, mail);
+        }
+        self.keep_faults(mail);
+        // Also while nobody reads, and an answer has no room: a stop must be heard. Before a restart torque is off.
+        if self.kept.is_none() {
+            let mut bytes = [0; AT_ONCE];
+            let came = port.receive(&mut bytes).min(AT_ONCE);
+            for byte in bytes.get(..came).unwrap_or_default() {
+                if let Some(message) = self.decoder.push(*byte) {
+                    self.take(message, port, mail);
+                }
+            }
+        }
+        let counts = (self.decoder.damage().total(), self.session.counts().1.lost);
+        self.telemeter.step(port.now_us(), mail, counts, &mut self.outbox);
+        self.outbox.send(|bytes| port.send(bytes));
+        if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
+    }
+
+    fn take(
+        &mut self,
+        message: ToController,
+        port: &mut impl Port<'a>,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) {
+        match message {
+            ToController::Hello(hello) => {
+                let busy = mail.with(|mail| mail.state.is_on());
+                let before = self.session.id();
+                let welcome = self.session.hello(hello, self.setup.about, busy);
+                if welcome.verdict != Err(Misfit::Busy) && self.session.id() != before {
+                    self.telemeter = Telemeter::new();
+                }
+                self.outbox.put(&ToHost::Welcome(welcome));
+            }
+            ToController::Command(command) => match self.session.command(&command) {
+                Intake::Answer(answer) => self.outbox.put(&ToHost::Answer(answer)),
+                Intake::Execute => {
+                    let ticket = (command.session, command.seq);
+                    let is_ours = self.session.id() == Some(command.session);
+                    if is_ours && command.item != Command::EStop {
+                        mail.with(|mail| mail.heard = true);
+                    }
+                    if let Some(outcome) = self.execute(command.item, ticket, port, mail) {
+                        self.answer(ticket, outcome);
+                    }
+                }
+            },
+            ToController::Stream(item) => self.stream(item, mail),
+        }
+    }
+
+    /// What counts only while it is fresh.
+    fn stream(&mut self, item: Numbered<Stream>, mail: &impl Shared<Mail<'a, V, S, C>>) {
+        let Some(order) = self.session.stream(&item) else { return };
+        let is_fresh = matches!(order, Sequence::Fresh { .. });
+        let is_late = order == Sequence::Late;
+        mail.with(|mail| {
+            mail.heard |= is_fresh;
+            match item.item {
+                Stream::Live(frame) if is_fresh || is_late => {
+                    if mail.live.is_full() {
+                        mail.live.pop_front();
+                    }
+                    // There is room now.
+                    let _ = mail.live.push_back(frame);
+                }
+                Stream::Jog { dof, velocity } if is_fresh => {
+                    mail.jog = Some(Jog { freedom: dof.into(), speed: velocity });
+                }
+                Stream::HoldToRun(operator) if is_fresh => {
+                    mail.enable = Some(words::operator(operator));
+                }
+                _ => {}
+            }
+        });
+    }
+
+    pub(super) fn answer(&mut self, ticket: Ticket, outcome: Outcome) {
+        let answer = self.session.answer(ticket.0, ticket.1, outcome);
+        self.outbox.put(&ToHost::Answer(answer));
+    }
+}

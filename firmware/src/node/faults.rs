@@ -1,0 +1,45 @@
+//! Faults on their way to the host and into flash.
+
+use embedded_storage::nor_flash::NorFlash;
+use sinew_link::message::ToHost;
+use sinew_storage::Error;
+
+use super::desk::Desk;
+use super::mail::{Mail, Shared};
+use super::words;
+
+impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
+    Desk<'a, F, B, V, S, C>
+{
+    /// Tells faults to the host, and keeps them.
+    pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, V, S, C>>) {
+        while !self.faults.is_full()
+            && let Some(record) = mail.with(|mail| mail.faults.pop_front())
+        {
+            self.outbox.put(&ToHost::Fault(words::fault(&record)));
+            if is_kept(record.times) {
+                // There is room: asked above.
+                let _ = self.faults.push_back(record);
+            }
+        }
+        if let Some(record) = self.faults.front().copied() {
+            let kept = self.store.record_fault(&words::to_keep(&record));
+            if let Err(Error::Untidy | Error::Full { .. }) = kept {
+                // There is no room while torque is on: it waits until that is off.
+                let Some(disarmed) = mail.with(|mail| mail.disarmed.take()) else { return };
+                let is_tidy = self.store.tidy(&disarmed).is_ok();
+                mail.with(|mail| mail.disarmed = Some(disarmed));
+                if is_tidy {
+                    return;
+                }
+            }
+            // It is there; or the flash refuses it, and the host knows it alone.
+            self.faults.pop_front();
+        }
+    }
+}
+
+/// A fault that comes and goes is written when it came once, 16 times, 256 times, 4096 times: flash wears.
+fn is_kept(times: u16) -> bool {
+    [1, 16, 256, 4096].contains(&times)
+}

@@ -1,0 +1,219 @@
+//! Commands for storage: uploads, shows, settings, faults.
+
+use embedded_storage::nor_flash::NorFlash;
+use sinew_link::message::{Applied, Block, FaultReport, Item, Place, Refusal, Value};
+use sinew_rig::board::BoardRig;
+use sinew_show::ShowFrames;
+use sinew_storage::{Approver, Descriptor, Disarmed, Error, Kind, Store};
+
+use super::board::Port;
+use super::desk::Desk;
+use super::mail::{Mail, Shared};
+use super::settings::{NodeSettings, SETTINGS_SCHEMA, SettingsError};
+use super::start::RIG_SCHEMA;
+use super::words;
+use crate::controller::open_show;
+use crate::supervisor::Fault;
+
+/// Version of shows that this firmware reads.
+pub const SHOW_SCHEMA: u16 = 2;
+
+/// Who stands for a setting that a host has changed alone.
+const BY_HOST: &str = "host, one setting";
+
+type Done = Result<Applied, Refusal>;
+
+impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
+    Desk<'a, F, B, V, S, C>
+{
+    /// Does something that may erase: with the one permission, which the loop has while torque may be on. If what was
+    /// done `restarts` the board, the permission stays here: nobody arms before.
+    fn disarmed<R>(
+        &mut self,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+        restarts: bool,
+        act: impl FnOnce(&mut Store<F>, &Disarmed) -> Result<R, Error<F::Error>>,
+    ) -> Result<R, Refusal> {
+        let (disarmed, state) = mail.with(|mail| (mail.disarmed.take(), mail.state));
+        let refusal =
+            if state.is_on() { Refusal::State(words::state(state)) } else { Refusal::Busy };
+        let disarmed = disarmed.ok_or(refusal)?;
+        let result = act(&mut self.store, &disarmed).map_err(|error| words::storage(&error));
+        if restarts && result.is_ok() {
+            self.kept = Some(disarmed);
+        } else {
+            mail.with(|mail| mail.disarmed = Some(disarmed));
+        }
+        result
+    }
+
+    /// A show, read where it lies.
+    pub(super) fn open(
+        &mut self,
+        slot: usize,
+        port: &mut impl Port<'a>,
+    ) -> Result<ShowFrames<'a, C>, Refusal> {
+        let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
+        let item = self
+            .store
+            .show(slot)
+            .map_err(|error| words::storage(&error))?
+            .ok_or(Refusal::Unknown)?;
+        let of = item.descriptor();
+        of.check_schema(SHOW_SCHEMA).map_err(|_| Refusal::Content(0))?;
+        if ![0, crc].contains(&of.rig) {
+            return Err(Refusal::OtherRig { show: of.rig, rig: crc });
+        }
+        let bytes = port.lend(item.place()).ok_or(Refusal::Unsupported)?;
+        open_show(rig, crc, self.setup.tick_s, bytes).map_err(|error| words::show_error(&error))
+    }
+
+    pub(super) fn delete(&mut self, slot: usize, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
+        self.disarmed(mail, false, |store, disarmed| store.delete_show(disarmed, slot))?;
+        Ok(Applied::Stored(None))
+    }
+
+    pub(super) fn ask(&mut self, place: Place) -> Done {
+        let item = match place {
+            Place::Settings => self.store.settings(),
+            Place::Rig => self.store.rig(),
+            Place::Show { slot } => self.store.show(slot.into()),
+        };
+        let item = item.map_err(|error| words::storage(&error))?;
+        Ok(Applied::Stored(item.map(|item| words::item(item.descriptor()))))
+    }
+
+    pub(super) fn begin(&mut self, item: &Item, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
+        let descriptor = words::descriptor(item).ok_or(Refusal::Value)?;
+        let schema = match descriptor.kind {
+            Kind::Settings => SETTINGS_SCHEMA,
+            Kind::Rig => RIG_SCHEMA,
+            Kind::Show => SHOW_SCHEMA,
+        };
+        descriptor.check_schema(schema).map_err(|_| Refusal::Value)?;
+        let (of, here) = (descriptor.rig, self.setup.about.rig);
+        if descriptor.kind != Kind::Rig && here != 0 && ![0, here].contains(&of) {
+            return Err(Refusal::OtherRig { show: of, rig: here });
+        }
+        self.upload = None;
+        let upload =
+            self.disarmed(mail, false, |store, disarmed| store.begin(disarmed, &descriptor))?;
+        let next = upload.received();
+        self.upload = Some(upload);
+        Ok(Applied::Upload { next })
+    }
+
+    pub(super) fn block(&mut self, block: &Block, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
+        let mut upload = self.upload.take().ok_or(Refusal::Offset { next: 0 })?;
+        let written = self.disarmed(mail, false, |store, disarmed| {
+            store.write(disarmed, &mut upload, block.offset, &block.bytes)
+        });
+        let next = upload.received();
+        self.upload = Some(upload);
+        written?;
+        Ok(Applied::Upload { next })
+    }
+
+    /// What cannot be used does not replace what can.
+    pub(super) fn end(
+        &mut self,
+        port: &mut impl Port<'a>,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) -> Done {
+        let upload = self.upload.take().ok_or(Refusal::Offset { next: 0 })?;
+        let of = upload.descriptor().clone();
+        if upload.received() != of.len {
+            let next = upload.received();
+            self.upload = Some(upload);
+            return Err(Refusal::Offset { next });
+        }
+        let checked = port.look(upload.place::<F>(), |bytes| self.check(of.kind, bytes));
+        checked.unwrap_or(Err(Refusal::Unsupported))?;
+        let restarts = matches!(of.kind, Kind::Settings | Kind::Rig);
+        let stored =
+            self.disarmed(mail, restarts, |store, disarmed| store.end(disarmed, &upload))?;
+        Ok(Applied::Stored(Some(words::item(stored.descriptor()))))
+    }
+
+    /// That a content is one that this node can use.
+    fn check(&self, kind: Kind, bytes: &[u8]) -> Result<(), Refusal> {
+        match kind {
+            Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
+            Kind::Rig => BoardRig::<B, V, S>::decode(bytes)
+                .map(|_| ())
+                .map_err(|error| words::rig_error(&error)),
+            Kind::Show => {
+                let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
+                open_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
+                    .map(|_| ())
+                    .map_err(|error| words::show_error(&error))
+            }
+        }
+    }
+
+    pub(super) fn read_setting(&self, key: u16) -> Done {
+        let value = self.setup.settings.get(key).ok_or(Refusal::Unknown)?;
+        Ok(Applied::Setting(Value::Number(value)))
+    }
+
+    /// One setting, as all settings anew. It counts from the restart on.
+    pub(super) fn write_setting(
+        &mut self,
+        key: u16,
+        value: &Value,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) -> Done {
+        if self.setup.is_bad {
+            // They would count from then on, though nobody has approved the others of them for this rig.
+            return Err(Refusal::NeedsUpload(Fault::SettingsBad.number()));
+        }
+        let Value::Number(value) = *value else { return Err(Refusal::Value) };
+        let settings = self.setup.settings.with(key, value).map_err(settings_error)?;
+        let bytes = settings.bytes();
+        let approver = Approver::new(BY_HOST).map_err(|_| Refusal::Value)?;
+        let descriptor =
+            Descriptor::of(Kind::Settings, SETTINGS_SCHEMA, &bytes, self.setup.about.rig, approver);
+        let stored =
+            self.disarmed(mail, true, |store, disarmed| store.put(disarmed, &descriptor, &bytes))?;
+        let read = read_back(&mut self.store, &stored, &self.setup.settings)?;
+        let value = read.get(key).ok_or(Refusal::Memory)?;
+        Ok(Applied::Setting(Value::Number(value)))
+    }
+
+    /// 0 is the first since faults were cleared, then from the latest back.
+    pub(super) fn read_fault(&mut self, index: u16) -> Done {
+        let faults = self.store.faults().map_err(|error| words::storage(&error))?;
+        let all = faults.first.iter().chain(&faults.last);
+        let count = u16::try_from(all.count()).unwrap_or(u16::MAX);
+        let record = match index.checked_sub(1) {
+            None => faults.first.as_ref(),
+            Some(back) => faults.last.iter().rev().nth(back.into()),
+        };
+        let record = record.and_then(words::kept).map(|record| words::fault(&record));
+        Ok(Applied::Fault(FaultReport { count, record }))
+    }
+
+    /// The supervisor has cleared its faults: the next one is the first in flash, too. The last ones stay.
+    pub(super) fn clear_faults(&mut self, mail: &impl Shared<Mail<'a, V, S, C>>) {
+        // While the rig is lowered the loop has the permission: flash then keeps the fault that was the first.
+        let _ = self.disarmed(mail, false, Store::clear_faults);
+    }
+}
+
+fn read_back<F: NorFlash>(
+    store: &mut Store<F>,
+    item: &sinew_storage::Stored,
+    settings: &NodeSettings,
+) -> Result<NodeSettings, Refusal> {
+    let mut bytes = [0; super::settings::SETTINGS_MAX];
+    let bytes = bytes.get_mut(..item.descriptor().len as usize).ok_or(Refusal::Memory)?;
+    store.read(item, 0, bytes).map_err(|error| words::storage(&error))?;
+    settings.read(bytes).map_err(settings_error)
+}
+
+fn settings_error(error: SettingsError) -> Refusal {
+    match error {
+        SettingsError::Key { .. } => Refusal::Unknown,
+        _ => Refusal::Value,
+    }
+}

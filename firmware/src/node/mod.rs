@@ -1,0 +1,61 @@
+//! A node: the whole of a controller's board, but for its hardware.
+//!
+//! ```text
+//! host <─ bytes ─> Desk ─ Mail: orders, live frames, heard ─> Control ─> Controller ─> bus of servos
+//!                   │  <─ Mail: answers, faults, snapshots ─     │
+//!                 Store (flash)                               Safety: e-stop, OE, watchdog
+//!               below, step by step                       above, tick by tick
+//! ```
+//!
+//! - [`start`] reads back what flash keeps, and says what is bad as numbered faults.
+//! - [`Control::tick`] runs above all else: one tick, orders of the mail first. It alone feeds the watchdog.
+//! - [`Desk::step`] runs below it: bytes of the link, storage, the log of faults, telemetry.
+//! - [`Mail`] is all that both reach; [`Shared`] is the board's critical section round it.
+//! - [`Safety`] and [`Port`] are what a board gives.
+//!
+//! # Who may erase
+//! There is one [`Disarmed`](sinew_storage::Disarmed), and it moves. While torque is off it lies in the mail. The loop
+//! takes it away to arm, and gives it back when torque is off again; the desk takes it to write or erase. So nothing is
+//! erased while armed, and nothing is armed while flash is erased: the types say so, whoever interrupts whom.
+//!
+//! # Shows in flash
+//! A show is played where it lies: the loop holds a `&'a [u8]` of memory-mapped flash, which [`Port::lend`] gives. Only
+//! slots are lent. While the loop has not said which show it reads, none is erased and no other is lent: two are lent
+//! at most, the old one until the loop has the new one. An upload goes to slots that hold none. So the one place that a
+//! board must vouch for is `lend`.
+//!
+//! # Another rig, other settings
+//! They are read at the start alone. After an upload of them, or a setting that was written, the node asks for a
+//! [restart](Next::Restart): one way in, the same that power-on takes. The host says hello again.
+
+#![warn(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::missing_errors_doc,
+    clippy::arithmetic_side_effects
+)]
+
+mod board;
+mod commands;
+mod control;
+mod desk;
+mod faults;
+mod items;
+mod live;
+mod mail;
+mod outbox;
+mod settings;
+mod snapshot;
+mod start;
+mod telemetry;
+mod words;
+
+pub use board::{Port, Safety, causes};
+pub use control::Control;
+pub use desk::{Desk, Next, Setup};
+pub use items::SHOW_SCHEMA;
+pub use mail::{Mail, Shared};
+pub use settings::{NodeSettings, SETTING_NAMES, SETTINGS_MAX, SETTINGS_SCHEMA, SettingsError};
+pub use start::{Found, RIG_SCHEMA, start};

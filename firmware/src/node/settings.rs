@@ -1,0 +1,195 @@
+//! Settings of a node: numbers with a key each, which never changes.
+
+use heapless::Vec;
+use sinew_link::LiveSettings;
+
+use crate::SettingError;
+use crate::controller::ControllerSettings;
+use crate::supervisor::detect::{Following, Overrun};
+use crate::supervisor::{FaultLog, Supervisor};
+
+/// Version of what the content means.
+pub const SETTINGS_SCHEMA: u16 = 1;
+
+/// Bytes of one setting: key u16, f32, little-endian.
+const EACH: usize = 6;
+
+/// The longest settings, in bytes.
+pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
+
+/// All settings by key, from 1, with the unit behind the name.
+pub const SETTING_NAMES: [&str; 17] = [
+    "link_hold_s",
+    "link_limp_s",
+    "enable_s",
+    "arming_s",
+    "blend_s",
+    "stop_s",
+    "lower_s",
+    "soft_rad_s",
+    "stop_rad_s",
+    "maintenance_rad_s",
+    "following_most_rad",
+    "following_time_s",
+    "stale_s",
+    "blind_s",
+    "beyond_rad",
+    "live_delay_s",
+    "live_stale_s",
+];
+
+/// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
+#[derive(Debug, Clone)]
+pub struct NodeSettings {
+    /// Of the loop.
+    pub controller: ControllerSettings,
+    /// How long after the fastest frame a pose of a stream is played, s.
+    pub live_delay_s: f32,
+    /// Without a new frame for so long, a stream is late, s.
+    pub live_stale_s: f32,
+}
+
+/// Why settings are refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// They are not a whole number of settings.
+    Length {
+        /// Bytes that there are.
+        found: usize,
+    },
+    /// There is no such key, or it comes twice.
+    Key {
+        /// The key.
+        found: u16,
+    },
+    /// A value that cannot be.
+    Value(SettingError),
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Length { found } => write!(f, "settings have 6 bytes each, these are {found}"),
+            Self::Key { found } => write!(f, "there is no setting {found}, or it comes twice"),
+            Self::Value(why) => why.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl From<SettingError> for SettingsError {
+    fn from(error: SettingError) -> Self {
+        Self::Value(error)
+    }
+}
+
+impl NodeSettings {
+    /// The board's own, before any was stored.
+    pub fn new(controller: ControllerSettings) -> Self {
+        let LiveSettings { delay_us, stale_us, .. } = LiveSettings::DEFAULT;
+        let seconds = |us: u32| us as f32 * 1e-6;
+        Self { controller, live_delay_s: seconds(delay_us), live_stale_s: seconds(stale_us) }
+    }
+
+    /// A setting by its key.
+    pub fn get(&self, key: u16) -> Option<f32> {
+        self.clone().field(key).copied()
+    }
+
+    /// These with one setting changed.
+    ///
+    /// # Errors
+    /// [`SettingsError`] if there is no such setting, or the value cannot be; NaN, too.
+    pub fn with(&self, key: u16, value: f32) -> Result<Self, SettingsError> {
+        let mut changed = self.clone();
+        *changed.field(key).ok_or(SettingsError::Key { found: key })? = value;
+        changed.check()?;
+        Ok(changed)
+    }
+
+    /// Reads settings; those that are not there keep their values here.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names what cannot be.
+    pub fn read(&self, bytes: &[u8]) -> Result<Self, SettingsError> {
+        let mut read = self.clone();
+        let (all, rest) = bytes.as_chunks::<EACH>();
+        if !rest.is_empty() || all.len() > SETTING_NAMES.len() {
+            return Err(SettingsError::Length { found: bytes.len() });
+        }
+        let mut last = 0;
+        for [k0, k1, value @ ..] in all {
+            let found = u16::from_le_bytes([*k0, *k1]);
+            // They are in order, so that none comes twice.
+            let field = read.field(found).filter(|_| found > last);
+            *field.ok_or(SettingsError::Key { found })? = f32::from_le_bytes(*value);
+            last = found;
+        }
+        read.check()?;
+        Ok(read)
+    }
+
+    /// All settings, by key.
+    pub fn bytes(&self) -> Vec<u8, SETTINGS_MAX> {
+        let (mut copy, mut out) = (self.clone(), Vec::new());
+        for (key, _) in (1_u16..).zip(SETTING_NAMES) {
+            if let Some(value) = copy.field(key) {
+                // There is room for all.
+                let _ = out.extend_from_slice(&key.to_le_bytes());
+                let _ = out.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+        out
+    }
+
+    /// Settings of the live stream; its tick is the loop's.
+    pub fn live(&self) -> LiveSettings {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+        let us = |seconds: f32| (seconds * 1e6 + 0.5) as u32;
+        LiveSettings {
+            delay_us: us(self.live_delay_s),
+            stale_us: us(self.live_stale_s),
+            ..LiveSettings::DEFAULT
+        }
+    }
+
+    fn field(&mut self, key: u16) -> Option<&mut f32> {
+        let ControllerSettings { supervisor, following, stale_s, blind_s, beyond_rad, .. } =
+            &mut self.controller;
+        Some(match key {
+            1 => &mut supervisor.link_hold_s,
+            2 => &mut supervisor.link_limp_s,
+            3 => &mut supervisor.enable_s,
+            4 => &mut supervisor.arming_s,
+            5 => &mut supervisor.blend_s,
+            6 => &mut supervisor.stop_s,
+            7 => &mut supervisor.lower_s,
+            8 => &mut supervisor.soft_rad_s,
+            9 => &mut supervisor.stop_rad_s,
+            10 => &mut supervisor.maintenance_rad_s,
+            11 => &mut following.most_rad,
+            12 => &mut following.time_s,
+            13 => stale_s,
+            14 => blind_s,
+            15 => beyond_rad,
+            16 => &mut self.live_delay_s,
+            17 => &mut self.live_stale_s,
+            _ => return None,
+        })
+    }
+
+    /// That a controller takes them.
+    fn check(&self) -> Result<(), SettingError> {
+        let settings = &self.controller;
+        Supervisor::new(settings.supervisor, 0, FaultLog::default())?;
+        Following::new(settings.following, 0.002)?;
+        Overrun::new(settings.overrun)?;
+        SettingError::check("stale_s", settings.stale_s, [1e-3, 10.0])?;
+        SettingError::check("blind_s", settings.blind_s, [0.1, 60.0])?;
+        SettingError::check("beyond_rad", settings.beyond_rad, [0.0, 0.5])?;
+        SettingError::check("live_delay_s", self.live_delay_s, [0.0, 2.0])?;
+        SettingError::check("live_stale_s", self.live_stale_s, [0.01, 2.0])
+    }
+}

@@ -1,0 +1,141 @@
+//! A tick as telemetry tells it.
+
+use heapless::Vec;
+use sinew_core::{BodyState, JointStates, kinematics};
+use sinew_link::message::{self, Dof, Errors, Servo, Summary};
+use sinew_rig::board::BoardRig;
+
+use super::mail::Tick;
+use super::words;
+use crate::controller::Controller;
+use crate::supervisor::Fault;
+
+/// How long ticks took since the last snapshot.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Times {
+    tick: u32,
+    sum_us: u64,
+    count: u32,
+    most_us: u32,
+}
+
+impl Times {
+    pub(super) fn add(&mut self, took_us: u32) {
+        self.tick = self.tick.wrapping_add(1);
+        self.sum_us = self.sum_us.saturating_add(took_us.into());
+        self.count = self.count.saturating_add(1);
+        self.most_us = self.most_us.max(took_us);
+    }
+
+    /// The next ticks.
+    pub(super) fn go_on(self) -> Self {
+        Self { tick: self.tick, ..Self::default() }
+    }
+
+    fn mean_us(self) -> u16 {
+        let mean = self.sum_us.checked_div(self.count.into()).unwrap_or(0);
+        u16::try_from(mean).unwrap_or(u16::MAX)
+    }
+}
+
+/// What the controller does not know.
+#[derive(Debug)]
+pub(super) struct More {
+    pub(super) times: Times,
+    pub(super) stack_free: u32,
+    pub(super) live_age_ms: Option<u16>,
+    pub(super) show_hz: Option<f32>,
+}
+
+/// The last tick. O(bodies).
+pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>(
+    controller: &Controller<'_, B, V, S, C>,
+    rig: &BoardRig<B, V, S>,
+    more: &More,
+) -> Tick<V, S, C> {
+    let report = controller.report();
+    let voltages = report.servos.iter().filter_map(|servo| servo.voltage_v);
+    let show_s = match (report.show, more.show_hz) {
+        (Some(at), Some(hz)) => at.sample() as f32 / hz,
+        _ => 0.0,
+    };
+    let mut tick = Tick {
+        number: more.times.tick,
+        summary: Summary {
+            state: words::state(report.state),
+            fault: report.latched.first().map(Fault::number),
+            errors: errors(controller, rig),
+            tick_us: more.times.mean_us(),
+            tick_max_us: u16::try_from(more.times.most_us).unwrap_or(u16::MAX),
+            overruns: report.overruns,
+            stack_free: more.stack_free,
+            supply_v: finite(voltages.reduce(f32::min).unwrap_or(0.0)),
+            link_damaged: 0,
+            link_lost: 0,
+            live_age_ms: more.live_age_ms,
+            show_ms: rounded(show_s * 1e3),
+        },
+        q: Vec::new(),
+        dofs: Vec::new(),
+        servos: Vec::new(),
+    };
+    // Each has as much room as the controller's own.
+    for q in controller.measured() {
+        let _ = tick.q.push(finite(*q));
+    }
+    for freedom in &report.freedoms {
+        let effort = finite(freedom.effort);
+        let _ = tick.dofs.push(Dof { effort, limiter: freedom.limit.map(words::limit) });
+    }
+    for servo in &report.servos {
+        let temperature_c = servo.temperature_c.map(|t| {
+            #[expect(clippy::cast_possible_truncation, reason = "it saturates")]
+            let t = t as i8;
+            t
+        });
+        let heat_percent = u8::try_from(rounded(servo.heat * 100.0)).unwrap_or(u8::MAX);
+        let errors = servo.missed.saturating_add(servo.not_believed);
+        let bus_errors = u16::try_from(errors).unwrap_or(u16::MAX);
+        let hardware_error = servo.last_error;
+        let _ = tick.servos.push(Servo { temperature_c, heat_percent, bus_errors, hardware_error });
+    }
+    tick
+}
+
+/// How far the measured pose is from the commanded one: angles by freedom, distances of the joints in space.
+fn errors<const B: usize, const V: usize, const S: usize, const C: usize>(
+    controller: &Controller<'_, B, V, S, C>,
+    rig: &BoardRig<B, V, S>,
+) -> Option<message::Errors> {
+    let following = controller.report().following?;
+    let tree = rig.tree();
+    let mut places = [[BodyState::WORLD; B]; 2];
+    for (world, q) in places.iter_mut().zip([controller.commanded().0, controller.measured()]) {
+        let mut joints = JointStates::rest(tree);
+        joints.set_coordinates_at_rest(tree, q).ok()?;
+        kinematics::body_states(tree.bodies(), joints.as_slice(), world);
+    }
+    let [commanded, measured] = &places;
+    let (mut sum, mut most, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
+    for (a, b) in commanded.iter().zip(measured).take(tree.len()) {
+        let far = sinew_core::math::length(a.pose.translation_m - b.pose.translation_m);
+        (sum, most, count) = (sum + far, most.max(far), count + 1.0);
+    }
+    Some(Errors {
+        mean_deg: finite(following.mean_rad.to_degrees()),
+        largest_deg: finite(following.most_rad.to_degrees()),
+        mean_cm: finite(100.0 * sum / count.max(1.0)),
+        largest_cm: finite(100.0 * most),
+        worst: u8::try_from(following.freedom).unwrap_or(u8::MAX),
+    })
+}
+
+/// What is no number is not sent: 0 in its place.
+fn finite(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+fn rounded(number: f32) -> u32 {
+    (number + 0.5) as u32
+}

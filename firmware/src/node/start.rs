@@ -1,0 +1,114 @@
+//! At power-on: all that storage keeps is read back and checked.
+
+use embedded_storage::nor_flash::NorFlash;
+use sinew_rig::board::BoardRig;
+use sinew_storage::{BoardTable, Condition, Disarmed, Error, Hash, Store, Stored};
+
+use super::settings::{NodeSettings, SETTINGS_MAX, SETTINGS_SCHEMA};
+use super::words;
+use crate::controller::Start;
+use crate::supervisor::{Fault, FaultLog, FaultRecord, FaultSet, LOGGED};
+
+/// Version of the rig's compact form.
+pub const RIG_SCHEMA: u16 = 1;
+
+/// What was found at power-on.
+#[derive(Debug)]
+pub struct Found<F, const B: usize, const V: usize, const S: usize> {
+    /// The store, in order.
+    pub store: Store<F>,
+    /// The one permission to erase, for [`Mail::new`](super::Mail::new).
+    pub disarmed: Disarmed,
+    /// The settings; where there are none, or bad ones, the board's.
+    pub settings: NodeSettings,
+    /// The rig, and the CRC that its form ends with. None if there is no good one: nothing can move then.
+    pub rig: Option<(BoardRig<B, V, S>, u32)>,
+    /// Whether the settings, or the rig, are not the stored ones: what is stored is bad.
+    pub is_bad: bool,
+    /// For the controller: why the board starts, and what is bad, as faults; and the faults before.
+    pub start: Start,
+}
+
+/// Opens storage and reads it back. `causes`: why the board starts. `room`: for the longest rig in its compact form.
+/// O(log).
+///
+/// # Errors
+/// [`Error`] if the flash cannot be read, or the table does not fit it. Whatever is in the flash is no error.
+pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
+    flash: F,
+    table: BoardTable,
+    defaults: &NodeSettings,
+    mut causes: FaultSet,
+    room: &mut [u8],
+) -> Result<Found<F, B, V, S>, Error<F::Error>> {
+    let (mut store, disarmed) = Store::open(flash, table)?;
+    let was_lost = store.condition() == Condition::Lost;
+    store.tidy(&disarmed)?;
+    let log = fault_log(&mut store)?;
+
+    let mut is_bad = was_lost;
+    let mut rig = None;
+    match store.rig()? {
+        Some(item) => {
+            rig = content(&mut store, &item, RIG_SCHEMA, room)?.and_then(read_rig);
+            is_bad |= rig.is_none();
+        }
+        None => is_bad = true,
+    }
+    let mut settings = defaults.clone();
+    if let Some(item) = store.settings()? {
+        let mut bytes = [0; SETTINGS_MAX];
+        let of_rig = item.descriptor().rig;
+        let fits = of_rig == 0 || rig.as_ref().is_some_and(|(_, crc)| *crc == of_rig);
+        let bytes = content(&mut store, &item, SETTINGS_SCHEMA, &mut bytes)?;
+        match bytes.map(|bytes| defaults.read(bytes)) {
+            Some(Ok(read)) if fits => settings = read,
+            _ => is_bad = true,
+        }
+    }
+    if let Some((_, crc)) = rig {
+        settings.controller.rig_crc = crc;
+    }
+    if is_bad {
+        causes = causes.with(Fault::SettingsBad);
+    }
+    let count = store.run();
+    Ok(Found { store, disarmed, settings, rig, is_bad, start: Start { count, causes, log } })
+}
+
+/// The content of an item, if it is of this version, fits, and has the hash that it should.
+fn content<'r, F: NorFlash>(
+    store: &mut Store<F>,
+    item: &Stored,
+    schema: u16,
+    room: &'r mut [u8],
+) -> Result<Option<&'r [u8]>, Error<F::Error>> {
+    let descriptor = item.descriptor();
+    let Some(bytes) = room.get_mut(..descriptor.len as usize) else { return Ok(None) };
+    store.read(item, 0, bytes)?;
+    let is_good = descriptor.check_schema(schema).is_ok() && Hash::of(bytes) == descriptor.hash;
+    Ok(is_good.then_some(bytes))
+}
+
+/// A rig, and the CRC that its form ends with.
+fn read_rig<const B: usize, const V: usize, const S: usize>(
+    bytes: &[u8],
+) -> Option<(BoardRig<B, V, S>, u32)> {
+    let crc = u32::from_le_bytes(*bytes.last_chunk()?);
+    BoardRig::decode(bytes).ok().map(|rig| (rig, crc))
+}
+
+/// Faults that storage has kept, for the supervisor. Of one that was kept several times, the newest counts.
+fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Error<F::Error>> {
+    let kept = store.faults()?;
+    let mut last: heapless::Vec<FaultRecord, LOGGED> = heapless::Vec::new();
+    for record in kept.last.iter().rev().filter_map(words::kept) {
+        let is_again = last.iter().any(|newer| newer.is_as(&record));
+        if !is_again && last.push(record).is_err() {
+            break;
+        }
+    }
+    let first = kept.first.as_ref().and_then(words::kept);
+    // By reference: a list that is taken apart can panic as it is dropped.
+    Ok(FaultLog::restored(first, last.iter().copied()))
+}

@@ -1,0 +1,46 @@
+//! A servo that does not answer.
+
+use crate::SettingError;
+use crate::supervisor::Fault;
+
+/// Finds a servo that missed too many replies in a row. O(1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Silence {
+    most: u32,
+}
+
+/// Five: at one reading in each tick of 2 ms, 10 ms.
+impl Default for Silence {
+    fn default() -> Self {
+        Self { most: 5 }
+    }
+}
+
+impl Silence {
+    /// A fault at so many, 1 to 1000.
+    ///
+    /// # Errors
+    /// [`SettingError`] of another number.
+    pub fn new(missed: u32) -> Result<Self, SettingError> {
+        SettingError::check("missed", missed as f32, [1.0, 1000.0])?;
+        Ok(Self { most: missed })
+    }
+
+    /// A tick. `missed_in_a_row`: as [`Health::missed_in_a_row`](sinew_bus::Health::missed_in_a_row) has it.
+    pub fn step(&self, missed_in_a_row: u32) -> Option<Fault> {
+        (missed_in_a_row >= self.most).then_some(Fault::ServoSilent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_are_borne() {
+        let silence = Silence::default();
+        assert_eq!([4, 5].map(|missed| silence.step(missed)), [None, Some(Fault::ServoSilent)]);
+        assert!(Silence::new(0).is_err() && Silence::new(1001).is_err());
+    }
+}

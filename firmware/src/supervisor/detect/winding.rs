@@ -1,0 +1,142 @@
+//! The heat of a winding by its current: I²t.
+
+use super::{Concern, Derated, check_dt};
+use crate::SettingError;
+use crate::supervisor::Fault;
+
+/// Heat at which it warns, and at which it derates; the fault is at 1.
+const WARN: f32 = 0.8;
+const DERATE: f32 = 0.9;
+
+/// What a motor bears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct WindingSettings {
+    /// The current that it bears for ever, A.
+    pub continuous_a: f32,
+    /// Time constant of the winding against its case, s.
+    pub winding_s: f32,
+    /// Time constant of the case against the air, s.
+    pub case_s: f32,
+    /// What part of the rise at rest is the winding's against its case, 0 to 1.
+    pub winding_share: f32,
+}
+
+impl WindingSettings {
+    /// For a motor with a stall current: 30 % of it for ever, 20 s, 600 s, and half of the rise each. No maker of
+    /// hobby servos publishes these: all four are guesses on the safe side.
+    pub fn of_stall(stall_a: f32) -> Self {
+        Self { continuous_a: 0.3 * stall_a, winding_s: 20.0, case_s: 600.0, winding_share: 0.5 }
+    }
+}
+
+/// Two masses that warm: the winding against its case, and the case against the air. Heat is 1 where the continuous
+/// current leads in the end. It begins cold, whatever was before the board's start: [`Heat`](super::Heat) measures what
+/// was. O(1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Winding {
+    settings: WindingSettings,
+    dt_s: f32,
+    coil: f32,
+    case: f32,
+    /// Squares of the current since the case was stepped, times seconds; and these seconds.
+    sum_s: f32,
+    summed_s: f32,
+}
+
+impl Winding {
+    /// A detector for ticks of `dt_s`.
+    ///
+    /// # Errors
+    /// [`SettingError`] names the setting.
+    pub fn new(settings: WindingSettings, dt_s: f32) -> Result<Self, SettingError> {
+        check_dt(dt_s)?;
+        SettingError::check("continuous_a", settings.continuous_a, [1e-3, 100.0])?;
+        SettingError::check("winding_s", settings.winding_s, [2.0, 1e3])?;
+        SettingError::check("case_s", settings.case_s, [2.0, 1e5])?;
+        SettingError::check("winding_share", settings.winding_share, [0.0, 1.0])?;
+        Ok(Self { settings, dt_s, coil: 0.0, case: 0.0, sum_s: 0.0, summed_s: 0.0 })
+    }
+
+    /// A tick. `current_a`: measured; 0 of a servo that tells none, whose winding is not watched.
+    pub fn step(&mut self, current_a: f32) -> Derated {
+        if !current_a.is_finite() {
+            return Derated::NOT_FINITE;
+        }
+        // A thousand times the continuous current is beyond any driver, and its square a number.
+        let ratio = (current_a / self.settings.continuous_a).clamp(-1e3, 1e3);
+        let square = ratio * ratio;
+        self.coil += self.dt_s / (self.settings.winding_s + self.dt_s) * (square - self.coil);
+        self.warm_case(square);
+        let levels = [WARN, DERATE, 1.0];
+        Derated::by(self.heat(), levels, Concern::HotWinding, Fault::HotWinding)
+    }
+
+    /// Once a second, by the mean since: in ticks of 2 ms, its steps would be below the rounding of f32.
+    fn warm_case(&mut self, square: f32) {
+        self.sum_s += square * self.dt_s;
+        self.summed_s += self.dt_s;
+        if self.summed_s >= 1.0 {
+            let mean = self.sum_s / self.summed_s;
+            let weight = self.summed_s / (self.settings.case_s + self.summed_s);
+            self.case += weight * (mean - self.case);
+            (self.sum_s, self.summed_s) = (0.0, 0.0);
+        }
+    }
+
+    /// How hot it is: 0 cold, 1 where the continuous current leads.
+    pub fn heat(&self) -> f32 {
+        let share = self.settings.winding_share;
+        share * self.coil + (1.0 - share) * self.case
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use super::*;
+
+    /// Seconds until a current is a fault, up to an hour.
+    fn lasts_s(current_a: f32, dt_s: f32) -> Option<f32> {
+        let mut winding = Winding::new(WindingSettings::of_stall(1.0), dt_s).unwrap();
+        let mut at_s = (1_u32..).map(|tick| tick as f32 * dt_s).take_while(|at| *at < 3600.0);
+        at_s.find(|_| winding.step(current_a).fault.is_some())
+    }
+
+    #[test]
+    fn the_continuous_current_is_borne_and_more_is_not() {
+        assert_eq!(lasts_s(0.297, 0.01), None);
+        // 1.1² of it: the winding is warm at once; the case has to come to (1 / 1.21 - 0.5) / 0.5 of its end, which
+        // takes 600 s times -ln(1 - 0.653).
+        assert!((lasts_s(0.33, 0.01).unwrap() - 635.0).abs() < 3.0);
+        // Stall: (1 / 0.3)² times (0.5 (1 - e^(-t / 20)) + 0.5 (1 - e^(-t / 600))) is 1 at t = 3.84 s; the case is
+        // stepped by seconds, and what is slow is a tick's rounding.
+        for dt_s in [0.002, 0.01] {
+            let stall_s = lasts_s(-1.0, dt_s).unwrap();
+            assert!((stall_s - 3.84).abs() < 0.1, "{stall_s} s");
+        }
+    }
+
+    #[test]
+    fn derated_by_itself_it_stays_below_a_fault() {
+        let mut winding = Winding::new(WindingSettings::of_stall(1.0), 0.01).unwrap();
+        let mut share = 1.0;
+        for _ in 0..200_000 {
+            let found = winding.step(0.6 * share);
+            assert_eq!(found.fault, None);
+            share = found.share;
+        }
+        assert!(share > 0.3 && share < 0.7 && winding.heat() > DERATE, "{share}");
+    }
+
+    #[test]
+    fn what_is_not_finite_leaves_nothing_behind() {
+        let mut winding = Winding::new(WindingSettings::of_stall(1.0), 0.01).unwrap();
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(winding.step(bad).fault, Some(Fault::NotFinite));
+        }
+        winding.step(f32::MAX);
+        assert!(winding.heat().is_finite());
+        assert!(Winding::new(WindingSettings::of_stall(f32::NAN), 0.01).is_err());
+    }
+}

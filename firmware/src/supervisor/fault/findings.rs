@@ -1,0 +1,41 @@
+//! What detectors find in one tick.
+
+use super::{Fault, FaultSet};
+
+/// What is wrong in one tick, and with which servo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Findings {
+    present: FaultSet,
+    servos: [Option<u16>; Fault::COUNT],
+}
+
+impl Findings {
+    /// Notes a fault of the rig.
+    pub fn note(&mut self, fault: Fault) {
+        self.present = self.present.with(fault);
+    }
+
+    /// Notes a fault of a servo; of several the first is named.
+    pub fn note_of(&mut self, fault: Fault, servo: u16) {
+        self.note(fault);
+        if let Some((_, of)) = self.of_mut(fault) {
+            *of = of.or(Some(servo));
+        }
+    }
+
+    /// What is wrong.
+    pub fn present(&self) -> FaultSet {
+        self.present
+    }
+
+    /// The servo that a fault was noted of.
+    pub fn servo(&self, fault: Fault) -> Option<u16> {
+        let mut named = Fault::ALL.into_iter().zip(self.servos);
+        named.find(|(of, _)| *of == fault).and_then(|(_, servo)| servo)
+    }
+
+    fn of_mut(&mut self, fault: Fault) -> Option<(Fault, &mut Option<u16>)> {
+        Fault::ALL.into_iter().zip(&mut self.servos).find(|(of, _)| *of == fault)
+    }
+}

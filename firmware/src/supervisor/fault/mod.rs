@@ -1,0 +1,127 @@
+//! Faults: their numbers, what they do, what is found in a tick, and what is kept.
+
+mod findings;
+mod log;
+mod record;
+mod row;
+mod set;
+mod table;
+
+pub use findings::Findings;
+pub use log::FaultLog;
+pub use record::FaultRecord;
+pub use row::{Clears, Reaction, Row};
+pub use set::FaultSet;
+pub use table::TABLE;
+pub(super) use table::{BY_COMMAND, BY_UPLOAD, SERIOUS, reacting};
+
+use core::fmt;
+
+/// What can be wrong. The numbers are stored and told to people: **they are never changed, and never used again**.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Fault {
+    /// No message from the host for the time-out to hold.
+    LinkLate = 1,
+    /// No message from the host for the time-out to limp.
+    LinkLost = 2,
+    /// A servo does not answer.
+    ServoSilent = 3,
+    /// A servo reports an error of its own.
+    ServoError = 4,
+    /// A servo measures that it is hot.
+    HotMeasured = 5,
+    /// A winding is hot by the model of its current.
+    HotWinding = 6,
+    /// The supply is low.
+    SupplyLow = 7,
+    /// The supply is high.
+    SupplyHigh = 8,
+    /// A servo does not follow.
+    FollowingError = 9,
+    /// A servo is outside of its range.
+    Range = 10,
+    /// A number is NaN or infinite.
+    NotFinite = 11,
+    /// Ticks took too long.
+    Overrun = 12,
+    /// Settings or rig cannot be.
+    SettingsBad = 13,
+    /// A show cannot be read.
+    ShowBad = 14,
+    /// A show is of another rig.
+    ShowForeign = 15,
+    /// The emergency stop.
+    EStop = 16,
+    /// The watchdog has reset the board.
+    WatchdogReset = 17,
+    /// The board's own supply broke down.
+    BrownOut = 18,
+    /// The program stopped itself.
+    Panic = 19,
+}
+
+impl Fault {
+    /// How many there are.
+    pub const COUNT: usize = 19;
+
+    /// All of them, by number.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::LinkLate,
+        Self::LinkLost,
+        Self::ServoSilent,
+        Self::ServoError,
+        Self::HotMeasured,
+        Self::HotWinding,
+        Self::SupplyLow,
+        Self::SupplyHigh,
+        Self::FollowingError,
+        Self::Range,
+        Self::NotFinite,
+        Self::Overrun,
+        Self::SettingsBad,
+        Self::ShowBad,
+        Self::ShowForeign,
+        Self::EStop,
+        Self::WatchdogReset,
+        Self::BrownOut,
+        Self::Panic,
+    ];
+
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LinkLate => "link late",
+            Self::LinkLost => "link lost",
+            Self::ServoSilent => "servo silent",
+            Self::ServoError => "servo's own error",
+            Self::HotMeasured => "hot, measured",
+            Self::HotWinding => "hot, by I²t",
+            Self::SupplyLow => "supply low",
+            Self::SupplyHigh => "supply high",
+            Self::FollowingError => "following error",
+            Self::Range => "out of range",
+            Self::NotFinite => "not finite",
+            Self::Overrun => "overrun",
+            Self::SettingsBad => "settings bad",
+            Self::ShowBad => "show bad",
+            Self::ShowForeign => "show of another rig",
+            Self::EStop => "emergency stop",
+            Self::WatchdogReset => "watchdog reset",
+            Self::BrownOut => "brown-out",
+            Self::Panic => "panic",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "fault {} ({})", self.number(), self.name())
+    }
+}

@@ -1,0 +1,205 @@
+//! The last look at a command before the bus. It shares no code with the drives' own limits, so that a mistake in one
+//! of them is not in the other.
+
+mod settings;
+
+pub use settings::{GuardReason, GuardSettings};
+
+use sinew_bus::{Command, Feedback};
+
+use super::Permission;
+use crate::SettingError;
+
+/// What f32 rounds of a position, and of the sums that lead to it, rad.
+const ROUNDING_RAD: f32 = 1e-5;
+/// A profile's speed over that of its goal: the drive's haste, and what is left to rounding.
+const HASTE: f32 = 1.2;
+/// A measured speed may be above the limit by this factor, and this: noise of velocities, rad/s.
+const OVERSPEED: (f32, f32) = (1.25, 0.1);
+/// Holds the commands of one servo to its limits, cycle by cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guard {
+    settings: GuardSettings,
+    dt_s: f32,
+    sent: Option<Sent>,
+}
+
+/// The last goal, and how fast it moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sent {
+    own_rad: f32,
+    velocity_rad_s: f32,
+}
+
+/// What may be sent, and why it is not what was asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guarded {
+    /// For the bus; none if nothing may be sent.
+    pub command: Option<Command>,
+    /// What the guard changed or refused it for.
+    pub reason: Option<GuardReason>,
+}
+
+impl Guard {
+    /// A guard of one servo, for cycles of `dt_s`.
+    ///
+    /// # Errors
+    /// [`SettingError`] names the setting.
+    pub fn new(settings: GuardSettings, dt_s: f32) -> Result<Self, SettingError> {
+        SettingError::check("dt_s", dt_s, [1e-4, 1.0])?;
+        settings.check()?;
+        Ok(Self { settings, dt_s, sent: None })
+    }
+
+    /// A cycle: what may be sent of a command. To be asked once a cycle and servo, with the servo's last reading. O(1).
+    pub fn check(
+        &mut self,
+        command: Command,
+        feedback: Option<Feedback>,
+        permission: &Permission,
+    ) -> Guarded {
+        let feedback = feedback
+            .filter(|read| read.position_rad.is_finite() && read.velocity_rad_s.is_finite());
+        if command == Command::Torque(false) {
+            self.sent = None;
+            return Guarded { command: Some(command), reason: None };
+        }
+        if !permission.torque {
+            self.sent = None;
+            return Guarded { command: None, reason: Some(GuardReason::NotAllowed) };
+        }
+        let is_finite = match command {
+            Command::Position(a) | Command::Current(a) => a.is_finite(),
+            Command::PositionWithin { position_rad: a, current_a: b }
+            | Command::PositionAt { position_rad: a, speed_rad_s: b } => (a + b).is_finite(),
+            _ => true,
+        };
+        if !is_finite {
+            return Guarded { command: None, reason: Some(GuardReason::NotFinite) };
+        }
+        let is_new = feedback.is_some_and(|read| self.is_new(read));
+        let is_goal = matches!(
+            command,
+            Command::Position(_) | Command::PositionAt { .. } | Command::PositionWithin { .. }
+        );
+        if is_goal && self.sent.is_none() && self.settings.tells && !is_new {
+            return Guarded { command: None, reason: Some(GuardReason::Stale) };
+        }
+        let (command, reason) = match command {
+            Command::Torque(_) | Command::Stiffness(_) => (command, None),
+            Command::Position(rad) => {
+                let (rad, reason) = self.position(rad, feedback, permission);
+                (Command::Position(rad), reason)
+            }
+            Command::PositionAt { position_rad, speed_rad_s } => {
+                let (position_rad, reason) = self.position(position_rad, feedback, permission);
+                let most = HASTE * self.goal_speed(permission) + ROUNDING_RAD / self.dt_s;
+                let (speed_rad_s, fast) = within(speed_rad_s, [0.0, most], GuardReason::Speed);
+                (Command::PositionAt { position_rad, speed_rad_s }, reason.or(fast))
+            }
+            Command::PositionWithin { position_rad, current_a } => {
+                let (position_rad, reason) = self.position(position_rad, feedback, permission);
+                let most = self.settings.current_a * permission.effort;
+                let (current_a, much) = within(current_a, [0.0, most], GuardReason::Current);
+                (Command::PositionWithin { position_rad, current_a }, reason.or(much))
+            }
+            Command::Current(a) => {
+                let (a, reason) = self.current(a, feedback, permission);
+                (Command::Current(a), reason)
+            }
+            _ => return Guarded { command: None, reason: Some(GuardReason::Kind) },
+        };
+        Guarded { command: Some(command), reason }
+    }
+
+    fn is_new(&self, read: Feedback) -> bool {
+        read.age_ticks as f32 * self.dt_s <= self.settings.stale_s
+    }
+
+    /// The fastest that the servo may turn, rad/s.
+    fn speed(&self, permission: &Permission) -> f32 {
+        let allowed = permission.speed_rad_s.map(|speed| speed * self.settings.gear);
+        allowed.map_or(self.settings.speed_rad_s, |speed| speed.min(self.settings.speed_rad_s))
+    }
+
+    /// The fastest that its goal may move, rad/s.
+    fn goal_speed(&self, permission: &Permission) -> f32 {
+        self.speed(permission) + self.settings.offset_rad_s
+    }
+
+    /// A goal, held against the last one, where the servo was measured, and its range.
+    fn position(
+        &mut self,
+        bus_rad: f32,
+        feedback: Option<Feedback>,
+        permission: &Permission,
+    ) -> (f32, Option<GuardReason>) {
+        let GuardSettings { zero_rad, range_rad, lead_rad, .. } = self.settings;
+        let wanted_rad = bus_rad - zero_rad;
+        let measured = feedback.map(|read| (read.position_rad - zero_rad, read.age_ticks));
+        // The first goal goes out from where the servo is; of one that tells nothing, from where it is sent.
+        let from = self.sent.unwrap_or(Sent {
+            own_rad: measured.map_or(wanted_rad, |(own_rad, _)| own_rad),
+            velocity_rad_s: 0.0,
+        });
+        let speed = self.goal_speed(permission);
+        let way = wanted_rad - from.own_rad;
+        let most = speed * self.dt_s + ROUNDING_RAD;
+        let (way, mut reason) = within(way, [-most, most], GuardReason::Speed);
+
+        let along = if way < 0.0 { -from.velocity_rad_s } else { from.velocity_rad_s };
+        let gained =
+            self.settings.acceleration_rad_s2 * self.dt_s + 2.0 * self.settings.offset_rad_s;
+        let most = (along.max(0.0) + gained) * self.dt_s + ROUNDING_RAD;
+        let (way, soon) = within(way, [-most, most], GuardReason::Acceleration);
+        reason = soon.or(reason);
+
+        let mut own_rad = from.own_rad + way;
+        // Towards a servo that somebody holds or pushes it may jump: there is less to pull on afterwards.
+        if let Some((measured_rad, age_ticks)) = measured {
+            let lead = lead_rad + speed * age_ticks as f32 * self.dt_s;
+            let near = [measured_rad - lead, measured_rad + lead];
+            let (held, far) = within(own_rad, near, GuardReason::Lead);
+            (own_rad, reason) = (held, far.or(reason));
+        }
+        let (own_rad, beyond) = within(own_rad, range_rad, GuardReason::Range);
+        let velocity_rad_s = ((own_rad - from.own_rad) / self.dt_s).max(-speed).min(speed);
+        self.sent = Some(Sent { own_rad, velocity_rad_s });
+
+        // What is not held goes out with its own bits.
+        let is_held = (wanted_rad - own_rad).abs() > ROUNDING_RAD;
+        let goal_rad = if is_held || beyond.is_some() { own_rad + zero_rad } else { bus_rad };
+        (goal_rad, beyond.or(reason).filter(|_| is_held))
+    }
+
+    fn current(
+        &self,
+        current_a: f32,
+        feedback: Option<Feedback>,
+        permission: &Permission,
+    ) -> (f32, Option<GuardReason>) {
+        let GuardSettings { zero_rad, range_rad: [least, most], .. } = self.settings;
+        let Some(read) = feedback.filter(|read| self.is_new(*read)) else {
+            let reason = (current_a.abs() > 0.0).then_some(GuardReason::Stale);
+            return (0.0, reason);
+        };
+        let own_rad = read.position_rad - zero_rad;
+        if own_rad > most && current_a > 0.0 || own_rad < least && current_a < 0.0 {
+            return (0.0, Some(GuardReason::Range));
+        }
+        let (factor, noise_rad_s) = OVERSPEED;
+        let fastest = factor * self.speed(permission) + noise_rad_s;
+        if read.velocity_rad_s.abs() > fastest && read.velocity_rad_s * current_a > 0.0 {
+            return (0.0, Some(GuardReason::Speed));
+        }
+        // A millionth is rounding of the drive's own limit.
+        let most_a = self.settings.current_a * permission.effort * (1.0 + 1e-6);
+        within(current_a, [-most_a, most_a], GuardReason::Current)
+    }
+}
+
+/// A finite value held between two ends, and why, if it had to be.
+fn within(value: f32, [least, most]: [f32; 2], reason: GuardReason) -> (f32, Option<GuardReason>) {
+    let held = value.max(least).min(most);
+    (held, ((held - value).abs() > 0.0).then_some(reason))
+}

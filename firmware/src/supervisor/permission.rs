@@ -1,0 +1,55 @@
+//! What drives may do.
+
+use super::{Allows, Feed, Mode, Settings, Source, State};
+
+/// What drives may do in a tick. Whoever calls applies it, and the [`Guard`](super::Guard) holds it to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Permission {
+    /// Whether torque may be on. If not, it is switched off in this tick.
+    pub torque: bool,
+    /// Where the pose comes from.
+    pub source: Source,
+    /// What the source counts against the pose that was commanded when it began: from 0 to 1, with speed and
+    /// acceleration zero at both ends.
+    pub weight: f32,
+    /// Whether the source's own time goes on: a show waits at its first pose until the rig has arrived there.
+    pub runs: bool,
+    /// The fastest that a joint may move, rad/s; none for what the servos' own limits say.
+    pub speed_rad_s: Option<f32>,
+    /// What part of its effort a drive may give, 1 to 0.
+    pub effort: f32,
+}
+
+impl Permission {
+    /// `blended`: how much of the blend's time has gone; `lowered`: of the time of lowering.
+    pub(super) fn of(mode: &Mode, settings: &Settings, blended: f32, lowered: f32) -> Self {
+        let (torque, source) = (mode.allows() > Allows::Nothing, mode.source());
+        let is_jog = source == Source::Feed(Feed::Jog);
+        let soft = (mode.is_soft || is_jog).then_some(settings.soft_rad_s);
+        let of_state = match mode.state {
+            State::Maintenance => Some(settings.maintenance_rad_s),
+            State::Stopping => Some(settings.stop_rad_s),
+            State::Arming | State::Lowering => Some(settings.soft_rad_s),
+            _ => None,
+        };
+        let speed_rad_s = match (soft, of_state) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        let effort = match mode.state {
+            State::Lowering => 1.0 - lowered,
+            _ if torque => 1.0,
+            _ => 0.0,
+        };
+        let is_fed = matches!(source, Source::Feed(_));
+        let runs = is_fed && blended >= 1.0 && !mode.is_soft;
+        Self { torque, source, weight: smooth(blended), runs, speed_rad_s, effort }
+    }
+}
+
+/// A quintic from 0 to 1, with slope and curvature zero at both ends. Both halves alike, so that it ends at 1.
+fn smooth(share: f32) -> f32 {
+    let rise = |t: f32| t * t * t * (10.0 + t * (6.0 * t - 15.0));
+    if share < 0.5 { rise(share.max(0.0)) } else { 1.0 - rise((1.0 - share).max(0.0)) }
+}

@@ -1,0 +1,74 @@
+//! Numbers of the supervisor, checked once.
+
+use crate::SettingError;
+
+const DEG: f32 = core::f32::consts::PI / 180.0;
+
+/// The fastest soft speed, rad/s: 20 deg/s.
+pub const SOFT_MOST_RAD_S: f32 = 20.0 * DEG;
+
+/// How long the supervisor waits, and how fast it lets joints move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settings {
+    /// Without a valid message for so long, the rig holds, s.
+    pub link_hold_s: f32,
+    /// Without a valid message for so long, the rig is lowered and limp, s. More than `link_hold_s`.
+    pub link_limp_s: f32,
+    /// The enabling button counts as held for so long after each of its messages, s.
+    pub enable_s: f32,
+    /// Torque comes on, and the pose settles, s.
+    pub arming_s: f32,
+    /// From one source to another, s.
+    pub blend_s: f32,
+    /// The rig is at its rest pose after this, or is lowered where it is, s.
+    pub stop_s: f32,
+    /// Effort fades to nothing, s.
+    pub lower_s: f32,
+    /// Fastest joint from standing still until it has arrived at its feed, and of jogging, rad/s.
+    pub soft_rad_s: f32,
+    /// Fastest joint on the way to the rest pose, rad/s.
+    pub stop_rad_s: f32,
+    /// Fastest joint in maintenance, rad/s.
+    pub maintenance_rad_s: f32,
+}
+
+/// Hold after 0.2 s, limp after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowered in 3 s;
+/// 20, 30 and 10 deg/s.
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            link_hold_s: 0.2,
+            link_limp_s: 2.0,
+            enable_s: 0.2,
+            arming_s: 1.0,
+            blend_s: 1.0,
+            stop_s: 10.0,
+            lower_s: 3.0,
+            soft_rad_s: SOFT_MOST_RAD_S,
+            stop_rad_s: 30.0 * DEG,
+            maintenance_rad_s: 10.0 * DEG,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses what cannot be; NaN, too.
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        let least_rad_s = 0.1 * DEG;
+        SettingError::check("link_hold_s", self.link_hold_s, [0.01, 2.0])?;
+        SettingError::check("link_limp_s", self.link_limp_s, [self.link_hold_s + 0.01, 60.0])?;
+        SettingError::check("enable_s", self.enable_s, [0.02, 0.5])?;
+        SettingError::check("arming_s", self.arming_s, [0.1, 60.0])?;
+        SettingError::check("blend_s", self.blend_s, [0.1, 60.0])?;
+        SettingError::check("stop_s", self.stop_s, [0.1, 60.0])?;
+        SettingError::check("lower_s", self.lower_s, [0.0, 60.0])?;
+        SettingError::check("soft_rad_s", self.soft_rad_s, [least_rad_s, SOFT_MOST_RAD_S])?;
+        SettingError::check("stop_rad_s", self.stop_rad_s, [least_rad_s, 90.0 * DEG])?;
+        SettingError::check(
+            "maintenance_rad_s",
+            self.maintenance_rad_s,
+            [least_rad_s, SOFT_MOST_RAD_S],
+        )
+    }
+}

@@ -1,0 +1,195 @@
+//! The supervisor: modes, with their clocks and the log of faults.
+
+use super::fault::{FaultLog, FaultRecord, Findings, reacting};
+use super::permission::Permission;
+use super::{Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Settings, State};
+use crate::SettingError;
+
+/// How many of the last faults are kept.
+pub const LOGGED: usize = 8;
+
+/// What a tick brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
+pub struct Inputs {
+    /// Time since the board's start, µs; it never goes back.
+    pub now_us: u64,
+    /// A valid and *new* message of the host came since the last tick.
+    pub heard: bool,
+    /// A command, if one came. Others wait for their own tick.
+    pub command: Option<Command>,
+    /// What detectors found. Those of the link are the supervisor's own.
+    pub findings: Findings,
+    /// What a good upload has mended: [`FaultSet::OF_SETTINGS`], [`FaultSet::OF_SHOW`].
+    pub uploaded: FaultSet,
+    /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
+    pub measured: bool,
+    /// The way to stop was tested since the rig became limp.
+    pub stop_tested: bool,
+    /// Which feeds give poses.
+    pub feeds: Feeds,
+    /// What is commanded is at the source of the last [`Permission`].
+    pub is_there: bool,
+}
+
+/// What comes of a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Outcome {
+    /// The state from now on.
+    pub state: State,
+    /// What drives may do from now on.
+    pub permission: Permission,
+    /// What became of the command.
+    pub answer: Option<Answer>,
+    /// Faults whose condition is there.
+    pub present: FaultSet,
+    /// Those of them with a reaction, which they had not in the tick before: they are in the log, for storage to keep.
+    pub raised: FaultSet,
+    /// Faults that wait to be cleared.
+    pub latched: FaultSet,
+}
+
+/// May anything move, how fast, and what happens on a fault. Begins in [`State::Off`]; nothing but
+/// [`Command::Arm`] leads to torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Supervisor {
+    settings: Settings,
+    start: u32,
+    mode: Mode,
+    clocks: Clocks,
+    reacting: FaultSet,
+    log: FaultLog<LOGGED>,
+}
+
+/// When things were last so, µs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Clocks {
+    heard: Option<u64>,
+    enabled: Option<u64>,
+    state: u64,
+    source: u64,
+}
+
+impl Supervisor {
+    /// A supervisor at the board's start. `start`: counts starts; `log`: what storage has kept, or
+    /// [`FaultLog::default`].
+    ///
+    /// # Errors
+    /// [`SettingError`] names the setting, and what it must be.
+    pub fn new(
+        settings: Settings,
+        start: u32,
+        log: FaultLog<LOGGED>,
+    ) -> Result<Self, SettingError> {
+        settings.check()?;
+        let (mode, clocks) = (Mode::default(), Clocks::default());
+        Ok(Self { settings, start, mode, clocks, reacting: FaultSet::EMPTY, log })
+    }
+
+    /// A tick. The same inputs give the same outcomes, whatever the machine. O(1).
+    pub fn step(&mut self, inputs: &Inputs) -> Outcome {
+        let now_us = inputs.now_us;
+        if inputs.heard {
+            self.clocks.heard = Some(now_us);
+        }
+        let event = self.event(inputs);
+        let before = self.mode;
+        let (mode, answer) = before.next(&event);
+        self.mode = mode;
+        self.set_clocks(&before, &event, answer, now_us);
+
+        let present = before.present(&event);
+        let reacting = reacting(present, before.state);
+        let raised = reacting.minus(self.reacting);
+        self.reacting = reacting;
+        if let (Some(Command::ClearFaults), Some(Ok(_))) = (event.command, answer) {
+            self.log.clear();
+        }
+        for fault in raised.iter() {
+            self.log.note(FaultRecord {
+                fault,
+                state: before.state,
+                servo: inputs.findings.servo(fault),
+                start: self.start,
+                time_us: now_us,
+                times: 1,
+            });
+        }
+        let permission = self.permission(now_us);
+        Outcome { state: mode.state, permission, answer, present, raised, latched: mode.latched }
+    }
+
+    /// The mode.
+    pub fn mode(&self) -> &Mode {
+        &self.mode
+    }
+
+    /// The first fault, and the last ones.
+    pub fn log(&self) -> &FaultLog<LOGGED> {
+        &self.log
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn event(&self, inputs: &Inputs) -> Event {
+        let (settings, clocks, now_us) = (&self.settings, &self.clocks, inputs.now_us);
+        let over = |since: u64, limit_s: f32| seconds(now_us, since) >= limit_s;
+        let time_s = match self.mode.state {
+            State::Arming => settings.arming_s,
+            State::Stopping => settings.stop_s,
+            State::Lowering => settings.lower_s,
+            _ => f32::INFINITY,
+        };
+        let mut present = inputs.findings.present();
+        // A link that was never heard is lost.
+        if clocks.heard.is_none_or(|heard| over(heard, settings.link_limp_s)) {
+            present = present.with(Fault::LinkLost);
+        } else if clocks.heard.is_some_and(|heard| over(heard, settings.link_hold_s)) {
+            present = present.with(Fault::LinkLate);
+        }
+        Event {
+            command: inputs.command,
+            present,
+            uploaded: inputs.uploaded,
+            measured: inputs.measured,
+            stop_tested: inputs.stop_tested,
+            feeds: inputs.feeds,
+            enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),
+            arrived: inputs.is_there && over(clocks.source, settings.blend_s),
+            time_over: over(clocks.state, time_s),
+        }
+    }
+
+    fn set_clocks(&mut self, before: &Mode, event: &Event, answer: Option<Answer>, now_us: u64) {
+        if before.state != self.mode.state {
+            self.clocks.state = now_us;
+            self.clocks.enabled = None;
+        }
+        if before.source() != self.mode.source() {
+            self.clocks.source = now_us;
+        }
+        if let (Some(Command::Enable(_)), Some(Ok(_))) = (event.command, answer) {
+            self.clocks.enabled = Some(now_us);
+        }
+    }
+
+    fn permission(&self, now_us: u64) -> Permission {
+        let in_source = seconds(now_us, self.clocks.source) / self.settings.blend_s;
+        // Zero seconds of lowering are over at once.
+        let lowered = match seconds(now_us, self.clocks.state) / self.settings.lower_s {
+            share if share < 1.0 => share,
+            _ => 1.0,
+        };
+        Permission::of(&self.mode, &self.settings, in_source.min(1.0), lowered)
+    }
+}
+
+/// Seconds from one time to another; none if it went back.
+fn seconds(now_us: u64, since_us: u64) -> f32 {
+    now_us.saturating_sub(since_us) as f32 * 1e-6
+}

@@ -1,0 +1,13 @@
+//! The controller with simulated servos, in process: a performance, every fault in every state, and anything.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the controller's side is f32, the servos' f64"
+)]
+
+mod anything;
+mod matrix;
+mod play;
+mod stand;
+mod swing;

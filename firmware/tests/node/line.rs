@@ -1,0 +1,66 @@
+//! A line that loses, repeats, delays and damages frames.
+
+use std::collections::VecDeque;
+
+/// What is wrong with a line, in parts of 1000 frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Trouble {
+    pub(crate) lost: u64,
+    pub(crate) twice: u64,
+    pub(crate) flipped: u64,
+    /// The longest delay, us. Frames pass each other.
+    pub(crate) jitter_us: u64,
+}
+
+/// One direction.
+#[derive(Debug, Default)]
+pub(crate) struct Line {
+    pub(crate) trouble: Trouble,
+    random: u64,
+    under_way: Vec<(u64, Vec<u8>)>,
+    pub(crate) bytes: VecDeque<u8>,
+    pub(crate) frames: u64,
+}
+
+/// `SplitMix64`.
+pub(crate) fn random(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    mixed ^ (mixed >> 31)
+}
+
+impl Line {
+    pub(crate) fn new(trouble: Trouble, seed: u64) -> Self {
+        Self { trouble, random: seed, ..Self::default() }
+    }
+
+    fn happens(&mut self, in_thousand: u64) -> bool {
+        random(&mut self.random) % 1000 < in_thousand
+    }
+
+    /// A frame goes out now.
+    pub(crate) fn send(&mut self, frame: &[u8], now_us: u64) {
+        let Trouble { lost, twice, flipped, jitter_us } = self.trouble;
+        let times = u32::from(!self.happens(lost)) + u32::from(self.happens(twice));
+        for _ in 0..times {
+            let mut frame = frame.to_vec();
+            if self.happens(flipped) {
+                let bit = random(&mut self.random) as usize % (8 * frame.len());
+                frame[bit / 8] ^= 1 << (bit % 8);
+            }
+            let late_us = random(&mut self.random) % (jitter_us + 1);
+            self.frames += 1;
+            self.under_way.push((now_us + late_us, frame));
+        }
+    }
+
+    /// What has come by now.
+    pub(crate) fn arrive(&mut self, now_us: u64) {
+        let (mut come, rest): (Vec<_>, Vec<_>) =
+            self.under_way.drain(..).partition(|(due, _)| *due <= now_us);
+        self.under_way = rest;
+        come.sort_by_key(|(due, _)| *due);
+        self.bytes.extend(come.into_iter().flat_map(|(_, frame)| frame));
+    }
+}

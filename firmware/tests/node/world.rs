@@ -1,0 +1,260 @@
+//! A board with flash, line and servos, and its host.
+
+use std::cell::RefCell;
+
+use sinew_firmware::controller::Controller;
+use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
+use sinew_firmware::supervisor::{FaultSet, State};
+use sinew_link::message::{
+    About, Applied, Capacities, Command, Item, Kind as ItemKind, Outcome, Release, Version,
+};
+use sinew_servo_sim::bench::Bench;
+use sinew_servo_sim::load::Arm;
+
+use crate::hardware::{Chip, Desktop, Locked, Pins, Servos, TABLE};
+use crate::host::{Host, next_of_upload};
+use crate::ideal::{Ideal, NoServos};
+use crate::line::Trouble;
+use crate::stand::{Bus, HASH_BEGIN, Kind, bench, figure, setup};
+use crate::stored::{item, rig};
+
+type Loop = Control<'static, 8, 8, 8, 8>;
+
+/// The board from one power-on to the next.
+pub(crate) struct Board {
+    pub(crate) control: Option<(Loop, Bus)>,
+    pub(crate) desk: Desk<'static, Chip, 8, 8, 8, 8>,
+    pub(crate) mail: Locked,
+}
+
+pub(crate) struct World {
+    pub(crate) kind: Kind,
+    pub(crate) chip: Chip,
+    pub(crate) bench: Bench<'static, Vec<Arm>>,
+    pub(crate) pins: Pins,
+    pub(crate) board: Board,
+    pub(crate) host: Host,
+    pub(crate) hash: u64,
+    pub(crate) starts: u16,
+    pub(crate) ticks: u64,
+    /// It did not start: its flash has no power.
+    pub(crate) is_dead: bool,
+    /// In place of simulated servos.
+    pub(crate) ideal: Option<Ideal>,
+    /// Steps below the loop in each tick.
+    pub(crate) steps: u32,
+}
+
+fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
+    let parts = setup(kind);
+    let defaults = NodeSettings::new(parts.settings.clone());
+    let mut room = vec![0; 16_384];
+    let found =
+        start::<_, 8, 8, 8>(chip.clone(), TABLE, &defaults, FaultSet::EMPTY, &mut room).ok()?;
+    let rig = found.rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
+    let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, 1_000_000);
+    let control = rig.and_then(|(rig, _)| {
+        let settings = &found.settings;
+        let controller =
+            Controller::new(rig, &settings.controller, &parts.servos, &parts.schedule, found.start);
+        let control = Control::new(rig, controller.ok()?, settings.live()).ok()?;
+        Some((control, parts.bus()))
+    });
+    let about = About {
+        protocol: Version::CURRENT,
+        firmware: Release { major: 0, minor: 1, patch: 0 },
+        rig: 0,
+        capacities: Capacities {
+            bodies: 8,
+            coordinates: 8,
+            dofs: 8,
+            servos: 8,
+            slots: 2,
+            slot_bytes: 0,
+        },
+    };
+    let rig = rig.filter(|_| control.is_some());
+    let (settings, is_bad) = (found.settings, found.is_bad);
+    let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
+    Some(Board {
+        control,
+        desk: Desk::new(found.store, setup, first_session),
+        mail: Locked(RefCell::new(Mail::new(found.disarmed))),
+    })
+}
+
+impl World {
+    pub(crate) fn new(kind: Kind, trouble: Trouble, seed: u64) -> Self {
+        let chip = Chip::new();
+        let board = boot(kind, &chip, 100).unwrap();
+        Self {
+            kind,
+            chip,
+            bench: bench(kind, &setup(kind)),
+            pins: Pins::default(),
+            board,
+            host: Host::new(trouble, seed),
+            hash: HASH_BEGIN,
+            starts: 1,
+            ticks: 0,
+            is_dead: false,
+            ideal: None,
+            steps: 4,
+        }
+    }
+
+    /// With rig and show stored, a host that is welcome, and the show loaded.
+    pub(crate) fn ready(kind: Kind, trouble: Trouble, seed: u64, show: &[u8]) -> Self {
+        let mut world = Self::new(kind, Trouble::default(), seed);
+        world.connect();
+        let (bytes, crc) = rig(kind);
+        world.upload(&item(ItemKind::Rig, &bytes, 0), &bytes);
+        world.connect();
+        world.upload(&item(ItemKind::Show, show, crc), show);
+        assert_eq!(world.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(Applied::Done));
+        (world.host.there.trouble, world.host.back.trouble) = (trouble, trouble);
+        world
+    }
+
+    pub(crate) fn tick_us(&self) -> u64 {
+        u64::from(1_000_000 / self.kind.rate_hz())
+    }
+
+    pub(crate) fn now_us(&self) -> u64 {
+        self.ticks * self.tick_us()
+    }
+
+    /// The board begins anew, with what is in flash; its clock goes on, as the host's does.
+    pub(crate) fn restart(&mut self) -> bool {
+        self.starts += 1;
+        self.pins.outputs = false;
+        *self.chip.lent.borrow_mut() = None;
+        let board = boot(self.kind, &self.chip, self.starts.wrapping_mul(100));
+        board.map(|board| self.board = board).is_some()
+    }
+
+    pub(crate) fn tick(&mut self) {
+        let (tick_us, now_us) = (self.tick_us(), self.now_us());
+        let base_s = self.bench.time_s();
+        let end_s = base_s + 1e-6 * tick_us as f64;
+        self.pins.clock_us.set(now_us);
+        self.ticks += 1;
+        if let (Some((control, _)), Some(ideal)) = (&mut self.board.control, &mut self.ideal) {
+            let (mail, mut wire) = (&self.board.mail, NoServos { hash: &mut self.hash });
+            let ended = control.tick(&mut self.pins, mail, ideal, &mut wire, &mut [0; 1024]);
+            assert!(ended.is_ok(), "{ended:?}");
+            self.below();
+            return self.host.step(now_us);
+        }
+        if let Some((control, bus)) = &mut self.board.control {
+            let clock_us = self.pins.clock_us.clone();
+            let (bench, hash) = (&mut self.bench, &mut self.hash);
+            let mut wire = Servos { bench, base_s, end_s, clock_us, start_us: now_us, hash };
+            let mut out = [0; 1024];
+            let ended = control.tick(&mut self.pins, &self.board.mail, bus, &mut wire, &mut out);
+            assert!(ended.is_ok(), "{ended:?}");
+            if control.controller().report().show.is_none() {
+                *self.chip.lent.borrow_mut() = None;
+            }
+            self.check();
+        }
+        let left_us = ((end_s - self.bench.time_s()) * 1e6).max(0.0);
+        self.bench.run_us(left_us.round() as u32);
+        self.below();
+        self.host.step(now_us);
+    }
+
+    /// Steps below the loop.
+    fn below(&mut self) {
+        for _ in 0..self.steps {
+            let Self { host, chip, board, .. } = self;
+            let mut port = Desktop {
+                now_us: self.ticks * u64::from(1_000_000 / self.kind.rate_hz()),
+                host,
+                chip,
+            };
+            if board.desk.step(&mut port, &board.mail) == Next::Restart {
+                self.is_dead = !self.restart();
+                return;
+            }
+        }
+    }
+
+    /// What must hold in each tick, whatever the host says.
+    fn check(&mut self) {
+        let Some((control, _)) = &self.board.control else { return };
+        let controller = control.controller();
+        let report = controller.report();
+        assert_eq!(report.state.is_on(), controller.permission().torque);
+        assert_eq!(self.pins.outputs, controller.permission().torque);
+        let (q, qd) = controller.commanded();
+        for ((q, qd), freedom) in q.iter().zip(qd).zip(figure(self.kind).board.freedoms()) {
+            let [least, most] = freedom.range;
+            assert!((least..=most).contains(q), "{q}");
+            assert!(qd.abs() <= freedom.speed * 1.001, "{qd}");
+        }
+    }
+
+    pub(crate) fn run(&mut self, seconds: f64) {
+        for _ in 0..(seconds * f64::from(self.kind.rate_hz())).round() as u64 {
+            self.tick();
+        }
+    }
+
+    pub(crate) fn state(&self) -> Option<State> {
+        self.board.control.as_ref().map(|(control, _)| control.controller().report().state)
+    }
+
+    pub(crate) fn until(&mut self, state: State, seconds: f64) {
+        for _ in 0..(seconds * f64::from(self.kind.rate_hz())).round() as u64 {
+            if self.state() == Some(state) {
+                return;
+            }
+            self.tick();
+        }
+        panic!("{state} did not come: {:?}, faults {:?}", self.state(), self.host.faults);
+    }
+
+    /// Says hello until there is a welcome.
+    pub(crate) fn connect(&mut self) {
+        self.host.greet();
+        for _ in 0..4000 {
+            self.tick();
+            if self.host.welcome.is_some_and(|welcome| welcome.verdict.is_ok()) {
+                return;
+            }
+        }
+        panic!("no welcome: {:?}", self.host.welcome);
+    }
+
+    /// Sends a command until its answer comes.
+    pub(crate) fn ask(&mut self, command: Command) -> Outcome {
+        self.host.ask(command, self.now_us());
+        for _ in 0..20_000 {
+            self.tick();
+            if let Some(outcome) = self.host.outcome.take() {
+                return outcome;
+            }
+        }
+        panic!("no answer");
+    }
+
+    /// An upload, block by block, to its end.
+    pub(crate) fn upload(&mut self, item: &Item, content: &[u8]) -> Outcome {
+        let mut outcome = None;
+        loop {
+            let command = next_of_upload(item, content, outcome.as_ref());
+            let is_end = command == Command::EndUpload;
+            let said = self.ask(command);
+            if is_end || matches!(said, Outcome::Refused(_)) {
+                return said;
+            }
+            outcome = Some(said);
+        }
+    }
+
+    pub(crate) fn servos_on(&self) -> usize {
+        let register = if self.kind == Kind::Current { 64 } else { 40 };
+        self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
+    }
+}

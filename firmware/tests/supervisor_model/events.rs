@@ -1,0 +1,87 @@
+//! Every event that there is, up to faults and operators that are alike.
+
+use std::collections::HashSet;
+
+use sinew_firmware::supervisor::{Command, Event, Fault, FaultSet, Feed, Feeds, Operator, TABLE};
+
+/// Faults that the supervisor knows by name: they stand for their kind.
+const NAMED: [Fault; 2] = [Fault::ServoSilent, Fault::EStop];
+
+/// One fault for each kind of row in the table.
+pub(crate) fn kinds() -> Vec<Fault> {
+    let of_row = |fault: Fault| {
+        let row = TABLE.iter().find(|row| row.fault == fault).unwrap();
+        (row.reactions, row.clears)
+    };
+    let mut kinds: Vec<Fault> = Vec::new();
+    for fault in NAMED.into_iter().chain(Fault::ALL) {
+        if !kinds.iter().any(|kind| of_row(*kind) == of_row(fault)) {
+            kinds.push(fault);
+        }
+    }
+    assert!(NAMED.iter().all(|fault| kinds.contains(fault)), "two named faults of one kind");
+    kinds
+}
+
+/// Whatever can be uploaded.
+const UPLOADED: FaultSet = FaultSet::OF_SHOW.union(FaultSet::OF_SETTINGS);
+
+/// All events.
+pub(crate) struct Events {
+    commands: Vec<Option<Command>>,
+    situations: Vec<Event>,
+}
+
+impl Events {
+    /// With none of these faults at once, one, two, or all.
+    pub(crate) fn new(faults: &[Fault]) -> Self {
+        let mut sets = HashSet::from([FaultSet::EMPTY, faults.iter().copied().collect()]);
+        for one in faults {
+            sets.extend(faults.iter().map(|other| FaultSet::of(*one).with(*other)));
+        }
+        let mut situations = Vec::new();
+        for present in sets {
+            for bits in 0_u32..1 << 9 {
+                let is = |bit: u32| bits >> bit & 1 == 1;
+                situations.push(Event {
+                    command: None,
+                    present,
+                    uploaded: if is(0) { UPLOADED } else { FaultSet::EMPTY },
+                    measured: is(1),
+                    stop_tested: is(2),
+                    feeds: Feeds { show: is(3), live: is(4), jog: is(5) },
+                    enabled: is(6),
+                    arrived: is(7),
+                    time_over: is(8),
+                });
+            }
+        }
+        Self { commands: commands(), situations }
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Event> {
+        let with = |command| self.situations.iter().map(move |event| Event { command, ..*event });
+        self.commands.iter().copied().flat_map(with)
+    }
+}
+
+fn commands() -> Vec<Option<Command>> {
+    let mut commands = vec![
+        None,
+        Some(Command::Arm),
+        Some(Command::Disarm),
+        Some(Command::Hold),
+        Some(Command::Stop),
+        Some(Command::Calibrate),
+        Some(Command::Teach),
+        Some(Command::ClearFaults),
+        Some(Command::EStop),
+    ];
+    commands.extend([Feed::Show, Feed::Live, Feed::Jog].map(|feed| Some(Command::Play(feed))));
+    // Two stand for all: the supervisor only asks whether they are the same.
+    for operator in [Operator(1), Operator(2)] {
+        let all = [Command::Maintain, Command::Enable, Command::Leave];
+        commands.extend(all.map(|command| Some(command(operator))));
+    }
+    commands
+}

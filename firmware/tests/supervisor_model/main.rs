@@ -1,0 +1,103 @@
+//! A model check of the supervisor: every mode that can be reached is looked at with every event.
+//!
+//! Clocks come as before or after each time-out, at any moment. Faults of which the table says the same are alike to
+//! the supervisor: one stands for each kind. None of the kinds comes at once, one, two, or all; each other fault alone.
+
+mod checker;
+mod events;
+
+use checker::{Counts, Violation, check};
+use events::{Events, kinds};
+use sinew_firmware::supervisor::{Answer, Event, Fault, FaultSet, Feeds, Mode, Source, State};
+
+fn all_kinds() -> Events {
+    Events::new(&kinds())
+}
+
+#[test]
+fn no_reachable_mode_breaks_a_rule() {
+    let Counts { modes, steps } = check(&all_kinds(), Mode::next).unwrap_or_else(|v| panic!("{v}"));
+    println!("{modes} reachable modes, {steps} steps, {} kinds of faults", kinds().len());
+    assert!(modes > 100, "it stopped early: {modes}");
+}
+
+#[test]
+fn a_fault_that_another_stands_for_breaks_no_rule_either() {
+    let kinds = kinds();
+    for fault in Fault::ALL.into_iter().filter(|fault| !kinds.contains(fault)) {
+        check(&Events::new(&[fault]), Mode::next).unwrap_or_else(|v| panic!("{fault}: {v}"));
+    }
+}
+
+/// What the checker says of a supervisor with a mistake.
+fn mistake(step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>)) -> &'static str {
+    // Faults that are needed for the mistake are enough.
+    let events = Events::new(&[Fault::EStop, Fault::HotMeasured]);
+    let Err(Violation { rule, .. }) = check(&events, step) else {
+        panic!("a planted mistake was not found")
+    };
+    rule
+}
+
+#[test]
+fn a_stop_that_arms_when_it_is_released_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        if mode.state == State::Faulted && !event.present.contains(Fault::EStop) && event.measured {
+            (next.state, next.latched, next.is_soft) = (State::Arming, FaultSet::EMPTY, true);
+        }
+        (next, answer)
+    });
+    assert_eq!(rule, "torque comes on by an arm command alone");
+}
+
+#[test]
+fn a_feed_that_falls_silent_unnoticed_is_found() {
+    let rule = mistake(|mode, event| {
+        let feeds = Feeds { show: true, live: true, jog: true };
+        if mode.state == State::Playing {
+            mode.next(&Event { feeds, ..*event })
+        } else {
+            mode.next(event)
+        }
+    });
+    assert_eq!(rule, "what moves has a live source");
+}
+
+#[test]
+fn a_stop_that_begins_again_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        // A hot servo stops the rig, even if it is being lowered already.
+        let is_hot = event.present == FaultSet::of(Fault::HotMeasured);
+        if mode.state == State::Lowering && is_hot && event.measured && event.command.is_none() {
+            next.state = State::Stopping;
+        }
+        (next, answer)
+    });
+    assert_eq!(rule, "what ends comes nearer to its end");
+}
+
+#[test]
+fn a_fault_that_need_not_be_cleared_is_found() {
+    let rule = mistake(|mode, event| {
+        let (next, answer) = mode.next(event);
+        (Mode { latched: FaultSet::EMPTY, ..next }, answer)
+    });
+    assert_eq!(rule, "after a fault nothing is armed that was not cleared");
+}
+
+#[test]
+fn an_enabling_button_that_sticks_is_found() {
+    let rule = mistake(|mode, event| mode.next(&Event { enabled: true, ..*event }));
+    assert_eq!(rule, "maintenance moves while the button is held");
+}
+
+/// A mode is named by its state: what it follows fits.
+#[test]
+fn a_mode_that_stands_follows_nobody() {
+    for state in State::ALL {
+        let mode = Mode { state, ..Mode::default() };
+        assert!(!matches!(mode.source(), Source::Feed(_)), "{state}");
+    }
+}
