@@ -86,7 +86,7 @@ fn what_a_rig_has_by_itself_is_refused() {
     let face = face.to_str().unwrap();
     for (arguments, part) in [
         (&["evaluate", "--rig", &rig, "--scale", "1.1"][..], "cannot be used with"),
-        (&["evaluate", "--rig", &rig, "--clips", "a.bvh"], "cannot be used with"),
+        (&["evaluate", "--rig", &rig, "--clips", "a.bvh"], "a.bvh"),
         (&["evaluate", "--rig", &rig, "--set", "root=fixed"], "the rig has its own"),
         (&["evaluate", "--rig", &rig, "--set", "controller.reference=pelvi"], "a body of the rig"),
         (&["evaluate", "--rig", &rig, "--shares", "0"], "shares: expected shares from 0.01 to 1"),

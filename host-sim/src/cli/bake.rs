@@ -1,46 +1,215 @@
 //! `sinew bake`: a show for a board.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_mocap::files::ClipFile;
+use sinew_retarget::feasibility::{Fit, RigMotion, check};
+use sinew_show::write::Settings as ShowSettings;
+use sinew_show::{Show, TimeCode, TimeCodeKind};
 use sinew_sim::command::{note, print};
 use sinew_sim::figure::{BodyModel, mapping};
+use sinew_sim::performance::{
+    Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, feasibility, rig_hash,
+};
 use sinew_sim::pipeline::{self, Settings};
+use sinew_sim::report::feasibility::Page;
+use sinew_sim::rig::Loaded;
 use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
 use super::evaluate::scale;
+use super::output::distinct;
+use super::performance::{ON_STAND, OnRig, Performed};
 
-/// Bake a clip and the figure that performs it into a file that a board's image reads from its flash.
+/// Bake a clip into a show, the file that a board plays.
 ///
-/// `firmware/src/show.rs` describes the format. To build it into the boards' images, set the environment variable
-/// `SINEW_SHOW` to the file's path.
+/// With `--rig`, the show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint
+/// cannot follow, when, and by how much.
+///
+/// If no rig is given, the show holds poses of the human figure: today's board images play these. The environment
+/// variable `SINEW_SHOW` names the file that is built into an image.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// A built-in clip's name, or a BVH, AMC or humanoid3d text file.
-    #[arg(long, value_name = "CLIP", default_value = "punches_01")]
+    #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry; of the figure one of the
+    /// known maps.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    on_rig: OnRig,
+
+    /// The largest error of the show's angles, deg.
+    #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error, requires = "rig")]
+    error: f64,
+
+    /// A cue: a name, and when in the clip, s. Of a fitted show it stands where the motion is then.
+    #[arg(long, value_name = "NAME@S", value_parser = cue, requires = "rig")]
+    cue: Vec<(String, f64)>,
+
+    /// Time code of the beginning: hours, minutes, seconds, frames, and frames a second (24, 25, 30, 50, 60).
+    #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code, requires = "rig")]
+    time_code: Option<TimeCode>,
+
     /// Factor on the figure's dimensions, 0.1 to 10. The clip keeps its own.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
     /// Only the first S seconds.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// How the clip's skeleton maps on the figure, in TOML. Default: chosen among the known ones.
-    #[arg(long, value_name = "FILE")]
-    mapping: Option<PathBuf>,
+    /// Also write a page: the rig in motion, plots of each joint beside its limits. One file that any browser opens
+    /// from disk, without a network.
+    #[arg(long, value_name = "FILE.html", requires = "rig")]
+    page: Option<PathBuf>,
 
     /// The file to write.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, visible_alias = "output", value_name = "FILE")]
     out: PathBuf,
 }
 
 /// Runs the subcommand.
-pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    match &args.rig {
+        Some(rig) => on_rig(args, rig)?,
+        None => of_figure(args)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
+    let written: Vec<&Path> =
+        [&args.out].into_iter().chain(&args.page).map(PathBuf::as_path).collect();
+    let read = [
+        ("rig", Some(rig)),
+        ("clip", Some(Path::new(&args.clip))),
+        ("mapping", args.mapping.as_deref()),
+    ];
+    distinct(&written, &read)?;
+    let rig = args.on_rig.rig(rig, ON_STAND)?;
+    let clip = Path::new(&args.clip);
+    let mapping = args.mapping.as_deref();
+    let mut performed = args.on_rig.perform(&rig, clip, mapping, args.seconds, ON_STAND)?;
+    let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
+    let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
+    if let Some(line) = why_not {
+        note(format_args!("note: {line}"));
+    }
+    let (mechanism, limits, given) = (&rig.mechanism, &performed.limits, &performed.taken.motion);
+    let of = |motion: &RigMotion, cues, course| {
+        let marks = Marks { cues, time_code: args.time_code, course };
+        bake(mechanism, motion, hash, &marks, &settings)
+    };
+    // Cues out of the clip are refused before the work.
+    let cues = performed.cues(None, &args.cue)?;
+    let (baked, report) = match performed.fit.take() {
+        None => {
+            let baked = of(given, cues, Vec::new())?;
+            let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
+            (baked, report)
+        }
+        Some(fit) => {
+            let of_fit = |fit: &Fit| {
+                let course = args.time_code.map(|code| course(fit, code)).unwrap_or_default();
+                of(&fit.motion, performed.cues(Some(fit), &args.cue).unwrap_or_default(), course)
+            };
+            let (fit, baked, report) = bake_within(mechanism, limits, given, fit, of_fit)?;
+            performed.fit = Some(fit);
+            (baked, report)
+        }
+    };
+    std::fs::write(&args.out, &baked.written.bytes)
+        .with_context(|| args.out.display().to_string())?;
+    let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
+    if let Some(file) = &args.page {
+        let page = Page {
+            rig: &rig.description.name,
+            clip: &performed.name,
+            mechanism,
+            limits: &performed.limits,
+            report: &report,
+            performance: &Played::new(&baked.written.bytes)?,
+            fitted: done.as_deref(),
+            summary: &head,
+        };
+        std::fs::write(file, page.html()?).with_context(|| file.display().to_string())?;
+        note(format_args!("wrote {}", file.display()));
+    }
+    let rounding = [settings.angle_rad, settings.length_m];
+    let text = feasibility(mechanism, &performed.limits, &report, rounding);
+    let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
+    print(&format!("{head}\n{text}{done}"))?;
+    Ok(())
+}
+
+/// What was written.
+fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> String {
+    let written = &baked.written;
+    let given_s = performed.taken.motion.duration_s();
+    let slower = if baked.duration_s > given_s {
+        format!(" (the clip: {given_s:.2} s)")
+    } else {
+        String::new()
+    };
+    let likeness = performed.likeness(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
+        format!(
+            "{} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most\n",
+            performed.taken.limbs
+        )
+    });
+    let cue = |(name, given_s): &(String, f64)| {
+        let show_s = performed.time_s(*given_s);
+        format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")
+    };
+    let cues: String = args.cue.iter().map(cue).collect();
+    let code = clock(&baked.written.bytes);
+    let minutes = |kb: usize| format!("{:.1} min in {kb} kB", baked.minutes_in(1000 * kb));
+    format!(
+        "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
+         RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{cues}{code}",
+        args.out.display(),
+        performed.name,
+        rig.description.name,
+        baked.duration_s,
+        baked.freedoms,
+        written.bytes.len(),
+        written.knots,
+        written.angles.largest.to_degrees(),
+        1000.0 * written.lengths.largest,
+        written.angles.rms.to_degrees(),
+        1000.0 * written.lengths.rms,
+        // Half of the flash of an STM32F446, all of an RP2350's usual one, an SPI flash.
+        minutes(256),
+        minutes(4_000),
+        minutes(16_000),
+    )
+}
+
+/// From when to when the time code of a show goes; nothing if it has none.
+fn clock(bytes: &[u8]) -> String {
+    let Ok(show) = Show::open(bytes) else { return String::new() };
+    let (Some(begin), Some(end)) = (show.time_code(), show.time_code_at(show.length())) else {
+        return String::new();
+    };
+    let slowed = if show.course().next().is_some() { ", slower where the motion is" } else { "" };
+    let [begin_at, end_at] = [begin, end].map(|code| {
+        let TimeCode { hours, minutes, seconds, frames, .. } = code;
+        format!("{hours:02}:{minutes:02}:{seconds:02}:{frames:02}")
+    });
+    format!("time code: {begin_at} to {end_at} at {} a second{slowed}\n", begin.frames_per_second)
+}
+
+fn of_figure(args: &Args) -> anyhow::Result<()> {
     let settings = Settings {
         mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
         ..Settings::default()
@@ -79,4 +248,34 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         bytes.len()
     ))?;
     Ok(())
+}
+
+fn cue(text: &str) -> Result<(String, f64), String> {
+    let expected = "expected a name and a time in s, such as bow@12.5";
+    let (name, time) = text.rsplit_once('@').ok_or(expected)?;
+    match time.trim().parse::<f64>() {
+        Ok(time_s) if (0.0..=1e6).contains(&time_s) && !name.is_empty() => {
+            Ok((name.to_owned(), time_s))
+        }
+        _ => Err(expected.into()),
+    }
+}
+
+fn time_code(text: &str) -> Result<TimeCode, String> {
+    let numbers: Option<Vec<u8>> = text.split([':', '@']).map(|part| part.parse().ok()).collect();
+    let &[hours, minutes, seconds, frames, frames_per_second] =
+        numbers.as_deref().unwrap_or_default()
+    else {
+        return Err("expected hours:minutes:seconds:frames@rate, such as 01:00:00:00@25".into());
+    };
+    let kind = TimeCodeKind::Whole;
+    let code = TimeCode { hours, minutes, seconds, frames, frames_per_second, kind };
+    if code.is_time() { Ok(code) } else { Err("expected a time code that a clock can show".into()) }
+}
+
+fn error(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(degrees) if (0.001..=10.0).contains(&degrees) => Ok(degrees),
+        _ => Err("expected a number of degrees from 0.001 to 10".into()),
+    }
 }

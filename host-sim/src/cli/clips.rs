@@ -1,28 +1,33 @@
 //! Options that name what is tracked: clips, or motions of a rig's own joints.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use anyhow::bail;
 use rayon::prelude::*;
 use sinew_sim::builtin;
 use sinew_sim::evaluate::Take;
 use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
 use sinew_sim::figure::{FigureMotion, mapping};
+use sinew_sim::performance::RigClip;
 use sinew_sim::pipeline::{self, Notice, Settings};
 use sinew_sim::rig::Loaded;
 
 use sinew_sim::command::note;
 
-use super::rig::read;
+use super::performance::{ON_STAND, OnRig};
 
 /// Options that name what is tracked.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips.
-    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with = "rig")]
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips; of a rig
+    /// motions of its own joints.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
-    #[arg(long, value_name = "FILE", conflicts_with = "rig")]
+    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew map`. Default: chosen among the
+    /// known ones; of a rig by names and geometry.
+    #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
@@ -35,8 +40,8 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frames: Option<f64>,
 
-    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks built-in motions of its own joints on the
-    /// exact plant: all together, and for `evaluate` each in turn.
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or built-in motions of its own
+    /// joints, on the exact plant: all together, and for `evaluate` each in turn.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
@@ -66,8 +71,44 @@ pub(super) const RIG_RATE_HZ: f64 = 500.0;
 
 impl ClipArgs {
     /// The user's rig, if one is named; what its import changed is said on standard error.
-    pub(super) fn rig(&self) -> anyhow::Result<Option<Loaded>> {
-        self.rig.as_deref().map(read).transpose()
+    pub(super) fn rig(&self, on_rig: &OnRig) -> anyhow::Result<Option<Loaded>> {
+        self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
+    }
+
+    /// Refuses what says something of clips alone, where a rig tracks motions of its own joints.
+    pub(super) fn ensure_no_clips(&self, on_rig: &OnRig) -> anyhow::Result<()> {
+        let mapping = self.mapping.is_some().then_some("--mapping");
+        let given = mapping.or(on_rig.of_clips()).or(on_rig.fit.then_some("--fit"));
+        if let Some(option) = given {
+            bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
+        }
+        Ok(())
+    }
+
+    /// Whether a rig is to track clips.
+    pub(super) fn of_rig(&self) -> bool {
+        self.rig.is_some() && !self.clips.is_empty()
+    }
+
+    /// The clips, taken over by a rig.
+    pub(super) fn performances(
+        &self,
+        rig: &Loaded,
+        on_rig: &OnRig,
+    ) -> anyhow::Result<Vec<RigClip>> {
+        let files = sinew_mocap::files::expand(&self.clips)?;
+        let mechanism = Arc::new(rig.mechanism.clone());
+        let rate_hz = self.rate.unwrap_or(RIG_RATE_HZ);
+        files
+            .iter()
+            .map(|file| {
+                let mapping = self.mapping.as_deref();
+                let performed = on_rig.perform(rig, &file.path, mapping, None, ON_STAND)?;
+                let names = [file.name.as_str(), rig.description.name.as_str()];
+                let (taken, fit) = (Arc::new(performed.taken), performed.fit.as_ref());
+                Ok(RigClip::new(names, &mechanism, &taken, fit, rate_hz)?)
+            })
+            .collect()
     }
 
     /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
@@ -89,6 +130,9 @@ impl ClipArgs {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn Take>).collect()
         }
         match rig {
+            Some(rig) if self.of_rig() => {
+                Ok((boxed(self.performances(rig, &OnRig::default())?), Vec::new()))
+            }
             Some(rig) => Ok((boxed(self.exercises(rig, false)?), Vec::new())),
             None => self.read().map(|(motions, lines)| (boxed(motions), lines)),
         }

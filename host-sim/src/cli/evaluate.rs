@@ -8,18 +8,19 @@ use std::process::ExitCode;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_rig::Mechanism;
-use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
+use sinew_rig::review::{Finding, Loop, Severity};
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::evaluate::robustness::TRACKS_BELOW_DEG;
 use sinew_sim::evaluate::{
     EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
 };
 
-use sinew_sim::rig::Loaded;
+use sinew_sim::rig::{Loaded, review};
 
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::page::PageArgs;
+use super::performance::OnRig;
 use super::setup::SetupArgs;
 
 /// Track motion capture with every method and print the paper's tables.
@@ -35,6 +36,9 @@ use super::setup::SetupArgs;
 pub(super) struct Args {
     #[command(flatten)]
     clips: ClipArgs,
+
+    #[command(flatten)]
+    on_rig: OnRig,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
@@ -103,7 +107,7 @@ pub(super) fn ensure_different<T: PartialEq + Display>(
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig()?;
+    let rig = args.clips.rig(&args.on_rig)?;
     let rig = rig.as_ref();
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
@@ -113,6 +117,14 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     }
     if let Some(rig) = rig {
         tell_faults(rig)?;
+        if args.clips.of_rig() {
+            let takes = args.clips.performances(rig, &args.on_rig)?;
+            let plan = args.page.plan(&takes, rig.notes.clone())?;
+            return args.evaluate(&takes, &protocol, |folder, evaluation| {
+                plan.write(folder, &takes, &protocol, evaluation)
+            });
+        }
+        args.clips.ensure_no_clips(&args.on_rig)?;
         let takes = args.clips.exercises(rig, true)?;
         let plan = args.page.plan(&takes, rig.notes.clone())?;
         return args.evaluate(&takes, &protocol, |folder, evaluation| {
@@ -184,9 +196,8 @@ impl Args {
 
 /// Says what of a rig is too weak for its own weight, as `sinew rig check` finds it.
 fn tell_faults(rig: &Loaded) -> anyhow::Result<()> {
-    let servos = Servos::of(&rig.description, &rig.mechanism)?;
     let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1 };
-    let review = Review::of(&rig.mechanism, &servos, control)?;
+    let review = review(rig, control)?;
     for Finding { about, text, .. } in
         review.findings.iter().filter(|finding| finding.severity == Severity::Fault)
     {

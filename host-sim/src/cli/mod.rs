@@ -4,13 +4,21 @@ mod bake;
 mod blend;
 mod clips;
 mod evaluate;
+mod export;
 mod figure;
 mod find;
 mod latency;
+mod map;
 mod methods;
+mod output;
 mod page;
+mod performance;
+mod play;
 mod rig;
 mod robustness;
+mod servo;
+#[cfg(unix)]
+mod servos;
 mod setup;
 mod study;
 mod sweep;
@@ -41,7 +49,10 @@ struct Cli {
 enum Command {
     Evaluate(evaluate::Args),
     Verify(verify::VerifyArgs),
+    Map(map::Args),
     Bake(bake::Args),
+    Play(play::Args),
+    Export(export::Args),
     Figure(figure::Args),
     Sweep(sweep::Args),
     Robustness(robustness::Args),
@@ -52,13 +63,19 @@ enum Command {
     Find(find::Args),
     Blend(blend::Args),
     Rig(rig::RigArgs),
+    Servo(servo::ServoArgs),
+    #[cfg(unix)]
+    Servos(servos::ServosArgs),
 }
 
 impl Command {
     fn run(&self) -> anyhow::Result<ExitCode> {
         match self {
             Self::Evaluate(args) => evaluate::run(args),
-            Self::Bake(args) => bake::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Bake(args) => bake::run(args),
+            Self::Play(args) => play::run(args),
+            Self::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
             Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
             Self::Sweep(args) => sweep::run(args),
             Self::Robustness(args) => robustness::run(args),
@@ -69,6 +86,9 @@ impl Command {
             Self::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
             Self::Verify(args) => verify::run(args),
             Self::Rig(args) => rig::run(args),
+            Self::Servo(args) => servo::run(args),
+            #[cfg(unix)]
+            Self::Servos(args) => servos::run(args),
         }
     }
 

@@ -8,6 +8,7 @@ use sinew_sim::evaluate::exercise::Exercise;
 use sinew_sim::evaluate::optimum::{Optimum, optimum};
 use sinew_sim::evaluate::{BodySource, Evaluation, Protocol, Setup, Take};
 use sinew_sim::figure::FigureMotion;
+use sinew_sim::performance::RigClip;
 use sinew_sim::report::scene::Mannequin;
 use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 
@@ -97,6 +98,20 @@ impl Shown for FigureMotion {
             }
         };
         Ok(Compared { comparison, optimum: Some(optimum(takes, protocol)?) })
+    }
+}
+
+impl Shown for RigClip {
+    fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin> {
+        Ok(Mannequin::of_rig(&Take::mechanism(self, setup)?))
+    }
+
+    fn settings(&self, _: &Setup) -> Vec<(&'static str, String)> {
+        vec![("Rate of control and plant", format!("{:.0} Hz", self.dt_s().recip()))]
+    }
+
+    fn compared(&self, _: &[Self], _: &Protocol) -> anyhow::Result<Compared> {
+        Ok(Compared::default())
     }
 }
 

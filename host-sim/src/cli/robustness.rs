@@ -13,6 +13,7 @@ use sinew_sim::figure::Dimensions;
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, check_fixed, methods};
+use super::performance::OnRig;
 use super::setup::SetupArgs;
 
 /// Track the clips on rigs as they are built: a row for each of many, and the median.
@@ -64,7 +65,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig()?;
+    let rig = args.clips.rig(&OnRig::default())?;
     let rig = rig.as_ref();
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     let disturbance = &setup.disturbance;

@@ -9,6 +9,7 @@ use sinew_sim::evaluate::{Errors, Take as _, step_count};
 use sinew_sim::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
 
 use super::clips::{ClipArgs, seconds, tell};
+use super::performance::OnRig;
 
 /// Run every combination of many settings and write a row for each.
 ///
@@ -72,7 +73,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig()?;
+    let rig = args.clips.rig(&OnRig::default())?;
     let rig = rig.as_ref();
     let file = SweepFile::read(&args.file, rig.map(|rig| &rig.mechanism))?;
     if file.repeated > 0 {

@@ -8,6 +8,7 @@ mod error;
 pub mod exercise;
 mod friction;
 mod levers;
+mod likeness;
 mod metrics;
 pub mod optimum;
 pub mod paper;
@@ -34,10 +35,12 @@ pub use detail::Detail;
 pub use disturbance::Disturbance;
 pub use error::{EvaluateError, RunError};
 pub use levers::Levers;
+pub use likeness::{Angles, Likeness};
 pub use metrics::{ErrorTotals, Errors, WeightedTotals};
 pub use rig::{CAPACITY, Rig};
 pub use setup::{BodySource, RigTracker, Setup, SetupError};
 pub use take::Take;
+pub(crate) use take::numbers_of;
 pub use track::{Step, step_count, track};
 
 /// What to evaluate.
@@ -111,6 +114,8 @@ pub struct MethodResult {
     pub clips: Vec<Errors>,
     /// More of each clip, in the same order.
     pub details: Vec<Detail>,
+    /// The rig against the performer of each clip, in the same order.
+    pub likeness: Vec<Likeness>,
 }
 
 impl Evaluation {
@@ -123,6 +128,15 @@ impl Evaluation {
     /// Number of simulation steps of one figure with one method.
     pub fn frames(&self) -> usize {
         self.clips.iter().map(|clip| clip.frames).sum()
+    }
+}
+
+impl MethodResult {
+    /// The rig against the performers of all clips; `None` if the motions are no performers'.
+    pub fn likeness(&self) -> Option<Likeness> {
+        let mut all = Likeness::default();
+        self.likeness.iter().for_each(|likeness| all.merge(likeness));
+        (!all.total.is_empty()).then_some(all)
     }
 }
 
@@ -177,15 +191,19 @@ pub fn evaluate<T: Take>(
         }
     }
     // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
-    let results: Vec<Result<(Errors, Detail), EvaluateError>> = runs
+    let results: Vec<Result<Run, EvaluateError>> = runs
         .par_iter()
         .map(|(scale, method, take, stream)| {
             let setup = protocol.setup_of(*scale, *method);
-            let (mut errors, mut detail) = (Errors::default(), Detail::default());
+            let mut run = Run::default();
             let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
-                errors.add_step(&step);
+                run.errors.add_step(&step);
                 let judged = step.rig.first_judged()..;
-                detail.add(&step.desired[judged.clone()], &step.measured[judged]);
+                run.detail.add(&step.desired[judged.clone()], &step.measured[judged]);
+                let Likeness { retargeting, total } = &mut run.likeness;
+                for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
+                    take.limb_errors_deg(step.frame, poses, &mut |angle| angles.take(angle));
+                }
             })
             .map_err(|kind| EvaluateError::Run {
                 clip: take.name().to_owned(),
@@ -194,7 +212,7 @@ pub fn evaluate<T: Take>(
                 kind,
             })?;
             progress(steps);
-            Ok((errors, detail))
+            Ok(run)
         })
         .collect();
 
@@ -211,12 +229,20 @@ pub fn evaluate<T: Take>(
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
             let runs = results.by_ref().take(takes.len()).collect::<Result<Vec<_>, _>>()?;
-            let (clips, details): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
-            let mut total = Errors::default();
-            for clip in &clips {
-                total.merge(clip);
+            let mut result = MethodResult {
+                method: *method,
+                total: Errors::default(),
+                clips: Vec::with_capacity(runs.len()),
+                details: Vec::with_capacity(runs.len()),
+                likeness: Vec::with_capacity(runs.len()),
+            };
+            for Run { errors, detail, likeness } in runs {
+                result.total.merge(&errors);
+                result.clips.push(errors);
+                result.details.push(detail);
+                result.likeness.push(likeness);
             }
-            methods.push(MethodResult { method: *method, total, clips, details });
+            methods.push(result);
         }
         figures.push(FigureResult { scale: *scale, methods });
     }
@@ -227,6 +253,14 @@ pub fn evaluate<T: Take>(
     let bodies = links.iter().map(|link| link.name.clone()).collect();
     let driven = made.is_some_and(|rig| rig.links()[0].joint == Freedom::Free);
     Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
+}
+
+/// One motion, tracked by one rig with one method.
+#[derive(Debug, Default)]
+struct Run {
+    errors: Errors,
+    detail: Detail,
+    likeness: Likeness,
 }
 
 /// Errors of one run, and its number of steps.

@@ -37,6 +37,29 @@ pub trait Take: Sync {
     /// Puts the poses of all joints in a frame (the last one, beyond the end) into `out`, each in its parent's frame,
     /// the root's in the world; by body of the rig.
     fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>);
+
+    /// Shows the angles in deg between the limbs of the rig, its bodies at these poses in the world, and the limbs of
+    /// the performer in a frame. None, if the motion is no performer's.
+    fn limb_errors_deg(&self, _frame: usize, _poses: &[Pose], _see: &mut dyn FnMut(f64)) {}
+}
+
+/// Shows all numbers that a rig is made of.
+pub(crate) fn numbers_of(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
+    for link in &mechanism.bodies {
+        see(&[link.parent.map_or(-1.0, |parent| parent as f64)]);
+        see(&link.position_m.to_array());
+        see(&link.rotation.to_array());
+        see(&[link.mass_kg, link.rotor_inertia, link.friction, link.damping, link.effort]);
+        see(&link.center_of_mass_m.to_array());
+        see(&link.inertia_kg_m2.to_cols_array());
+        let (turns, slides) = link.joint.axes(&link.home);
+        see(&[turns.len() as f64, slides.len() as f64]);
+        for axis in turns.iter().chain(&slides) {
+            see(&axis.to_array());
+        }
+        link.ranges.iter().for_each(|range| see(range));
+        see(&link.home);
+    }
 }
 
 /// A clip on the figure, which is made from it: the setup says with which body model, and how its pelvis is held.
@@ -107,5 +130,9 @@ impl<T: Take + ?Sized> Take for Box<T> {
 
     fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>) {
         self.as_ref().joint_poses(setup, frame, out);
+    }
+
+    fn limb_errors_deg(&self, frame: usize, poses: &[Pose], see: &mut dyn FnMut(f64)) {
+        self.as_ref().limb_errors_deg(frame, poses, see);
     }
 }

@@ -38,7 +38,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }
     let recorded = recording.frames.len();
-    let skipped = usize::from(tpose::is_inserted(&recording, &binding));
+    let skipped = usize::from(tpose::is_inserted(&recording, |body| binding.joint_of(body)));
     if skipped > 0 {
         notices.push(Notice::TPoseSkipped);
     }

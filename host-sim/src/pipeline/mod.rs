@@ -276,7 +276,7 @@ pub fn prepare(
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }
 
-    let t_pose = usize::from(tpose::is_inserted(&recording, &binding));
+    let t_pose = usize::from(tpose::is_inserted(&recording, |body| binding.joint_of(body)));
     if t_pose > 0 {
         notices.push(Notice::TPoseSkipped);
     }

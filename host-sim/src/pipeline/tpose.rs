@@ -5,10 +5,7 @@
 //! arms and legs lie as in a T-pose and the pose then jumps as it does not in the frames after.
 
 use glam::{DQuat, DVec3};
-use sinew_mocap::{JointSample, Recording};
-
-use crate::figure::BODIES;
-use crate::figure::mapping::Binding;
+use sinew_mocap::{JointSample, Recording, forward_kinematics};
 
 /// Largest angle of a limb from where a T-pose has it. In the CMU data it is 0.14 to 0.31 rad in
 /// inserted T-poses, and 0.35 or more in every other first frame that is followed by a jump.
@@ -21,25 +18,24 @@ const STEP_MIN_RAD: f64 = 0.02;
 /// How many steps between frames to compare with.
 const STEPS: usize = 60;
 
-/// Whether frame 0 of `recording` is an inserted T-pose. The recording is in metres and of the binding's skeleton.
-pub fn is_inserted(recording: &Recording, binding: &Binding) -> bool {
+/// Whether frame 0 of `recording` is an inserted T-pose. The recording is in metres; `origin` says which of its joints
+/// is at the origin of a body of the figure: arms and legs are looked at.
+pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>) -> bool {
     let complete = |frame: &Vec<Option<JointSample>>| -> Option<Vec<JointSample>> {
         frame.iter().copied().collect()
     };
     let Some(first) = recording.frames.first().and_then(complete) else { return false };
-    is_t(&binding.joint_positions_m(&recording.skeleton, &first)) && jumps(recording)
+    let world = forward_kinematics(&recording.skeleton, &first);
+    let at = |body: &str| origin(body).map_or(DVec3::NAN, |joint| world[joint].position_m);
+    is_t(at) && jumps(recording)
 }
 
 /// Whether the arms point level away from each other and the legs down.
-fn is_t(position_m: &[DVec3]) -> bool {
-    limb_angles_rad(position_m).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
+fn is_t(at: impl Fn(&str) -> DVec3) -> bool {
+    limb_angles_rad(at).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
 }
 
-fn limb_angles_rad(position_m: &[DVec3]) -> [f64; 8] {
-    let at = |name: &str| -> DVec3 {
-        let named = BODIES.iter().zip(position_m).find(|(body, _)| body.name == name);
-        named.map_or(DVec3::NAN, |(_, &position)| position)
-    };
+fn limb_angles_rad(at: impl Fn(&str) -> DVec3) -> [f64; 8] {
     let level = (at("upper_arm_l") - at("upper_arm_r")).with_y(0.0);
     let bone = |from: &str, to: &str, along: DVec3| (at(to) - at(from)).angle_between(along);
     [

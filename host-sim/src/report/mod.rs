@@ -4,6 +4,7 @@ mod animation;
 pub mod blend;
 pub mod chart;
 mod comparison;
+pub mod feasibility;
 pub mod file;
 mod head;
 mod labels;

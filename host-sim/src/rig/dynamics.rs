@@ -3,15 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
-use sinew_core::dynamics::{BodyMotion, inverse_dynamics as rnea};
-use sinew_core::{GRAVITY_M_S2, JointTargets, Tree, TreeError, Wrench};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{Freedom, InverseDynamics, Link};
 use thiserror::Error;
-
-/// The most bodies of a rig.
-const CAPACITY: usize = 128;
 
 /// Why a table was refused.
 #[derive(Debug, Error)]
@@ -104,7 +100,6 @@ pub fn inverse_dynamics(
     table: impl std::io::Read,
 ) -> Result<String, DynamicsError> {
     let mechanism = held(mechanism, rotor);
-    let tree: Tree<CAPACITY> = mechanism.tree()?;
     let names = mechanism.freedom_names();
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(table);
     let header: Vec<String> = reader
@@ -117,7 +112,7 @@ pub fn inverse_dynamics(
     let tau: Vec<String> = names.iter().map(|name| format!("tau.{name}")).collect();
     let mut out = tau.join(",");
     out.push('\n');
-    let mut work = Work::of(&tree);
+    let mut dynamics = InverseDynamics::of(&mechanism)?;
     for record in reader.records() {
         let record = record?;
         let line = record.position().map_or(0, csv::Position::line);
@@ -142,8 +137,8 @@ pub fn inverse_dynamics(
         };
         let q = row(&columns.q, columns.q.len())?;
         let [qd, qdd] = [&columns.qd, &columns.qdd].map(|columns| row(columns, names.len()));
-        let efforts = work
-            .efforts(&tree, &q, &qd?, &qdd?)
+        let efforts = dynamics
+            .efforts(&q, &qd?, &qdd?)
             .map_err(|source| DynamicsError::Row { line, source })?;
         for (place, effort) in efforts.iter().enumerate() {
             let comma = if place > 0 { "," } else { "" };
@@ -196,39 +191,5 @@ impl Columns {
                 expected: freedoms.join(", "),
             }),
         }
-    }
-}
-
-/// Room for one row.
-struct Work {
-    motion: JointTargets<CAPACITY>,
-    scratch: Vec<BodyMotion>,
-    wrenches: Vec<Wrench>,
-    efforts: Vec<f32>,
-}
-
-impl Work {
-    fn of(tree: &Tree<CAPACITY>) -> Self {
-        Self {
-            motion: JointTargets::rest(tree),
-            scratch: vec![BodyMotion::default(); tree.len()],
-            wrenches: vec![Wrench::ZERO; tree.len()],
-            efforts: vec![0.0; tree.degrees_of_freedom()],
-        }
-    }
-
-    fn efforts(
-        &mut self,
-        tree: &Tree<CAPACITY>,
-        q: &[f32],
-        qd: &[f32],
-        qdd: &[f32],
-    ) -> Result<&[f32], CoordinatesError> {
-        self.motion.set_coordinates(tree, q, qd, qdd)?;
-        let (states, accelerations) = (self.motion.states(), self.motion.accelerations());
-        let (scratch, wrenches) = (&mut self.scratch, &mut self.wrenches);
-        rnea(tree.bodies(), states, accelerations, GRAVITY_M_S2, &[], scratch, wrenches);
-        tree.efforts(states, wrenches, &mut self.efforts)?;
-        Ok(&self.efforts)
     }
 }

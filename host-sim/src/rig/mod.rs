@@ -2,6 +2,8 @@
 
 mod dynamics;
 mod file;
+mod review;
 
 pub use dynamics::{DynamicsError, freedom_names, inverse_dynamics};
 pub use file::{Loaded, RigFileError, load};
+pub use review::review;

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context as _;
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
-use sinew_rig::review::{Loop, Review, Servos, Severity};
+use sinew_rig::review::{Loop, Review, Severity};
 use sinew_sim::command::print;
+use sinew_sim::rig::review;
 
 use super::read;
 
@@ -72,10 +72,7 @@ enum Format {
 /// Checks and prints. A fault is a bad result.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let loaded = read(&args.rig)?;
-    let servos = Servos::of(&loaded.description, &loaded.mechanism)
-        .with_context(|| args.rig.display().to_string())?;
-    let review = Review::of(&loaded.mechanism, &servos, args.control.control())
-        .with_context(|| args.rig.display().to_string())?;
+    let review = review(&loaded, args.control.control())?;
     print(&match args.format {
         Format::Words => words(&loaded.description.name, &loaded.mechanism, &review),
         Format::Json => json(&loaded.description.name, &loaded.notes, &review)?,

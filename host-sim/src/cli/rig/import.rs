@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use sinew_rig::import::Options;
 use sinew_rig::toml_file;
 use sinew_sim::command::note;
@@ -29,6 +30,10 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     repair_inertia: bool,
 
+    /// Turn the axes of these joints round: what `sinew rig check` finds mirrored wrongly. Ranges stay.
+    #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
+    turn_axis: Vec<String>,
+
     #[command(flatten)]
     target: Target,
 }
@@ -40,7 +45,18 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
         open_loops: args.open_loops,
         repair_inertia: args.repair_inertia,
     };
-    let loaded = load(&args.file, &options)?;
+    let mut loaded = load(&args.file, &options)?;
+    for name in &args.turn_axis {
+        let joint = loaded.description.joints.iter_mut().find(|joint| joint.name == *name);
+        let axis = joint.and_then(|joint| joint.axis.as_mut());
+        let axis = axis.with_context(|| {
+            format!(
+                "--turn-axis {name}: {} has no joint of that name with an axis",
+                args.file.display()
+            )
+        })?;
+        *axis = axis.map(|x| 0.0 - x);
+    }
     for line in &loaded.notes {
         note(format_args!("note: {line}"));
     }

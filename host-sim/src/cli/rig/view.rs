@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context as _;
-use sinew_rig::review::{Review, Servos};
 use sinew_sim::report::rig::page;
+use sinew_sim::rig::review;
 
 use super::check::LoopArgs;
 use super::{read, write_file};
@@ -30,10 +29,7 @@ pub(super) struct ViewArgs {
 /// Draws.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
     let loaded = read(&args.rig)?;
-    let servos = Servos::of(&loaded.description, &loaded.mechanism)
-        .with_context(|| args.rig.display().to_string())?;
-    let review = Review::of(&loaded.mechanism, &servos, args.control.control())
-        .with_context(|| args.rig.display().to_string())?;
+    let review = review(&loaded, args.control.control())?;
     write_file(&args.output, &page(&loaded.description.name, &loaded.mechanism, &review))?;
     Ok(ExitCode::SUCCESS)
 }

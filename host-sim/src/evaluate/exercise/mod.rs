@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use super::error::RunError;
 use super::setup::Setup;
-use super::take::Take;
+use super::take::{Take, numbers_of};
 use crate::plant::{PlantError, check_link};
 use axis::Axis;
 use course::{Course, in_turn, together};
@@ -180,21 +180,7 @@ impl Take for Exercise {
     }
 
     fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
-        for link in &self.mechanism.bodies {
-            see(&[link.parent.map_or(-1.0, |parent| parent as f64)]);
-            see(&link.position_m.to_array());
-            see(&link.rotation.to_array());
-            see(&[link.mass_kg, link.rotor_inertia, link.friction, link.damping, link.effort]);
-            see(&link.center_of_mass_m.to_array());
-            see(&link.inertia_kg_m2.to_cols_array());
-            let (turns, slides) = link.joint.axes(&link.home);
-            see(&[turns.len() as f64, slides.len() as f64]);
-            for axis in turns.iter().chain(&slides) {
-                see(&axis.to_array());
-            }
-            link.ranges.iter().for_each(|range| see(range));
-            see(&link.home);
-        }
+        numbers_of(&self.mechanism, see);
         for course in self.courses.iter().flatten() {
             for one in &course.moves {
                 see(&[one.from_s, one.duration_s, one.to]);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::super::{Errors, Evaluation, MethodName, WeightedTotals};
+use super::super::{Errors, Evaluation, Likeness, MethodName, WeightedTotals};
 
 #[derive(Serialize)]
 struct Row<'a> {
@@ -19,14 +19,23 @@ struct Row<'a> {
     /// Of whole poses: the leaves have none.
     weighted_mean_cm: Option<f64>,
     weighted_max_cm: Option<f64>,
+    /// Of a rig against the performers of its clips: limbs, not leaves. Other evaluations have no such columns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    retargeting_mean_deg: Option<Cell>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    total_mean_deg: Option<Cell>,
 }
+
+/// A cell of a column that not every table has: empty where the row has no such number.
+#[derive(Serialize)]
+struct Cell(Option<f64>);
 
 /// One row per scale, method and group of joints, over all clips.
 pub fn result_csv(evaluation: &Evaluation) -> String {
     let mut rows = Vec::new();
     for figure in &evaluation.figures {
         for result in &figure.methods {
-            rows.extend(both(None, figure.scale, result.method, &result.total));
+            rows.extend(both(None, figure.scale, result.method, &result.total, result.likeness()));
         }
     }
     text(&rows)
@@ -37,8 +46,10 @@ pub fn clips_csv(evaluation: &Evaluation) -> String {
     let mut rows = Vec::new();
     for figure in &evaluation.figures {
         for result in &figure.methods {
-            for (clip, errors) in evaluation.clips.iter().zip(&result.clips) {
-                rows.extend(both(Some(&clip.name), figure.scale, result.method, errors));
+            let of_clips = result.clips.iter().zip(&result.likeness);
+            for (clip, (errors, likeness)) in evaluation.clips.iter().zip(of_clips) {
+                let likeness = (!likeness.total.is_empty()).then_some(*likeness);
+                rows.extend(both(Some(&clip.name), figure.scale, result.method, errors, likeness));
             }
         }
     }
@@ -50,8 +61,12 @@ fn both<'a>(
     scale: f64,
     method: MethodName,
     errors: &Errors,
+    likeness: Option<Likeness>,
 ) -> [Row<'a>; 2] {
     let weighted = Some(&errors.weighted);
+    let of_limbs = |of: fn(&Likeness) -> f64, is_all: bool| {
+        likeness.map(|likeness| Cell(is_all.then(|| of(&likeness))))
+    };
     [("all", &errors.all, weighted), ("leaf", &errors.leaf, None)].map(
         |(joints, totals, weighted)| Row {
             clip,
@@ -65,6 +80,8 @@ fn both<'a>(
             linear_max_cm: totals.linear_max_cm(),
             weighted_mean_cm: weighted.map(WeightedTotals::mean_cm),
             weighted_max_cm: weighted.map(WeightedTotals::max_cm),
+            retargeting_mean_deg: of_limbs(|l| l.retargeting.mean_deg(), weighted.is_some()),
+            total_mean_deg: of_limbs(|l| l.total.mean_deg(), weighted.is_some()),
         },
     )
 }

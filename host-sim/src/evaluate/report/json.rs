@@ -3,7 +3,8 @@
 use serde::{Serialize, Serializer};
 
 use super::super::{
-    ClipLength, ErrorTotals, Errors, Evaluation, FigureResult, MethodName, Setup, WeightedTotals,
+    ClipLength, ErrorTotals, Evaluation, FigureResult, Likeness, MethodName, MethodResult, Setup,
+    WeightedTotals,
 };
 use crate::plant::Description;
 
@@ -47,6 +48,33 @@ struct Groups {
     widest_gap_mm: f64,
     /// How often a joint was not given the torque that it wanted.
     limited: u64,
+    /// Of a rig against the performers of its clips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    performer: Option<Performer>,
+}
+
+/// The limbs of a rig against a performer's.
+#[derive(Serialize)]
+struct Performer {
+    /// Of its own target.
+    retargeting: Limbs,
+    /// Of the simulated rig.
+    total: Limbs,
+}
+
+/// Mean and maximum of the angles between limbs.
+#[derive(Serialize)]
+struct Limbs {
+    mean_deg: f64,
+    max_deg: f64,
+}
+
+impl From<Likeness> for Performer {
+    fn from(Likeness { retargeting, total }: Likeness) -> Self {
+        let [retargeting, total] = [retargeting, total]
+            .map(|totals| Limbs { mean_deg: totals.mean_deg(), max_deg: totals.largest_deg });
+        Self { retargeting, total }
+    }
 }
 
 /// Means and maxima of one group of joints.
@@ -85,14 +113,16 @@ impl From<&WeightedTotals> for Weighted {
     }
 }
 
-impl From<&Errors> for Groups {
-    fn from(errors: &Errors) -> Self {
+impl From<&MethodResult> for Groups {
+    fn from(result: &MethodResult) -> Self {
+        let errors = &result.total;
         Self {
             all: (&errors.all).into(),
             leaf: (&errors.leaf).into(),
             weighted: (&errors.weighted).into(),
             widest_gap_mm: errors.widest_gap_m * 1000.0,
             limited: errors.limited,
+            performer: result.likeness().map(Performer::from),
         }
     }
 }
@@ -100,7 +130,7 @@ impl From<&Errors> for Groups {
 impl From<&FigureResult> for Figure {
     fn from(figure: &FigureResult) -> Self {
         let results = figure.methods.iter();
-        let groups = results.map(|result| (result.method, Groups::from(&result.total)));
+        let groups = results.map(|result| (result.method, Groups::from(result)));
         Self { scale: figure.scale, methods: Methods(groups.collect()) }
     }
 }

@@ -2,6 +2,7 @@
 
 mod csv;
 mod json;
+mod likeness;
 mod table;
 
 pub use csv::{clips_csv, result_csv};

@@ -6,6 +6,7 @@ use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use super::super::paper::{self, Kind};
 use super::super::{Errors, Evaluation, FigureResult, MethodName, MethodResult};
+use super::likeness::likeness;
 
 /// All tables, each with its heading and the error that is weighted by importance as the last column: first every
 /// figure's numbers divided by Local's (the paper's tables 1 and 2), then the numbers themselves (3 and 4).
@@ -55,6 +56,7 @@ pub fn tables(evaluation: &Evaluation) -> String {
             format_args!("\nNothing is divided by Local: it is not among the methods.\n"),
         );
     }
+    out.extend(likeness(evaluation));
     out
 }
 

@@ -207,6 +207,11 @@ impl Binding {
         motion
     }
 
+    /// The joint at the origin of a body.
+    pub fn joint_of(&self, body: &str) -> Option<usize> {
+        self.origin.get(BODIES.iter().position(|place| place.name == body)?).copied()
+    }
+
     /// Which joints of `skeleton` turn a body of the figure.
     pub(crate) fn turning_joints(&self, skeleton: &Skeleton) -> Vec<bool> {
         let mut turns = vec![false; skeleton.joints.len()];

@@ -2,6 +2,8 @@
 //!
 //! A ball joint without rotor, friction and range needs none of this: see `dynamics.rs`.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3};
 
 use super::bounds::{Bounds, Mode};
@@ -57,6 +59,20 @@ pub(super) struct InParent {
     pub(super) slide_m_s: DVec3,
 }
 
+/// Where a joint stands along its axes. Poses do not count turns: an angle is the one next to the middle of its range.
+fn coordinates(given: &Given, in_joint: &Pose) -> [f64; 2] {
+    let mut coordinates = given.joint.along(in_joint);
+    if let Freedom::Revolute(_) | Freedom::Universal(_) = given.joint {
+        for (angle, [least, most]) in coordinates.iter_mut().zip(&given.ranges) {
+            let turns = (0.5 * (least + most) - *angle) / TAU;
+            if turns.is_finite() {
+                *angle += TAU * turns.round();
+            }
+        }
+    }
+    coordinates
+}
+
 impl Joint {
     /// The joint of a body; `None` for a ball joint that turns freely.
     pub(super) fn new(given: &Given, state: &InParent) -> Option<Self> {
@@ -79,7 +95,7 @@ impl Joint {
             friction: given.friction,
             damping: given.damping,
             ranges,
-            coordinates: given.joint.along(&placement.inside(&state.pose)),
+            coordinates: coordinates(given, &placement.inside(&state.pose)),
             speeds: [0.0; WAYS],
             force_n: DVec3::ZERO,
             ways: [Way::default(); WAYS],

@@ -2,13 +2,18 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
-use sinew_rig::mechanism::{Freedom, Mechanism};
+use sinew_rig::mechanism::{Freedom, Link, Mechanism};
 use sinew_rig::review::{FreedomReview, Review};
 
 use super::head::head;
 use super::palette;
 
-const SCRIPT: &str = concat!(include_str!("assets/kinematics.js"), include_str!("assets/view.js"));
+const SCRIPT: &str = concat!(
+    include_str!("assets/kinematics.js"),
+    include_str!("assets/gravity.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/view.js")
+);
 const STYLE: &str = include_str!("assets/view.css");
 
 /// What the page's script gets.
@@ -18,8 +23,9 @@ struct Data<'a> {
     freedoms: Vec<FreedomData<'a>>,
 }
 
+/// A body as `kinematics.js` takes it.
 #[derive(Debug, Serialize)]
-struct Body<'a> {
+pub(super) struct Body<'a> {
     name: &'a str,
     parent: Option<usize>,
     kind: &'static str,
@@ -114,8 +120,9 @@ fn summary(mechanism: &Mechanism, review: &Review) -> String {
     )
 }
 
-fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
-    let bodies = mechanism.bodies.iter().map(|link| {
+/// The bodies of a rig, as `kinematics.js` takes them.
+pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
+    let body = |link: &'a Link| {
         let (kind, axes) = kind(link.joint);
         Body {
             name: &link.name,
@@ -129,7 +136,11 @@ fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
             tips_m: link.merged.iter().map(|part| part.position_m.to_array()).collect(),
             home: &link.home,
         }
-    });
+    };
+    mechanism.bodies.iter().map(body).collect()
+}
+
+fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
     let mut reviews = review.by_freedom.iter();
     let mut freedoms = Vec::new();
     for (body, link) in mechanism.bodies.iter().enumerate() {
@@ -141,11 +152,11 @@ fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
             }
         }
     }
-    Data { bodies: bodies.collect(), freedoms }
+    Data { bodies: bodies(mechanism), freedoms }
 }
 
 fn freedom<'a>(
-    link: &'a sinew_rig::mechanism::Link,
+    link: &'a Link,
     body: usize,
     axis: usize,
     review: &'a FreedomReview,

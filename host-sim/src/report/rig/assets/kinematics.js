@@ -1,4 +1,4 @@
-// Where the bodies are, and what gravity asks of the joints: the page's own copy of the rig's kinematics.
+// Where the bodies are: the pages' own copy of the rig's kinematics.
 "use strict";
 
 const RIG = JSON.parse(document.getElementById("rig-data").textContent);
@@ -32,6 +32,14 @@ const values = RIG.freedoms.map((freedom) => freedom.home);
 const OF_BODY = RIG.bodies.map(() => []);
 RIG.freedoms.forEach((freedom, index) => { OF_BODY[freedom.body][freedom.axis] = index; });
 
+// Where the coordinates of each joint begin.
+const COUNT = { fixed: 0, revolute: 1, prismatic: 1, universal: 2, spherical: 4, free: 7 };
+let coordinates = 0;
+const FIRST = RIG.bodies.map((body) => (coordinates += COUNT[body.kind]) - COUNT[body.kind]);
+
+// Coordinates of ball joints, before their sliders, and of a driven base.
+const given = RIG.bodies.map((body) => body.home);
+
 // Rotation and way of a body in its joint's frame.
 const motion = (body, index) => {
   const q = OF_BODY[index].map((slider) => values[slider]);
@@ -39,8 +47,8 @@ const motion = (body, index) => {
     case "revolute": return [about(body.axes[0], q[0]), [0, 0, 0]];
     case "prismatic": return [[0, 0, 0, 1], times(body.axes[0], q[0])];
     case "universal": return [product(about(body.axes[0], q[0]), about(body.axes[1], q[1])), [0, 0, 0]];
-    case "spherical": return [product(body.home, exponential(q)), [0, 0, 0]];
-    case "free": return [body.home.slice(0, 4), body.home.slice(4)];
+    case "spherical": return [product(given[index], exponential(q)), [0, 0, 0]];
+    case "free": return [given[index].slice(0, 4), given[index].slice(4)];
     default: return [[0, 0, 0, 1], [0, 0, 0]];
   }
 };
@@ -68,24 +76,8 @@ const axisOf = (freedom, poses) => {
   return rotate(of, body.axes[freedom.axis]);
 };
 
-const moves = (joint, body) => {
-  for (let at = body; at !== null; at = RIG.bodies[at].parent) if (at === joint) return true;
-  return false;
-};
-const MOVED = RIG.freedoms.map((freedom) =>
-  RIG.bodies.map((_, body) => body).filter((body) => moves(freedom.body, body)));
-
-// What each freedom must give to hold the pose: N m, or N of a slide.
-const GRAVITY = [0, -9.81, 0];
-const loads = (poses) => RIG.freedoms.map((freedom, index) => {
-  const axis = axisOf(freedom, poses);
-  let sum = 0;
-  for (const body of MOVED[index]) {
-    const { mass_kg: mass, center_m: center } = RIG.bodies[body];
-    const weight = times(GRAVITY, mass);
-    if (freedom.slides) { sum -= dot(axis, weight); continue; }
-    const at = add(poses[body].p, rotate(poses[body].q, center));
-    sum -= dot(axis, cross(sub(at, poses[freedom.body].p), weight));
-  }
-  return sum;
-});
+// What is to be seen of the bodies: joints, centres of mass, ends.
+const pointsOf = (poses) => RIG.bodies.flatMap((body, index) => [
+  poses[index].p,
+  ...[body.center_m, ...body.tips_m].map((at) => add(poses[index].p, rotate(poses[index].q, at))),
+]);

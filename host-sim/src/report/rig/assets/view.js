@@ -1,40 +1,9 @@
 (() => {
-  const canvas = document.getElementById("stage");
-  const context = canvas.getContext("2d");
   const list = document.getElementById("sliders");
   const play = document.getElementById("move");
-  const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  let chosen = -1;
 
-  // ---- What is where at home: the camera looks at its middle ----
-  const points = (poses) => RIG.bodies.flatMap((body, index) => [
-    poses[index].p,
-    ...[body.center_m, ...body.tips_m].map((at) => add(poses[index].p, rotate(poses[index].q, at))),
-  ]);
-  const box = points(solve()).reduce(
-    ([low, high], p) => [low.map((x, i) => Math.min(x, p[i])), high.map((x, i) => Math.max(x, p[i]))],
-    [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]]);
-  const middle = times(add(...box), 0.5);
-  const size = Math.max(norm(sub(box[1], box[0])), 0.02);
-  const camera = { yaw: 0.7, pitch: 0.25, distance: 2.4 * size };
-  const ground = box[0][1];
-
-  let width = 0, height = 0, chosen = -1;
-  const project = (p) => {
-    const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
-    const [x, y, z] = sub(p, middle);
-    const depth = camera.distance - (x * cp * sy + y * sp + z * cp * cy);
-    const scale = 1.5 * Math.min(width, height * 1.3) / Math.max(depth, 0.02 * size);
-    return { x: width / 2 + scale * (x * cy - z * sy), y: height / 2 - scale * (-x * sp * sy + y * cp - z * sp * cy), depth, scale };
-  };
-
-  // ---- Loads ----
   const share = (load, freedom) => freedom.capacity > 0 ? Math.abs(load) / freedom.capacity : 0;
-  const LOW = [46, 158, 107], MID = [217, 165, 20], HIGH = [211, 55, 31];
-  const mix = (a, b, t) => a.map((v, i) => v + (b[i] - v) * t);
-  const shade = (s) => {
-    const [r, g, b] = s < 0.5 ? mix(LOW, MID, s / 0.5) : mix(MID, HIGH, Math.min((s - 0.5) / 0.5, 1));
-    return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
-  };
   const number = (signed) => {
     // No zero below zero.
     const x = Math.abs(signed) < 0.0005 ? 0 : signed;
@@ -42,91 +11,6 @@
   };
   const degrees = (x) => (x * 180 / Math.PI).toFixed(1) + "°";
   const shown = (freedom, x) => freedom.slides ? (x * 1000).toFixed(1) + " mm" : degrees(x);
-
-  // ---- Drawing: far things first ----
-  const line = (a, b, style, thick) => {
-    context.beginPath();
-    context.moveTo(a.x, a.y);
-    context.lineTo(b.x, b.y);
-    context.strokeStyle = style;
-    context.lineWidth = Math.max(thick, 1);
-    context.stroke();
-  };
-  const arc = (freedom, poses, radius) => {
-    const axis = axisOf(freedom, poses);
-    const { p } = poses[freedom.body];
-    const start = Math.abs(axis[1]) < 0.9 ? cross(axis, [0, 1, 0]) : cross(axis, [1, 0, 0]);
-    const across = times(start, 1 / norm(start));
-    const now = values[RIG.freedoms.indexOf(freedom)];
-    const at = (angle) => {
-      const way = angle - now;
-      return project(add(p, times(add(times(across, Math.cos(way)), times(cross(axis, across), Math.sin(way))), radius)));
-    };
-    const [least, most] = freedom.range;
-    context.beginPath();
-    const center = project(p);
-    context.moveTo(center.x, center.y);
-    for (let i = 0; i <= 32; i += 1) {
-      const q = at(least + (most - least) * i / 32);
-      context.lineTo(q.x, q.y);
-    }
-    context.closePath();
-    context.globalAlpha = 0.18;
-    context.fillStyle = color("focus");
-    context.fill();
-    context.globalAlpha = 1;
-    line(center, at(now), color("focus"), 1.5 * ratio());
-  };
-  const ratio = () => window.devicePixelRatio || 1;
-  const grid = () => {
-    const step = 10 ** Math.round(Math.log10(size / 4));
-    const reach = 6;
-    for (let i = -reach; i <= reach; i += 1) {
-      for (const [a, b] of [[[i, -reach], [i, reach]], [[-reach, i], [reach, i]]]) {
-        const at = ([x, z]) => project([middle[0] + x * step, ground, middle[2] + z * step]);
-        line(at(a), at(b), color("line"), ratio());
-      }
-    }
-  };
-  const draw = (poses, asked) => {
-    const [w, h] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * ratio()));
-    if (w === 0) return;
-    if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
-    [width, height] = [w, h];
-    context.clearRect(0, 0, w, h);
-    context.lineCap = "round";
-    grid();
-    const thick = 0.018 * size;
-    const parts = [];
-    RIG.bodies.forEach((body, index) => {
-      const from = poses[index].p;
-      const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
-        .map((child) => poses[child].frame.p);
-      const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
-      to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
-      for (const end of to) {
-        const [a, b] = [project(from), project(end)];
-        parts.push({ depth: (a.depth + b.depth) / 2, paint: () => {
-          line(a, b, color("muted"), thick * a.scale + 2 * ratio());
-          line(a, b, color("paper"), thick * a.scale);
-        } });
-      }
-    });
-    RIG.freedoms.forEach((freedom, index) => {
-      const axis = axisOf(freedom, poses);
-      const { p } = poses[freedom.body];
-      const half = (freedom.slides ? 0.05 : 0.03) * size;
-      const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
-      const style = shade(share(asked[index], freedom));
-      parts.push({ depth: project(p).depth - 0.02 * size, paint: () => {
-        if (index === chosen && !freedom.slides) arc(freedom, poses, 0.14 * size);
-        line(a, b, color(index === chosen ? "focus" : "text"), 1.7 * thick * a.scale + 2 * ratio());
-        line(a, b, style, 1.7 * thick * a.scale);
-      } });
-    });
-    parts.sort((a, b) => b.depth - a.depth);
-    for (const part of parts) part.paint();
-  };
 
   // ---- Sliders ----
   const rows = RIG.freedoms.map((freedom, index) => {
@@ -172,11 +56,8 @@
 
   // Joint coordinates as the rig has them: a ball joint's quaternion is not shown by its sliders, and stays at home.
   const take = (q) => {
-    let place = 0;
     RIG.bodies.forEach((body, index) => {
-      const count = { revolute: 1, prismatic: 1, universal: 2, spherical: 4, free: 7 }[body.kind] || 0;
-      if (count <= 2) OF_BODY[index].forEach((slider, axis) => { values[slider] = q[place + axis]; });
-      place += count;
+      if (COUNT[body.kind] <= 2) OF_BODY[index].forEach((slider, axis) => { values[slider] = q[FIRST[index] + axis]; });
     });
   };
 
@@ -199,9 +80,11 @@
         row.text.textContent = `${number(efforts[index])} ${unit}${of}`;
         row.swatch.style.background = shade(share(efforts[index], freedom));
       });
-      draw(poses, efforts);
+      draw(poses, RIG.freedoms.map((freedom, index) => share(efforts[index], freedom)), { chosen });
     });
   };
+
+  const { draw } = stageOn(document.getElementById("stage"), pointsOf(solve()), show);
 
   // ---- Motion: every joint in turn through its range, then all together ----
   let since = null;
@@ -241,35 +124,6 @@
     show();
   });
 
-  // ---- Camera ----
-  const turnView = (yaw, pitch) => {
-    camera.yaw += yaw;
-    camera.pitch = Math.min(Math.max(camera.pitch + pitch, -1.5), 1.5);
-    show();
-  };
-  const zoom = (factor) => {
-    camera.distance = Math.min(Math.max(camera.distance * factor, 0.4 * size), 20 * size);
-    show();
-  };
-  let held = null;
-  canvas.addEventListener("pointerdown", (event) => { held = event; canvas.setPointerCapture(event.pointerId); });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!held) return;
-    turnView((held.clientX - event.clientX) * 0.01, (event.clientY - held.clientY) * 0.01);
-    held = event;
-  });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { held = null; });
-  canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoom(event.deltaY > 0 ? 1.1 : 1 / 1.1); }, { passive: false });
-  canvas.addEventListener("keydown", (event) => {
-    const done = {
-      ArrowLeft: () => turnView(-0.1, 0), ArrowRight: () => turnView(0.1, 0),
-      ArrowUp: () => turnView(0, 0.1), ArrowDown: () => turnView(0, -0.1),
-      "+": () => zoom(1 / 1.15), "=": () => zoom(1 / 1.15), "-": () => zoom(1.15),
-    }[event.key];
-    if (done) { event.preventDefault(); done(); }
-  });
-  addEventListener("resize", show);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
   show();
   // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) start();

@@ -1,0 +1,96 @@
+//! `sinew export`: a clip on a rig, for other programs.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use sinew_mocap::bvh;
+use sinew_retarget::exchange::{blender, clip, servos, table};
+use sinew_retarget::feasibility::Curve;
+use sinew_sim::command::note;
+
+use super::clips::rate;
+use super::output::distinct;
+use super::performance::{FOR_OTHERS, OnRig};
+
+/// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
+///
+/// CSV: time in s, then the angle of each joint in rad by its name; a driven base has its pose in a world with z up.
+/// BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the servos, as the Blender servo animation add-on
+/// writes them: steps of bus servos, pulses in us of hobby servos.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
+    #[arg(value_name = "CLIP")]
+    clip: PathBuf,
+
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    on_rig: OnRig,
+
+    /// Frames a second. Default: the clip's own.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    rate: Option<f64>,
+
+    /// The file to write: `.csv`, `.bvh` or `.json`.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let kind = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    if !["csv", "bvh", "json"].contains(&kind) {
+        bail!("{}: expected a name that ends in .csv, .bvh or .json", args.output.display());
+    }
+    let read = [
+        ("rig", Some(&*args.rig)),
+        ("clip", Some(&*args.clip)),
+        ("mapping", args.mapping.as_deref()),
+    ];
+    distinct(&[&args.output], &read)?;
+    let rig = args.on_rig.rig(&args.rig, FOR_OTHERS)?;
+    let mapping = args.mapping.as_deref();
+    let performed = args.on_rig.perform(&rig, &args.clip, mapping, None, FOR_OTHERS)?;
+    if let Some(done) = performed.done() {
+        note(format_args!("fitted: {}", done.trim_end()));
+    }
+    let resampled;
+    let motion = match args.rate {
+        Some(rate_hz) => {
+            resampled = Curve::new(&rig.mechanism, performed.motion())?.resampled(rate_hz);
+            &resampled
+        }
+        None => performed.motion(),
+    };
+    let (mechanism, name) = (&rig.mechanism, &performed.name);
+    let text = match kind {
+        "csv" => table::csv(mechanism, motion, performed.start_s),
+        "bvh" => bvh::text(&clip::clip(name, mechanism, motion), 0.01)?,
+        _ => {
+            let tracks = servos::tracks(&rig.description, mechanism, motion)?;
+            for track in tracks.iter().filter(|track| track.limited > 0) {
+                note(format_args!(
+                    "note: servo {}: held at an end of its range in {} of {} frames",
+                    track.servo,
+                    track.limited,
+                    track.positions.len()
+                ));
+            }
+            blender::write(&rig.description.name, &tracks, motion.dt_s.recip())?
+        }
+    };
+    write(&args.output, &text)
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| path.display().to_string())?;
+    note(format_args!("wrote {}", path.display()));
+    Ok(())
+}

@@ -1,0 +1,265 @@
+//! `sinew play`: a show on simulated servos, under the controller of the boards.
+
+mod live;
+mod stop;
+
+use std::io::{self, IsTerminal as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail, ensure};
+use clap::ValueEnum;
+use sinew_firmware::supervisor::TABLE;
+use sinew_retarget::feasibility::Fit;
+use sinew_rig::toml_file;
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_show::Show;
+use sinew_show::write::Settings as ShowSettings;
+use sinew_sim::command::{note, print};
+use sinew_sim::performance::{Marks, bake, bake_within, rig_hash};
+use sinew_sim::play::{
+    Director, Drive, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally, put_servos,
+};
+use sinew_sim::rig::Loaded;
+
+use super::clips::seconds;
+use super::output::distinct;
+use super::performance::{ON_STAND, OnRig};
+use live::Live;
+use stop::Stop;
+
+/// A controller with all its capacities is built on the stack.
+const STACK_BYTES: usize = 256 << 20;
+
+/// Play a show on the simulated servos of a rig, under the controller that boards run.
+///
+/// The rig hangs on a stand. Power comes on, the rig is armed where it is and goes to the show's first pose at 20 deg/s
+/// at most; it plays, goes to its rest pose, and is limp again. At the end a table says how well each joint followed.
+/// The same command makes the same bytes on the wire on every run.
+///
+/// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
+/// rest, then torque is off. A second Ctrl-C ends at once.
+///
+/// Exit code 1 if a fault ended it.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A show of `sinew bake`; or a clip, a built-in one or a file, which is baked as by `sinew bake --fit`.
+    #[arg(value_name = "SHOW|CLIP")]
+    show: String,
+
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Put a servo of this kind on each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Or on the
+    /// joints of a name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
+    #[arg(long, value_name = "[JOINT=]KIND")]
+    servo: Vec<ServoChoice>,
+
+    /// How servos are driven. Default: by current where they have a current mode, else by position.
+    #[arg(long, value_enum)]
+    drive: Option<DriveArg>,
+
+    /// Ticks a second. Default: 500, or what the bus has time for; where all servos are driven by position 100.
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    rate: Option<u32>,
+
+    /// Bits per second of all buses. Default: 4000000; of Feetech servos 1000000.
+    #[arg(long, value_name = "RATE")]
+    baud: Option<u32>,
+
+    /// As fast as it goes. Default where standard output is no terminal.
+    #[arg(long, conflicts_with = "real_time")]
+    fast: bool,
+
+    /// In real time. Default where standard output is a terminal.
+    #[arg(long)]
+    real_time: bool,
+
+    /// Which joint of a clip follows which, in TOML: see `sinew map`.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    on_rig: OnRig,
+
+    /// Record every tick as a Parquet file, which pandas reads: time and state; of each joint what was
+    /// commanded and measured, error, effort and limiter; of each servo current, temperature and voltage.
+    #[arg(long, value_name = "FILE.parquet")]
+    record: Option<PathBuf>,
+
+    /// Only the first S seconds of a clip.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    seconds: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DriveArg {
+    /// The tracker's effort over the torque constant.
+    Current,
+    /// The target, and what gravity makes the servo sag taken off in advance.
+    Position,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    std::thread::scope(|scope| {
+        let builder = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let played = builder.spawn_scoped(scope, || play(args))?.join();
+        played.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+fn play(args: &Args) -> anyhow::Result<ExitCode> {
+    let written: Vec<&Path> = args.record.iter().map(PathBuf::as_path).collect();
+    let read = [
+        ("rig", Some(args.rig.as_path())),
+        ("show", Some(Path::new(&args.show))),
+        ("mapping", args.mapping.as_deref()),
+    ];
+    distinct(&written, &read)?;
+    let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
+    let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
+    let count = put_servos(&mut rig.description, &args.servo)
+        .with_context(|| args.rig.display().to_string())?;
+    if count > 0 {
+        rig.mechanism = rig.description.mechanism()?;
+        note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
+    }
+    let options = Options {
+        drive: args.drive.map(|drive| match drive {
+            DriveArg::Current => Drive::Current,
+            DriveArg::Position => Drive::Position,
+        }),
+        rate_hz: args.rate,
+        baud: args.baud,
+    };
+    let of_rig = || args.rig.display().to_string();
+    let of_record =
+        || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
+    let mut parts = Parts::new(&rig.description, &rig.mechanism, options).with_context(of_rig)?;
+    tell(&parts);
+    let bytes = args.bytes(&rig, &mut parts, bare)?;
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let mut stand = Stand::new(&parts, &bytes, &mut memories, parts.arms()).with_context(of_rig)?;
+    let mut recorder = args.recorder(&rig, &parts)?;
+    let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
+    let stop = Stop::new()?;
+    let mut live = Live::new(f64::from(Show::open(&bytes)?.duration_s()));
+    let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
+    let start = Instant::now();
+    let ended = loop {
+        let ended = director.tick(&mut stand, stop.times() > 0);
+        tally.note(&stand);
+        if let Some(recorder) = &mut recorder {
+            recorder.note(&stand).with_context(of_record)?;
+        }
+        live.show(&stand);
+        if ended.is_some() || stop.times() > 1 {
+            break ended;
+        }
+        if is_real_time {
+            let due = Duration::from_secs_f64(stand.time_s());
+            std::thread::sleep(due.saturating_sub(start.elapsed()));
+        }
+    };
+    live.end();
+    if let Some(recorder) = recorder {
+        recorder.end().with_context(of_record)?;
+        note(format_args!("wrote {}", of_record()));
+    }
+    print(&tally.table(&stand, director.raised()))?;
+    Ok(match ended {
+        Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
+        Some(Ended::Faults(faults)) => {
+            for row in TABLE.iter().filter(|row| faults.contains(row.fault)) {
+                note(format_args!("{}: {} {}", row.fault, row.when, row.remedy));
+            }
+            ExitCode::from(1)
+        }
+        Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
+        None => {
+            note(format_args!("ended at once: torque was left on at {} servos", stand.servos_on()));
+            ExitCode::from(1)
+        }
+    })
+}
+
+/// What the loop is.
+fn tell(parts: &Parts) {
+    for (index, line) in parts.lines.iter().enumerate() {
+        let count = line.servos.len();
+        let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
+        let (currents, positions) = (by(Drive::Current), by(Drive::Position));
+        let each = match parts.groups(index) {
+            1 => "all read in each tick".to_owned(),
+            groups => format!("each read once in {groups} ticks"),
+        };
+        note(format_args!(
+            "bus {:?}: {count} servos at {} bit/s, {currents} by current, {positions} by position; {} Hz, {each}",
+            line.name, line.baud, parts.rate_hz
+        ));
+    }
+    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
+        .filter(|(_, drive)| drive.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !idle.is_empty() {
+        note(format_args!("no servo moves {}", idle.join(", ")));
+    }
+}
+
+impl Args {
+    /// The bytes of the show: read, or baked of a clip.
+    fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
+        let path = Path::new(&self.show);
+        let read = std::fs::read(path).ok();
+        let Some(bytes) = read.filter(|bytes| Show::open(bytes).is_ok()) else {
+            ensure!(
+                path.extension().is_none_or(|extension| extension != "show"),
+                "{}: is no show of `sinew bake`",
+                path.display()
+            );
+            return self.baked(rig, parts.rig_crc());
+        };
+        let clip_only = self.mapping.as_ref().map(|_| "--mapping");
+        let clip_only = clip_only.or(self.seconds.map(|_| "--seconds"));
+        if let Some(option) = clip_only.or(self.on_rig.of_clips()) {
+            bail!("{option}: is of clips, and {} is a show", path.display());
+        }
+        let show = Show::open(&bytes)?;
+        if show.check_rig(parts.rig_crc()).is_err() && show.check_rig(bare).is_ok() {
+            note(format_args!(
+                "note: {} was baked before servos were put on the rig: it may ask more of them than they can",
+                path.display()
+            ));
+            parts.take_shows_of(bare);
+        }
+        Ok(bytes)
+    }
+
+    fn recorder(&self, rig: &Loaded, parts: &Parts) -> anyhow::Result<Option<Recorder>> {
+        let begin = |path: &PathBuf| {
+            let rig = toml_file::write(&rig.description);
+            let recorder = Recorder::new(path, parts, &rig, &[("show", &self.show)]);
+            recorder.with_context(|| path.display().to_string())
+        };
+        self.record.as_ref().map(begin).transpose()
+    }
+
+    fn baked(&self, rig: &Loaded, crc: u32) -> anyhow::Result<Vec<u8>> {
+        let mut on_rig = self.on_rig.clone();
+        on_rig.fit = true;
+        let (clip, mapping) = (Path::new(&self.show), self.mapping.as_deref());
+        let mut performed = on_rig.perform(rig, clip, mapping, self.seconds, ON_STAND)?;
+        let fit = performed.fit.take().context("a clip is fitted")?;
+        let (given, limits) = (&performed.taken.motion, &performed.limits);
+        let (mechanism, settings) = (&rig.mechanism, ShowSettings::default());
+        let marks = Marks::default();
+        let of_fit = |fit: &Fit| bake(mechanism, &fit.motion, crc, &marks, &settings);
+        let (_, baked, _) = bake_within(mechanism, limits, given, fit, of_fit)?;
+        note(format_args!("{}: {:.2} s, fitted to the rig", performed.name, baked.duration_s));
+        Ok(baked.written.bytes)
+    }
+}

@@ -1,0 +1,106 @@
+//! What is seen while a show plays: states as they come, and on a terminal the joints that follow worst.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew_firmware::supervisor::State;
+use sinew_servo_sim::load::Plant;
+use sinew_sim::command::note;
+use sinew_sim::play::{Parts, Stand};
+
+/// So many joints are shown.
+const WORST: usize = 6;
+/// So often.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// The display.
+pub(super) struct Live {
+    bar: ProgressBar,
+    state: Option<State>,
+    shown: Instant,
+    show_s: f64,
+    ran: u64,
+}
+
+impl Live {
+    /// Of a show of so many seconds.
+    pub(super) fn new(show_s: f64) -> Self {
+        let style = ProgressStyle::with_template("{msg}").expect("the template is sound");
+        let bar = ProgressBar::new_spinner().with_style(style);
+        Self { bar, state: None, shown: Instant::now(), show_s, ran: 0 }
+    }
+
+    /// After a tick.
+    pub(super) fn show<P: Plant>(&mut self, stand: &Stand<'_, P>) {
+        let report = stand.report();
+        self.ran += u64::from(stand.permission().runs);
+        if self.state != Some(report.state) {
+            self.state = Some(report.state);
+            self.tell(format_args!("{:7.2} s  {}", stand.time_s(), report.state));
+        }
+        for fault in report.raised.iter() {
+            self.tell(format_args!("{:7.2} s  {fault}", stand.time_s()));
+        }
+        if !self.bar.is_hidden() && self.shown.elapsed() >= EVERY {
+            self.shown = Instant::now();
+            self.bar.set_message(self.lines(stand));
+        }
+    }
+
+    /// Nothing more comes.
+    pub(super) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn tell(&self, line: std::fmt::Arguments<'_>) {
+        self.bar.suspend(|| note(line));
+    }
+
+    fn lines<P: Plant>(&self, stand: &Stand<'_, P>) -> String {
+        let (report, parts) = (stand.report(), stand.parts);
+        let played_s = (self.ran as f64 / f64::from(parts.rate_hz)).min(self.show_s);
+        let error = report.following.map_or_else(String::new, |error| {
+            let [mean, most] = [error.mean_rad, error.most_rad].map(f32::to_degrees);
+            format!(", error {mean:.2} deg in the mean, {most:.2} at most")
+        });
+        let mut text = format!(
+            "{:7.2} s  {}, tick {}, show {played_s:.2} of {:.2} s{error}\n  \
+             {:<20} {:>9} {:>10} {:>9} {:>7}  limited by",
+            stand.time_s(),
+            report.state,
+            stand.ticks(),
+            self.show_s,
+            "joint",
+            "error deg",
+            "effort N m",
+            "current A",
+            "celsius"
+        );
+        let mut worst: Vec<usize> =
+            (0..parts.names.len()).filter(|joint| parts.drives[*joint].is_some()).collect();
+        let size = |joint: &usize| report.freedoms[*joint].error.abs();
+        worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        for joint in worst.into_iter().take(WORST) {
+            text += &line(stand, parts, joint);
+        }
+        text
+    }
+}
+
+fn line<P: Plant>(stand: &Stand<'_, P>, parts: &Parts, joint: usize) -> String {
+    let freedom = stand.report().freedoms[joint];
+    let servo = parts.first_servo[joint].unwrap_or_default();
+    let told = &stand.report().servos[servo];
+    let number = |number: Option<f32>, digits: usize| {
+        number.map_or_else(String::new, |x| format!("{x:.digits$}"))
+    };
+    format!(
+        "\n  {:<20} {:>9.2} {:>10.3} {:>9} {:>7}  {}",
+        parts.names[joint],
+        freedom.error.to_degrees(),
+        freedom.effort,
+        number(stand.current_a(servo), 2),
+        number(told.temperature_c, 0),
+        stand.limiter(joint).unwrap_or_default()
+    )
+}

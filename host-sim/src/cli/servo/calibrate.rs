@@ -1,0 +1,182 @@
+//! `sinew servo calibrate`: ranges found by hand, into the rig file.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+
+use anyhow::{Context as _, bail};
+use sinew_rig::{Description, toml_file};
+use sinew_service::calibrate::{Calibration, LOOK_EVERY, drives_of, home_of, offsets};
+use sinew_service::rig_file::{edited, replace};
+use sinew_service::rig_servo::{RigServo, of_bus};
+use sinew_sim::command::note;
+
+use super::LineArgs;
+use super::line::PortClient;
+use super::rig::find_rate;
+
+/// Find the range of each joint by hand, and write it into the rig file.
+///
+/// Drive by drive: torque goes off, you move the joint from stop to stop, and Enter takes the ends. Then you put it at
+/// its home, and Enter takes the servo's offset. Only `range_deg` and `offset_deg` of the servos are changed; all else
+/// in the file stays as you wrote it.
+#[derive(Debug, clap::Args)]
+pub(super) struct CalibrateArgs {
+    /// The rig.toml.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Which of the rig's buses hangs on the port. Default: its only one.
+    #[arg(long, value_name = "NAME")]
+    rig_bus: Option<String>,
+
+    /// Joints, or servos. Default: all joints that have servos on this bus.
+    #[arg(value_name = "JOINT")]
+    joints: Vec<String>,
+
+    /// Stay so far from both ends, in degrees of the servo.
+    #[arg(long, value_name = "DEG", default_value_t = 2.0, value_parser = margin, allow_negative_numbers = true)]
+    margin: f64,
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(degrees) if (0.0..=45.0).contains(&degrees) => Ok(degrees),
+        _ => Err("expected a number from 0 to 45".into()),
+    }
+}
+
+/// Calibrates, drive after drive; each is written before the next begins.
+pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitCode> {
+    let name = || args.rig.display().to_string();
+    let mut text = std::fs::read_to_string(&args.rig).with_context(name)?;
+    let rig = toml_file::read(&text)
+        .with_context(|| format!("{}: calibration needs a rig.toml", name()))?;
+    let servos = of_bus(&rig, args.rig_bus.as_deref())?;
+    let drives = drives_of(&rig, &args.joints)?;
+    let mut client = line.client()?;
+    find_rate(line, &mut client, &servos)?;
+    let lines = lines();
+    for drive in drives {
+        let of_drive = servos_of(&rig, drive, &servos);
+        if of_drive.is_empty() {
+            continue;
+        }
+        text = one(&mut client, &rig, drive, &of_drive, args.margin, &text, &lines)?;
+        replace(&args.rig, &text).with_context(name)?;
+        note(format_args!("wrote {}", name()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The servos of a drive that hang on this bus.
+fn servos_of<'s>(rig: &Description, drive: usize, servos: &'s [RigServo]) -> Vec<&'s RigServo> {
+    rig.drives[drive]
+        .servos
+        .iter()
+        .filter_map(|name| servos.iter().find(|servo| servo.name == *name))
+        .collect()
+}
+
+/// One drive; returns the rig's text with what was found.
+fn one(
+    client: &mut PortClient,
+    rig: &Description,
+    drive: usize,
+    of_drive: &[&RigServo],
+    margin_deg: f64,
+    text: &str,
+    lines: &Receiver<String>,
+) -> anyhow::Result<String> {
+    let joints = rig.drives[drive].joints.join(", ");
+    let mut servos = Vec::new();
+    for servo in of_drive {
+        servos.push(((*servo).clone(), servo.open(client)?));
+    }
+    note(format_args!("{joints}: hold what would fall. Enter switches its torque off."));
+    wait_for_enter(lines, || Ok(()))?;
+    let mut calibration = Calibration::begin(client, &servos)?;
+    note(format_args!("{joints}: move it from stop to stop. Enter takes the ends."));
+    wait_for_enter(lines, || {
+        calibration.look(client)?;
+        show(&calibration);
+        Ok(())
+    })?;
+    say(&calibration);
+    let text = edited(text, &calibration.ranges(margin_deg)?)?;
+    if of_drive.len() < rig.drives[drive].servos.len() {
+        note(format_args!("{joints}: some of its servos are on another bus; their offsets stay"));
+        return Ok(text);
+    }
+    let home = home_of(rig, drive).join(", ");
+    note(format_args!(
+        "Now put it at home: {home}. Enter takes the offset; `s` and Enter leaves it."
+    ));
+    let answer = wait_for_enter(lines, || {
+        calibration.look(client)?;
+        show(&calibration);
+        Ok(())
+    })?;
+    say(&calibration);
+    if answer.trim().eq_ignore_ascii_case("s") {
+        return Ok(text);
+    }
+    // With the range that was just found.
+    let rig = toml_file::read(&text)?;
+    Ok(edited(&text, &offsets(&rig, drive, &calibration.now_rad())?)?)
+}
+
+/// Lines of standard input, while something else goes on.
+fn lines() -> Receiver<String> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        for line in io::stdin().lines() {
+            let Ok(line) = line else { break };
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
+}
+
+/// Does `meanwhile` again and again until a line comes.
+fn wait_for_enter(
+    lines: &Receiver<String>,
+    mut meanwhile: impl FnMut() -> anyhow::Result<()>,
+) -> anyhow::Result<String> {
+    loop {
+        meanwhile()?;
+        match lines.recv_timeout(LOOK_EVERY) {
+            Ok(line) => return Ok(line),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => {
+                bail!("the input ended; this joint was not written, those before it were")
+            }
+        }
+    }
+}
+
+/// One line on a terminal, that the next one replaces.
+fn show(calibration: &Calibration) {
+    if io::stderr().is_terminal() {
+        let _ = write!(io::stderr(), "\r\x1b[K{}", positions(calibration));
+    }
+}
+
+fn say(calibration: &Calibration) {
+    if io::stderr().is_terminal() {
+        let _ = write!(io::stderr(), "\r\x1b[K");
+    }
+    note(format_args!("{}", positions(calibration)));
+}
+
+fn positions(calibration: &Calibration) -> String {
+    let each = calibration.tracks().iter().map(|track| {
+        let [least, most] = track.ends_deg();
+        let seam = if track.has_crossed_seam() { ", over the seam" } else { "" };
+        format!("{} {:.1} deg, range [{least:.1}, {most:.1}]{seam}", track.name, track.now_deg())
+    });
+    each.collect::<Vec<_>>().join("; ")
+}

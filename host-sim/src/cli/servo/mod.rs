@@ -1,0 +1,85 @@
+//! `sinew servo`: bus servos before they move.
+
+mod calibrate;
+mod line;
+mod one;
+mod registers;
+mod rig;
+mod scan;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use comfy_table::{CellAlignment, Table, presets};
+use line::LineArgs;
+
+/// Bus servos: find them, give them ids, set them up, calibrate and watch them.
+///
+/// On a serial port (a USB adapter such as U2D2 or Feetech's board) or at the simulated servos of `sinew servos`.
+/// Dynamixel (protocol 2.0) and Feetech. Without `--protocol` and `--baud` a servo is looked for in both protocols at
+/// all their rates. Exit code: 0 done, 1 done and the result is bad (nothing found, settings differ), 2 not done.
+#[derive(Debug, Args)]
+pub(super) struct ServoArgs {
+    #[command(flatten)]
+    line: LineArgs,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Scan(scan::ScanArgs),
+    Ping(scan::PingArgs),
+    Read(registers::ReadArgs),
+    Write(registers::WriteArgs),
+    SetId(one::SetIdArgs),
+    SetBaud(one::SetBaudArgs),
+    Identify(one::IdentifyArgs),
+    Reboot(one::RebootArgs),
+    Watch(watch::WatchArgs),
+    Diff(rig::DiffArgs),
+    Apply(rig::ApplyArgs),
+    Calibrate(calibrate::CalibrateArgs),
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &ServoArgs) -> anyhow::Result<ExitCode> {
+    let line = &args.line;
+    match &args.command {
+        Command::Scan(args) => scan::run(line, args),
+        Command::Ping(args) => scan::ping(line, args),
+        Command::Read(args) => registers::read(line, args),
+        Command::Write(args) => registers::write(line, args),
+        Command::SetId(args) => one::set_id(line, args),
+        Command::SetBaud(args) => one::set_baud(line, args),
+        Command::Identify(args) => one::identify(line, args),
+        Command::Reboot(args) => one::reboot(line, args),
+        Command::Watch(args) => watch::run(line, args),
+        Command::Diff(args) => rig::diff(line, args),
+        Command::Apply(args) => rig::apply(line, args),
+        Command::Calibrate(args) => calibrate::run(line, args),
+    }
+}
+
+/// What to print.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// A table.
+    Words,
+    /// One JSON object.
+    Json,
+}
+
+/// A table without lines, numbers to the right.
+fn table<const N: usize>(header: [&str; N], right: &[usize]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(header);
+    for column in right {
+        if let Some(column) = table.column_mut(*column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}

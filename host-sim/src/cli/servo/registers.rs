@@ -1,0 +1,97 @@
+//! `sinew servo read` and `write`: registers by name.
+
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use sinew_service::registers::{self, Number, Reading};
+use sinew_sim::command::print;
+
+use super::{Format, LineArgs, table};
+
+/// Read registers by name, in degrees, A, V, %; the raw number beside. All of them without a name.
+#[derive(Debug, clap::Args)]
+pub(super) struct ReadArgs {
+    /// The servo's id.
+    #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
+    id: u8,
+
+    /// The makers' names; case and what separates words do not matter: `goal-position`.
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+
+    /// What to print: a table, or JSON, schema `sinew-servo-read/1`.
+    #[arg(long, value_enum, default_value_t = Format::Words)]
+    format: Format,
+}
+
+/// Reads and prints.
+pub(super) fn read(line: &LineArgs, args: &ReadArgs) -> anyhow::Result<ExitCode> {
+    let (mut client, servo) = line.servo(args.id)?;
+    let readings = registers::read(&mut client, &servo, &args.names)?;
+    print(&match args.format {
+        Format::Words => words(&readings),
+        Format::Json => {
+            let object = serde_json::json!({
+                "schema": "sinew-servo-read/1",
+                "id": servo.id,
+                "model": servo.table.model(),
+                "registers": readings,
+            });
+            serde_json::to_string_pretty(&object)? + "\n"
+        }
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn words(readings: &[Reading]) -> String {
+    let mut table = table(["address", "register", "value", "raw", "kept"], &[0, 2, 3]);
+    for reading in readings {
+        table.add_row([
+            reading.address.to_string(),
+            reading.name.to_owned(),
+            reading.quantity.to_string(),
+            reading.quantity.raw.to_string(),
+            if reading.is_kept { "EEPROM" } else { "" }.to_owned(),
+        ]);
+    }
+    format!("{table}\n")
+}
+
+/// Write a register by name, and look what the servo has then.
+///
+/// Refused: a number out of the register's range, a register that can only be read, and EEPROM while torque is on. The
+/// EEPROM of a Feetech is opened for the write, and shut again.
+#[derive(Debug, clap::Args)]
+pub(super) struct WriteArgs {
+    /// The servo's id.
+    #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
+    id: u8,
+
+    /// The maker's name; case and what separates words do not matter: `goal-position`.
+    #[arg(value_name = "NAME")]
+    name: String,
+
+    /// The number, in the unit that `read` shows.
+    #[arg(value_name = "VALUE", allow_negative_numbers = true)]
+    value: String,
+
+    /// VALUE is the raw number.
+    #[arg(long)]
+    raw: bool,
+}
+
+/// Writes, and prints what the servo has.
+pub(super) fn write(line: &LineArgs, args: &WriteArgs) -> anyhow::Result<ExitCode> {
+    let number = if args.raw {
+        let raw = args.value.parse();
+        Number::Raw(raw.with_context(|| format!("{:?}: expected a whole number", args.value))?)
+    } else {
+        let value = args.value.parse();
+        Number::Value(value.with_context(|| format!("{:?}: expected a number", args.value))?)
+    };
+    let (mut client, servo) = line.servo(args.id)?;
+    let written = registers::write(&mut client, &servo, &args.name, number)?;
+    let quantity = written.quantity;
+    print(&format!("{} of servo {}: {quantity} (raw {})\n", written.name, servo.id, quantity.raw))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,258 @@
+//! `sinew servo diff` and `apply`: a rig's servos against its file.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use sinew_service::compare::{self, Difference};
+use sinew_service::desired::{Mode, desired};
+use sinew_service::rig_servo::{RigServo, of_bus};
+use sinew_service::{ServiceError, Servo};
+use sinew_sim::command::{note, print};
+
+use super::line::PortClient;
+use super::{Format, LineArgs, table};
+use crate::cli::rig::read;
+
+/// The rig, and what its servos are to control.
+#[derive(Debug, clap::Args)]
+pub(super) struct RigArgs {
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Which of the rig's buses hangs on the port. Default: its only one.
+    #[arg(long, value_name = "NAME")]
+    rig_bus: Option<String>,
+}
+
+#[derive(Debug, clap::Args)]
+struct ModeArgs {
+    /// What the servos are to control.
+    #[arg(long, value_enum, default_value_t = ModeArg::Position)]
+    mode: ModeArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ModeArg {
+    /// Position within a turn.
+    Position,
+    /// Position with a limit of current: Dynamixels that measure it.
+    CurrentPosition,
+    /// Current: Dynamixels that measure it.
+    Current,
+    /// PWM.
+    Pwm,
+}
+
+impl From<ModeArg> for Mode {
+    fn from(mode: ModeArg) -> Self {
+        match mode {
+            ModeArg::Position => Self::Position,
+            ModeArg::CurrentPosition => Self::CurrentPosition,
+            ModeArg::Current => Self::Current,
+            ModeArg::Pwm => Self::Pwm,
+        }
+    }
+}
+
+/// A servo of a rig, and the same on the line, or why it is not there.
+pub(super) type OnLine = (RigServo, Result<Servo, ServiceError>);
+
+impl RigArgs {
+    /// The rig's servos on the port.
+    pub(super) fn servos(&self, line: &LineArgs) -> anyhow::Result<(PortClient, Vec<OnLine>)> {
+        let rig = read(&self.rig)?.description;
+        let servos = of_bus(&rig, self.rig_bus.as_deref())?;
+        let mut client = line.client()?;
+        find_rate(line, &mut client, &servos)?;
+        let opened = servos.into_iter().map(|servo| {
+            let found = servo.open(&mut client);
+            (servo, found)
+        });
+        let opened = opened.collect();
+        Ok((client, opened))
+    }
+}
+
+/// Goes to the rate at which the first of them answers.
+pub(super) fn find_rate(
+    line: &LineArgs,
+    client: &mut PortClient,
+    servos: &[RigServo],
+) -> anyhow::Result<()> {
+    let told = line.protocols();
+    let mut silent = None;
+    for servo in servos {
+        // A told protocol holds; else the model has one.
+        let own = servo.protocol().filter(|own| told.contains(own)).map(|own| vec![own]);
+        match line.find(client, servo.id, own.as_deref().unwrap_or(&told)) {
+            Ok(_) => return Ok(()),
+            Err(error) => silent = silent.or(Some(error)),
+        }
+    }
+    silent.map_or(Ok(()), Err)
+}
+
+/// Compare the servos' settings with what the rig file and their models ask: mode, return delay, status level, limits,
+/// shutdown, gains.
+///
+/// Exit code 1 if anything differs, 2 if a servo could not be compared.
+#[derive(Debug, clap::Args)]
+pub(super) struct DiffArgs {
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    mode: ModeArgs,
+
+    /// What to print: a table, or JSON, schema `sinew-servo-diff/1`.
+    #[arg(long, value_enum, default_value_t = Format::Words)]
+    format: Format,
+}
+
+/// What a servo's comparison came to.
+#[derive(serde::Serialize)]
+struct Compared {
+    name: String,
+    id: u8,
+    error: Option<String>,
+    differences: Vec<Difference>,
+}
+
+/// Compares and prints.
+pub(super) fn diff(line: &LineArgs, args: &DiffArgs) -> anyhow::Result<ExitCode> {
+    let (mut client, servos) = args.rig.servos(line)?;
+    let mode = args.mode.mode.into();
+    let compared: Vec<Compared> = servos
+        .into_iter()
+        .map(|(rig, servo)| {
+            let differences = servo.and_then(|servo| {
+                compare::diff(&mut client, &servo, &desired(&rig, &servo.table, mode)?)
+            });
+            let (differences, error) = match differences {
+                Ok(differences) => (differences, None),
+                Err(error) => (Vec::new(), Some(error.to_string())),
+            };
+            Compared { name: rig.name, id: rig.id, error, differences }
+        })
+        .collect();
+    print(&match args.format {
+        Format::Words => words(&compared),
+        Format::Json => {
+            let object = serde_json::json!({ "schema": "sinew-servo-diff/1", "servos": compared });
+            serde_json::to_string_pretty(&object)? + "\n"
+        }
+    })?;
+    Ok(if compared.iter().any(|servo| servo.error.is_some()) {
+        ExitCode::from(2)
+    } else if compared.iter().any(|servo| !servo.differences.is_empty()) {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+fn words(compared: &[Compared]) -> String {
+    let mut table = table(["servo", "id", "register", "has", "should", "kept"], &[1, 3, 4]);
+    let mut count = 0;
+    for servo in compared {
+        for difference in &servo.differences {
+            count += 1;
+            table.add_row(row(&servo.name, servo.id, difference));
+        }
+        if let Some(error) = &servo.error {
+            tell(&servo.name, error);
+        }
+    }
+    let missing = compared.iter().filter(|servo| servo.error.is_some()).count();
+    let plural = if compared.len() == 1 { "" } else { "s" };
+    let of = match missing {
+        0 => format!("{} servo{plural}", compared.len()),
+        missing => format!("{} servo{plural}; {missing} could not be compared", compared.len()),
+    };
+    match count {
+        0 => format!("no difference in {of}\n"),
+        1 => format!("{table}\n1 difference in {of}; `sinew servo apply` writes it\n"),
+        count => format!("{table}\n{count} differences in {of}; `sinew servo apply` writes them\n"),
+    }
+}
+
+/// Tells what is wrong with a servo of a rig, by its name.
+fn tell(name: &str, error: &str) {
+    // Some errors begin with it.
+    if error.starts_with(name) {
+        note(format_args!("{error}"));
+    } else {
+        note(format_args!("{name}: {error}"));
+    }
+}
+
+fn row(name: &str, id: u8, difference: &Difference) -> [String; 6] {
+    let shown = |quantity: sinew_service::quantity::Quantity| {
+        if quantity.unit.is_empty() {
+            quantity.to_string()
+        } else {
+            format!("{quantity} ({})", quantity.raw)
+        }
+    };
+    [
+        name.to_owned(),
+        id.to_string(),
+        difference.name.to_owned(),
+        shown(difference.has),
+        shown(difference.should),
+        if difference.is_kept { "EEPROM" } else { "" }.to_owned(),
+    ]
+}
+
+/// Write what `diff` names, and compare again.
+///
+/// EEPROM is written only at rest: a servo whose torque is on is left alone, unless `--release` lets go of it.
+#[derive(Debug, clap::Args)]
+pub(super) struct ApplyArgs {
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    mode: ModeArgs,
+
+    /// Switch torque off where EEPROM is written. What the servo holds may fall. It stays off.
+    #[arg(long)]
+    release: bool,
+}
+
+/// Writes, servo by servo. One that fails does not keep the others from theirs.
+pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCode> {
+    let (mut client, servos) = args.rig.servos(line)?;
+    let mode = args.mode.mode.into();
+    let mut failed = false;
+    for (rig, servo) in servos {
+        let applied = servo.and_then(|servo| {
+            let settings = desired(&rig, &servo.table, mode)?;
+            compare::apply(&mut client, &servo, &settings, args.release)
+        });
+        match applied {
+            Ok(applied) => {
+                let limp = if applied.let_go { "; its torque is off now" } else { "" };
+                let names: Vec<&str> = applied.written.iter().map(|written| written.name).collect();
+                let what = if names.is_empty() {
+                    "as it should be".to_owned()
+                } else {
+                    format!("wrote {}", names.join(", "))
+                };
+                print(&format!("{} (id {}): {what}{limp}\n", rig.name, rig.id))?;
+            }
+            Err(error) => {
+                failed = true;
+                let is_on = matches!(
+                    error,
+                    ServiceError::Register(sinew_service::Registers::TorqueOn { .. })
+                );
+                let all = if is_on { "; `apply --release` does it for all" } else { "" };
+                tell(&rig.name, &format!("{error}{all}"));
+            }
+        }
+    }
+    Ok(if failed { ExitCode::from(2) } else { ExitCode::SUCCESS })
+}

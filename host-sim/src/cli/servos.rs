@@ -1,0 +1,227 @@
+//! `sinew servos`: simulated servos on a serial port of this machine.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context as _, bail};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use sinew_servo_sim::fault::FaultOrder;
+use sinew_servo_sim::fleet::{self, BusLine, Memory, Setup, Wanted};
+use sinew_servo_sim::kind::Kind;
+use sinew_servo_sim::load::Arm;
+use sinew_servo_sim::port::Port;
+use sinew_servo_sim::rig;
+use sinew_servo_sim::supply::Supply;
+use sinew_sim::command::{note, print};
+
+use sinew_sim::rig::Loaded;
+
+use super::rig::read;
+
+/// Simulated servos on a serial port of this machine, for any program that talks to servos.
+///
+/// It makes LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then LINK is gone.
+/// Programs open LINK as a serial port, at the rate of --baud: as on a wire, servos hear no other one. They may close
+/// it and open it again. Servos are as they leave the factory but for that rate: torque is off.
+///
+/// With --rig the servos move the rig: each feels how the others move, and gravity is that of the pose. A servo that
+/// takes pulses is left out, and its joints stay at home. If the rig has several buses, each has a link of its own,
+/// LINK.BUS, and a supply of its own; joints of another bus stay at home.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
+pub(super) struct ServosArgs {
+    /// The servos of this rig: a rig.toml, a URDF or an MJCF file.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// Servos of one kind, by the beginning of its name: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Of other
+    /// kinds, such as scs0009 or xc330, only the registers are known: they are at once where they are sent.
+    #[arg(long, value_name = "KIND")]
+    kind: Option<String>,
+
+    /// Ids of the servos of --kind.
+    #[arg(
+        long,
+        value_name = "ID,..",
+        value_delimiter = ',',
+        default_value = "1",
+        conflicts_with = "rig"
+    )]
+    ids: Vec<u8>,
+
+    /// Where programs find the port: a link that is made, and replaced if it is there.
+    #[arg(long, value_name = "LINK")]
+    pty: PathBuf,
+
+    /// Bits per second that all servos are set to. A Dynamixel leaves the factory with 57600.
+    #[arg(long, value_name = "RATE", default_value_t = 1_000_000)]
+    baud: u32,
+
+    /// What servos move, each by itself. Default: `arm`, or with --rig the rig.
+    #[arg(long, value_enum, value_name = "LOAD")]
+    load: Option<LoadArg>,
+
+    /// No motor, gear and load: registers only, and each servo is at once where it is sent.
+    #[arg(long, conflicts_with = "load")]
+    ideal: bool,
+
+    /// What feeds the servos of a bus, all together: its voltage, the resistance of supply and cable, and the most
+    /// current that it gives, such as 5,0.2,3. Default: what the rig's file says of its supply, else the voltage of the
+    /// first servo, and hardly any resistance.
+    #[arg(long, value_name = "V[,OHM[,A]]", conflicts_with = "ideal")]
+    supply: Option<Supply>,
+
+    /// A fault: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as 2:silent@3s or elbow:late=5ms@1s+500ms. SERVO is an
+    /// id, or a name of the rig. WHAT: silent, late=TIME, wrong-crc, short=BYTES, wrong-id=ID, stuck, hot=CELSIUS,
+    /// brown-out, rebooted, torque-lost, encoder-jump=DEGREES. May be repeated.
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<FaultOrder>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum LoadArg {
+    /// A weight on 10 cm, hanging at the middle of the range; level it takes a tenth of the stall torque.
+    Arm,
+    /// A bare horn.
+    None,
+}
+
+/// Serves until it is told to end.
+pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
+    let rig = args.rig.as_deref().map(read).transpose()?;
+    let wanted = args.wanted(rig.as_ref())?;
+    let setup = Setup {
+        baud: args.baud,
+        faults: args.fault.clone(),
+        rig: rig
+            .as_ref()
+            .filter(|_| args.load.is_none() && !args.ideal)
+            .map(|rig| (&rig.description, &rig.mechanism)),
+        supply: args.supply(rig.as_ref()),
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    let mut memories: Vec<Memory> = vec![[0; size_of::<Memory>()]; wanted.len()];
+    let mut lines = fleet::lines(&wanted, &setup, &mut memories)?;
+    let ports = args.ports(&fleet::buses(&wanted))?;
+    print("ready\n")?;
+    serve(&mut lines, &ports, &stop)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn serve(lines: &mut [BusLine<'_>], ports: &[Port], stop: &AtomicBool) -> anyhow::Result<()> {
+    std::thread::scope(|scope| {
+        let served: Vec<_> = lines
+            .iter_mut()
+            .zip(ports)
+            .map(|(line, port)| {
+                scope.spawn(move || {
+                    let served = line.serve(port, stop);
+                    // One port that fails ends all.
+                    stop.store(true, Ordering::Relaxed);
+                    served.with_context(|| port.link().display().to_string())
+                })
+            })
+            .collect();
+        served
+            .into_iter()
+            .try_for_each(|thread| thread.join().unwrap_or_else(|_| bail!("a port has failed")))
+    })
+}
+
+impl ServosArgs {
+    /// What feeds the servos: as somebody says, else as the rig's file does.
+    fn supply(&self, rig: Option<&Loaded>) -> Option<Supply> {
+        let of_rig = || {
+            let supply = rig?.description.supply?;
+            Some(Supply::limited(supply.voltage_v, supply.current_a))
+        };
+        self.supply.clone().or_else(of_rig)
+    }
+
+    fn wanted(&self, rig: Option<&Loaded>) -> anyhow::Result<Vec<Wanted>> {
+        let mut wanted = match (rig, &self.kind) {
+            (Some(rig), _) => of_rig(rig, self.rig.as_deref().unwrap_or(Path::new("")))?,
+            (None, Some(kind)) => self.of_kind(kind)?,
+            (None, None) => bail!("expected --rig RIG or --kind KIND"),
+        };
+        for servo in &mut wanted {
+            if self.ideal {
+                servo.kind =
+                    servo.kind.registers().map_or_else(|| servo.kind.clone(), Kind::Registers);
+            }
+            match (self.load, &servo.kind) {
+                (Some(LoadArg::Arm), Kind::Servo(kind)) => servo.load = Arm::small(kind),
+                (Some(LoadArg::None), _) => servo.load = Arm::default(),
+                _ => {}
+            }
+        }
+        Ok(wanted)
+    }
+
+    fn of_kind(&self, name: &str) -> anyhow::Result<Vec<Wanted>> {
+        let kind = Kind::named(name).context("--kind")?;
+        note(format_args!(
+            "{}{}",
+            kind.name(),
+            match &kind {
+                Kind::Servo(_) => "",
+                Kind::Registers(_) => ": registers only, nobody has measured its motor",
+            }
+        ));
+        let load = match &kind {
+            Kind::Servo(kind) => Arm::small(kind),
+            Kind::Registers(_) => Arm::default(),
+        };
+        let servo = |id: &u8| Wanted {
+            bus: String::new(),
+            id: *id,
+            name: String::new(),
+            kind: kind.clone(),
+            load,
+            home_rad: None,
+        };
+        Ok(self.ids.iter().map(servo).collect())
+    }
+
+    fn ports(&self, buses: &[&str]) -> anyhow::Result<Vec<Port>> {
+        let mut ports = Vec::new();
+        for bus in buses {
+            let mut link = self.pty.clone().into_os_string();
+            if buses.len() > 1 {
+                link.push(format!(".{bus}"));
+                note(format_args!("bus {bus:?}: {}", Path::new(&link).display()));
+            }
+            ports.push(Port::open(Path::new(&link), self.baud).context("--pty")?);
+        }
+        Ok(ports)
+    }
+}
+
+fn of_rig(loaded: &Loaded, path: &Path) -> anyhow::Result<Vec<Wanted>> {
+    let servos = rig::servos(&loaded.description, &loaded.mechanism)
+        .with_context(|| path.display().to_string())?;
+    let mut wanted = Vec::new();
+    for servo in servos {
+        let Some(id) = servo.id else {
+            note(format_args!("servo {:?} takes pulses: it is left out", servo.name));
+            continue;
+        };
+        wanted.push(Wanted {
+            bus: servo.bus,
+            id,
+            name: servo.name,
+            load: servo.load,
+            home_rad: Some(servo.home_rad),
+            kind: Kind::Servo(Box::new(servo.kind)),
+        });
+    }
+    if wanted.is_empty() {
+        bail!("{}: expected a servo with an `id`, found none", path.display());
+    }
+    Ok(wanted)
+}

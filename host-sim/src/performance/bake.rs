@@ -1,0 +1,283 @@
+//! A rig's motion as a show.
+
+use std::cell::RefCell;
+
+use sinew_retarget::feasibility::{
+    CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, Performance, Report,
+    RigMotion, check, fit,
+};
+use sinew_rig::board::BoardRig;
+use sinew_rig::mechanism::Freedom;
+use sinew_rig::{Description, Mechanism};
+use sinew_show::write::{Motion, Settings, WriteError, Written, write};
+use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
+use thiserror::Error;
+
+/// As many channels as the largest rig has.
+const CHANNELS: usize = 256;
+/// As much as any board holds: the CRC does not depend on it.
+const BODIES: usize = 64;
+const FREEDOMS: usize = 128;
+const SERVOS: usize = 64;
+/// How often a second a show is looked at.
+pub const CHECK_HZ: f64 = 250.0;
+/// The same of a show that shall exceed nothing: between two looks it may swing out for a few milliseconds.
+const FITTED_HZ: f64 = 1000.0;
+/// How often a motion is fitted for one show.
+const FITS: usize = 12;
+
+/// Why a motion is no show.
+#[derive(Debug, Error)]
+pub enum BakeError {
+    /// The show's own bounds.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// What was written is no show that plays.
+    #[error("the show does not play: {0}")]
+    Show(#[from] ShowError),
+    /// A rate that a show cannot state.
+    #[error("rate: expected a whole number of samples a second, or one over 1.001, found {0}")]
+    Rate(f64),
+    /// The motion cannot be brought within the rig's limits.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The show cannot be looked at.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    /// What a show rounds leads beyond a limit, however often the motion is fitted.
+    #[error(
+        "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --error, or more room in \
+         rig.toml, helps",
+        kind.name(),
+        kind.shown(*slides, *value),
+        kind.shown(*slides, *limit)
+    )]
+    Rounded {
+        /// The freedom.
+        joint: String,
+        /// Whether it slides.
+        slides: bool,
+        /// Of what.
+        kind: Kind,
+        /// What it is.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+}
+
+/// A show of a rig's motion.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// The show, and its errors at the samples.
+    pub written: Written,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+    /// Its degrees of freedom that move.
+    pub freedoms: usize,
+}
+
+impl Baked {
+    /// Minutes of such a motion that so many bytes hold.
+    pub fn minutes_in(&self, bytes: usize) -> f64 {
+        let per_s = self.written.bytes.len() as f64 / self.duration_s;
+        bytes as f64 / per_s / 60.0
+    }
+}
+
+/// What a show tells beside the motion.
+#[derive(Debug, Clone, Default)]
+pub struct Marks {
+    /// Rows of the motion, with names.
+    pub cues: Vec<(u32, String)>,
+    /// Of the first row.
+    pub time_code: Option<TimeCode>,
+    /// Rows of the motion and of the one that it was slowed down from: see [`course`].
+    pub course: Vec<(u32, u32)>,
+}
+
+/// How a fit goes through the given motion, for the time code to follow: pairs of their rows, between which the error
+/// is at most half a frame and what rounding to rows adds. Empty if it was not slowed down.
+pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
+    let dt_s = fit.motion.dt_s;
+    let most = 0.5 / f64::from(time_code.frames_per_second) / dt_s;
+    let given: Vec<f64> = fit.given_s.iter().map(|given_s| given_s / dt_s).collect();
+    if given.iter().enumerate().all(|(row, given)| (given - row as f64).abs() < 1e-6) {
+        return Vec::new();
+    }
+    let mut pairs = Vec::new();
+    let (mut first, mut slopes) = (0, [f64::NEG_INFINITY, f64::INFINITY]);
+    for row in 1..given.len() {
+        // The slopes that come near enough to each row since the last pair.
+        let far = (row - first) as f64;
+        let way = given[row] - given[first];
+        let to = [f64::max(slopes[0], (way - most) / far), f64::min(slopes[1], (way + most) / far)];
+        let is_straight = to[0] <= way / far && way / far <= to[1];
+        if is_straight {
+            slopes = to;
+            continue;
+        }
+        first = row - 1;
+        pairs.push(first);
+        let way = given[row] - given[first];
+        slopes = [way - most, way + most];
+    }
+    pairs.push(given.len() - 1);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows, below 2^30")]
+    pairs.into_iter().map(|row| (row as u32, given[row].round() as u32)).collect()
+}
+
+/// Writes a show of a motion; `rig`: the CRC of the rig's compact form, or 0.
+///
+/// # Errors
+/// [`BakeError`] if the motion is beyond what a show holds.
+pub fn bake(
+    mechanism: &Mechanism,
+    motion: &RigMotion,
+    rig: u32,
+    marks: &Marks,
+    settings: &Settings,
+) -> Result<Baked, BakeError> {
+    let joints: Vec<Joint> =
+        mechanism.bodies.iter().map(|link| Joint::from(link.joint.kind())).collect();
+    let q: Vec<f64> = motion.rows.iter().flatten().copied().collect();
+    let rate = rate(motion.dt_s)?;
+    let cues: Vec<(u32, &str)> =
+        marks.cues.iter().map(|(row, name)| (*row, name.as_str())).collect();
+    let time_code = marks.time_code;
+    let show = Motion {
+        joints: &joints,
+        q: &q,
+        rate,
+        is_loop: false,
+        rig,
+        cues: &cues,
+        time_code,
+        course: &marks.course,
+    };
+    let written = write(&show, settings)?;
+    // What was written is opened as a board opens it.
+    Show::open(&written.bytes)?.check_blocks()?;
+    let freedoms = mechanism
+        .bodies
+        .iter()
+        .filter(|link| link.joint != Freedom::Free)
+        .map(|link| link.joint.kind().degrees_of_freedom())
+        .sum();
+    Ok(Baked { written, duration_s: motion.duration_s(), freedoms })
+}
+
+/// Makes a show of a fitted motion that itself keeps to all limits: where it does not, by what it rounds, the motion is
+/// fitted once more, tighter there. `given`: the motion before the fit.
+///
+/// # Errors
+/// [`BakeError`] if there is no such show.
+pub fn bake_within(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    given: &RigMotion,
+    mut fitted: Fit,
+    bake: impl Fn(&Fit) -> Result<Baked, BakeError>,
+) -> Result<(Fit, Baked, Report), BakeError> {
+    let mut tight = limits.clone();
+    let mut fits = 0;
+    loop {
+        let baked = bake(&fitted)?;
+        let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, FITTED_HZ)?;
+        let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
+        if fits == FITS {
+            let freedom = &limits.freedoms[worst.freedom];
+            let (joint, slides) = (freedom.name.clone(), freedom.slides);
+            let Excess { kind, value, limit, .. } = *worst;
+            return Err(BakeError::Rounded { joint, slides, kind, value, limit });
+        }
+        fits += 1;
+        tight = tight.tightened(&report);
+        fitted = fit(mechanism, &tight, given, FitSettings::default())?;
+    }
+}
+
+/// A rate as a show has it: whole samples in whole seconds.
+fn rate(dt_s: f64) -> Result<Rate, BakeError> {
+    let hz = dt_s.recip();
+    // 1001: the rates of television.
+    for seconds in [1_u32, 1001] {
+        let samples = hz * f64::from(seconds);
+        if (samples - samples.round()).abs() < 1e-6 * samples && (1.0..1e6).contains(&samples) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "1 to 1e6"
+            )]
+            return Ok(Rate { samples: samples.round() as u32, seconds });
+        }
+    }
+    Err(BakeError::Rate(hz))
+}
+
+/// A show as it is played, with the derivatives of its curve: what [`check`](sinew_retarget::feasibility::check) looks
+/// at.
+#[derive(Debug)]
+pub struct Played<'a> {
+    player: RefCell<Player<'a, CHANNELS>>,
+    freedoms: usize,
+}
+
+impl<'a> Played<'a> {
+    /// Opens a show.
+    ///
+    /// # Errors
+    /// [`ShowError`] if it is none, or larger than any rig.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ShowError> {
+        let show = Show::open(bytes)?;
+        show.check_blocks()?;
+        let freedoms = show.degrees_of_freedom();
+        Ok(Self { player: RefCell::new(Player::new(show)?), freedoms })
+    }
+}
+
+impl Performance for Played<'_> {
+    fn duration_s(&self) -> f64 {
+        f64::from(self.player.borrow().show().duration_s())
+    }
+
+    fn at(&self, time_s: f64, instant: &mut Instant) {
+        let mut player = self.player.borrow_mut();
+        let channels = player.show().channel_count();
+        let mut q = vec![0.0; channels];
+        let (mut qd, mut qdd) = (vec![0.0; self.freedoms], vec![0.0; self.freedoms]);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let position = player.show().position_at_us((time_s.max(0.0) * 1e6).round() as u64);
+        // Its blocks were checked.
+        let _ = player.state_at(position, &mut q, &mut qd, &mut qdd);
+        let wide = |numbers: &[f32], out: &mut Vec<f64>| {
+            out.clear();
+            out.extend(numbers.iter().map(|x| f64::from(*x)));
+        };
+        wide(&q, &mut instant.q);
+        wide(&qd, &mut instant.qd);
+        wide(&qdd, &mut instant.qdd);
+    }
+}
+
+/// The CRC of a rig's compact form, by which a board knows that a show is its own; 0 with the reason, if no board holds
+/// the rig.
+pub fn rig_hash(rig: &Description, mechanism: &Mechanism) -> (u32, Option<String>) {
+    let none = |why: String| (0, Some(format!("the show names no rig: no board holds it: {why}")));
+    let board = match BoardRig::<BODIES, FREEDOMS, SERVOS>::bake(rig, mechanism) {
+        Ok(board) => board,
+        Err(error) => return none(error.to_string()),
+    };
+    let mut bytes = vec![0; 1 << 16];
+    let crc = board.encode(&mut bytes).map(|length| {
+        bytes
+            .get(..length)
+            .and_then(|bytes| bytes.last_chunk::<4>())
+            .copied()
+            .map(u32::from_le_bytes)
+    });
+    match crc {
+        Ok(crc) => (crc.unwrap_or(0), None),
+        Err(error) => none(error.to_string()),
+    }
+}

@@ -1,0 +1,17 @@
+//! Performances: clips of any skeleton, taken over by a rig, within its limits, and stored as shows.
+//!
+//! [`PreparedClip`] reads and cleans a clip; [`take_over`] puts it on a rig; [`RigClip`] is evaluated; [`bake`](bake())
+//! stores it.
+
+mod bake;
+mod clip;
+mod rig_clip;
+mod table;
+mod take_over;
+pub(crate) mod words;
+
+pub use bake::{BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, rig_hash};
+pub use clip::{ClipError, ClipSettings, PreparedClip};
+pub use rig_clip::RigClip;
+pub use table::{feasibility, fitted};
+pub use take_over::{TakeOverError, TakenOver, take_over};

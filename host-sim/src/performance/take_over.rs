@@ -1,0 +1,205 @@
+//! A clip on a rig.
+
+use glam::DVec3;
+use sinew_retarget::LandmarkMap;
+use sinew_retarget::feasibility::RigMotion;
+use sinew_retarget::mapping::{Mapping, MappingError};
+use sinew_retarget::performer::{Performer, PerformerError, PerformerJoints};
+use sinew_retarget::rig::{NoMatch, RigMatch};
+use sinew_retarget::solve::{self, Baked, Settings, best_tilt};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Pose;
+use thiserror::Error;
+
+use super::clip::PreparedClip;
+
+/// A clip on a rig, and how near it is to the performance.
+#[derive(Debug, Clone)]
+pub struct TakenOver {
+    /// The rig's coordinates, frame by frame.
+    pub motion: RigMotion,
+    /// Angle between the performer's limbs and the rig's, mean over all limbs and frames, deg.
+    pub limbs_mean_deg: f64,
+    /// The largest of them.
+    pub limbs_max_deg: f64,
+    /// How many limbs are compared.
+    pub limbs: usize,
+    /// How many joints follow by a curve.
+    pub curves: usize,
+    /// Share of frames in which a joint is at an end of its range.
+    pub at_range: f64,
+    /// The joint that is most often at an end, and its share of the frames.
+    pub most_held: Option<(String, f64)>,
+    /// The rig's limbs, if it has any.
+    pub rig: Option<RigMatch>,
+    /// By frame of the clip: the performer's limbs in the rig's world, by the landmark at their ends.
+    pub limb_targets: Vec<LandmarkMap<Option<DVec3>>>,
+}
+
+/// Why a clip was not taken over.
+#[derive(Debug, Error)]
+pub enum TakeOverError {
+    /// The rig has nothing that a performer has.
+    #[error("{0}; curves from single joints, in a mapping, can drive it: see docs/shows.md")]
+    Rig(#[from] NoMatch),
+    /// The mapping does not fit.
+    #[error(transparent)]
+    Mapping(#[from] MappingError),
+    /// Nothing would move.
+    #[error(
+        "the mapping has neither a [[landmark]] nor a [[curve]]: no joint would follow anything"
+    )]
+    Nothing,
+    /// The clip has no performer.
+    #[error("{clip}: {source}")]
+    Performer {
+        /// Name of the clip.
+        clip: String,
+        /// Why.
+        source: PerformerError,
+    },
+}
+
+/// What follows what.
+struct Roles {
+    rig: Option<RigMatch>,
+    joints: PerformerJoints,
+    settings: Settings,
+}
+
+impl Roles {
+    /// By names and geometry, or as a mapping says.
+    fn of(
+        mechanism: &Mechanism,
+        clip: &PreparedClip,
+        mapping: Option<&Mapping>,
+    ) -> Result<Self, TakeOverError> {
+        let Some(mapping) = mapping else {
+            let rig = Some(RigMatch::of(mechanism)?);
+            return Ok(Self { rig, joints: clip.joints(), settings: Settings::default() });
+        };
+        if mapping.landmarks.is_empty() && mapping.curves.is_empty() {
+            return Err(TakeOverError::Nothing);
+        }
+        let joints = mapping.performer_joints(&clip.clip.skeleton)?;
+        // A face follows by curves alone.
+        let rig =
+            (!mapping.landmarks.is_empty()).then(|| mapping.rig_match(mechanism)).transpose()?;
+        Ok(Self { rig, joints, settings: mapping.settings() })
+    }
+}
+
+/// Puts a clip on a rig: by names and geometry, or as a mapping says. `mirror`: left and right changed.
+///
+/// # Errors
+/// [`TakeOverError`] if rig or clip have nothing in common with a body, or the mapping does not fit them.
+pub fn take_over(
+    mechanism: &Mechanism,
+    clip: &PreparedClip,
+    mapping: Option<&Mapping>,
+    mirror: bool,
+) -> Result<TakenOver, TakeOverError> {
+    let Roles { rig, joints, mut settings } = Roles::of(mechanism, clip, mapping)?;
+    settings.is_mirrored ^= mirror;
+    let baked = match &rig {
+        None => still(mechanism, clip),
+        Some(rig) => {
+            let performer = Performer::of(&clip.clip, &joints).map_err(|source| {
+                TakeOverError::Performer { clip: clip.clip.name.clone(), source }
+            })?;
+            if mapping.is_none() {
+                settings.tilt_rad = best_tilt(mechanism, rig, &clip.clip, &performer, &settings);
+            }
+            solve::bake(mechanism, rig, &clip.clip, &performer, &settings)
+        }
+    };
+    let mut rows = baked.q.clone();
+    let curves =
+        mapping.map(|mapping| mapping.curves(mechanism, &clip.clip.skeleton)).transpose()?;
+    if let Some(curves) = &curves {
+        curves.put(&clip.clip, &mut rows);
+    }
+    let motion = RigMotion { dt_s: baked.frame_time_s, rows };
+    Ok(TakenOver {
+        rig,
+        curves: mapping.map_or(0, |mapping| mapping.curves.len()),
+        ..taken(mechanism, motion, baked)
+    })
+}
+
+/// The rig at home, as long as the clip.
+fn still(mechanism: &Mechanism, clip: &PreparedClip) -> Baked {
+    let frames = clip.clip.frames.len();
+    Baked {
+        frame_time_s: clip.clip.frame_time_s,
+        q: vec![mechanism.home(); frames],
+        limb_errors_rad: vec![LandmarkMap::default(); frames],
+        limb_targets: vec![LandmarkMap::default(); frames],
+        held: vec![Vec::new(); frames],
+    }
+}
+
+fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
+    let errors = || {
+        let all = baked.limb_errors_rad.iter().flat_map(LandmarkMap::iter);
+        all.filter_map(|(_, error)| *error)
+    };
+    let count = errors().count();
+    let frames = baked.q.len().max(1);
+    let names = mechanism.freedom_names();
+    let (mut at_range, mut of_freedom) = (0_usize, vec![0_usize; names.len()]);
+    for held in &baked.held {
+        let mut ends = held.iter().filter(|held| held.bound == solve::Bound::Range).peekable();
+        at_range += usize::from(ends.peek().is_some());
+        ends.for_each(|held| of_freedom[held.freedom] += 1);
+    }
+    let most_held = names.into_iter().zip(of_freedom).max_by_key(|(_, count)| *count);
+    TakenOver {
+        motion,
+        limbs_mean_deg: (errors().sum::<f64>() / count.max(1) as f64).to_degrees(),
+        limbs_max_deg: errors().fold(0.0, f64::max).to_degrees(),
+        limbs: count / frames,
+        curves: 0,
+        at_range: at_range as f64 / frames as f64,
+        most_held: most_held
+            .filter(|(_, count)| *count > 0)
+            .map(|(joint, count)| (joint, count as f64 / frames as f64)),
+        rig: None,
+        limb_targets: baked.limb_targets,
+    }
+}
+
+impl TakenOver {
+    /// A motion that is the rig's own already.
+    pub fn own(motion: RigMotion) -> Self {
+        let frames = motion.rows.len();
+        Self {
+            motion,
+            limbs_mean_deg: 0.0,
+            limbs_max_deg: 0.0,
+            limbs: 0,
+            curves: 0,
+            at_range: 0.0,
+            most_held: None,
+            rig: None,
+            limb_targets: vec![LandmarkMap::default(); frames],
+        }
+    }
+
+    /// Angles in deg between the limbs of a rig, its bodies at these poses in the world, and the performer's at a time
+    /// of the clip.
+    pub fn limb_errors_deg<'a>(
+        &'a self,
+        clip_time_s: f64,
+        poses: &'a [Pose],
+    ) -> impl Iterator<Item = f64> + 'a {
+        let last = self.limb_targets.len() - 1;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let frame = ((clip_time_s / self.motion.dt_s).round().max(0.0) as usize).min(last);
+        self.limb_targets[frame].iter().filter_map(|(landmark, target)| {
+            let (target, rig) = ((*target)?, self.rig.as_ref()?);
+            let limb = rig.limb_direction(poses, landmark)?;
+            Some(libm::atan2(limb.cross(target).length(), limb.dot(target)).to_degrees())
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! Which commands a performance gets, and when it is over.
+
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, Refused, State};
+use sinew_servo_sim::load::Plant;
+
+use super::stand::Stand;
+
+/// For so long after power-on a rig may not be ready, s.
+const READY_S: f64 = 5.0;
+
+/// How a performance ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// The show was over, and the rig is limp.
+    Done,
+    /// Somebody stopped it, and the rig is limp.
+    Stopped,
+    /// These faults ended it; torque is off.
+    Faults(FaultSet),
+    /// A command was refused.
+    Refused(Refused),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    PowerOn,
+    Arming,
+    Playing,
+    Stopping,
+}
+
+/// Arms a rig, plays its show, stops it.
+#[derive(Debug)]
+pub struct Director {
+    phase: Phase,
+    raised: FaultSet,
+    refused: Option<Refused>,
+    is_stopped: bool,
+}
+
+impl Default for Director {
+    fn default() -> Self {
+        Self { phase: Phase::PowerOn, raised: FaultSet::EMPTY, refused: None, is_stopped: false }
+    }
+}
+
+impl Director {
+    /// All faults that came.
+    pub fn raised(&self) -> FaultSet {
+        self.raised
+    }
+
+    /// A tick of a stand. `stop`: somebody wants the rig to stop. Says how it ended, when torque is off for good.
+    pub fn tick<P: Plant>(&mut self, stand: &mut Stand<'_, P>, stop: bool) -> Option<Ended> {
+        let command = self.command(stand, stop);
+        stand.tick(command);
+        let report = stand.report();
+        self.raised = self.raised.union(report.raised);
+        let refused = command.and(report.answer).and_then(Result::err);
+        match (self.phase, report.state) {
+            (_, State::Faulted) => return Some(Ended::Faults(self.raised)),
+            // Torque is off.
+            (Phase::Stopping, State::Limp | State::Off) => {}
+            (Phase::PowerOn, _) if stand.time_s() < READY_S => return None,
+            (Phase::PowerOn, _) => return refused.map(Ended::Refused),
+            _ => {
+                self.refused = self.refused.or(refused);
+                return None;
+            }
+        }
+        Some(match self.refused {
+            _ if !self.raised.is_empty() => Ended::Faults(self.raised),
+            Some(refused) => Ended::Refused(refused),
+            None if self.is_stopped => Ended::Stopped,
+            None => Ended::Done,
+        })
+    }
+
+    fn command<P: Plant>(&mut self, stand: &Stand<'_, P>, stop: bool) -> Option<Command> {
+        let state = stand.report().state;
+        if stop && !self.is_stopped {
+            (self.is_stopped, self.phase) = (true, Phase::Stopping);
+            return Some(Command::Stop);
+        }
+        match (self.phase, state) {
+            (Phase::PowerOn, State::Limp) if stand.is_known() => Some(Command::Arm),
+            // What is missing is in the answer.
+            (Phase::PowerOn, State::Limp | State::Off) if stand.time_s() >= READY_S => {
+                Some(Command::Arm)
+            }
+            (Phase::PowerOn, State::Arming) => {
+                self.phase = Phase::Arming;
+                None
+            }
+            (Phase::Arming, State::Holding) => {
+                self.phase = Phase::Playing;
+                Some(Command::Play(Feed::Show))
+            }
+            // The show is over, or a fault holds it.
+            (Phase::Playing, State::Holding) => {
+                self.phase = Phase::Stopping;
+                Some(Command::Stop)
+            }
+            (Phase::Playing | Phase::Arming, State::Stopping | State::Lowering | State::Limp) => {
+                self.phase = Phase::Stopping;
+                None
+            }
+            _ => None,
+        }
+    }
+}

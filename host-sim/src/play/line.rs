@@ -1,0 +1,153 @@
+//! One line of servos: what talks on it, at what rate, and how much.
+
+use std::collections::HashMap;
+
+use sinew_bus::feetech::table::BAUDS as FEETECH_BAUDS;
+use sinew_bus::{Schedule, Timing, dynamixel, feetech};
+use sinew_servo_sim::registers::RegisterTable;
+use sinew_servo_sim::rig::RigServo;
+
+use super::bus::Protocol;
+use super::parts::{Parts, PartsError};
+use super::schedule::Load;
+use super::servo_part::{Drive, ServoPart, current_a, encoder, mode, no_load_rad_s, single, table};
+
+/// What Dynamixel lines talk at, unless told otherwise: all models but the oldest can.
+const DYNAMIXEL_BAUD: u32 = 4_000_000;
+/// What Feetech servos are shipped with, and their fastest.
+const FEETECH_BAUD: u32 = 1_000_000;
+/// Readings that tell more than twice the servo's own speed are not believed at once.
+const SPEED_ROOM: f64 = 2.0;
+
+/// One line of servos.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// The name of its bus.
+    pub name: String,
+    /// Bits a second.
+    pub baud: u32,
+    /// Its servos, as the rig counts them.
+    pub servos: Vec<usize>,
+    table: RegisterTable,
+}
+
+impl Line {
+    /// What a line has to do in a tick.
+    pub(super) fn load(&self, servos: &[ServoPart]) -> Load {
+        let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        let driven = |drive| self.servos.iter().filter(|s| servos[**s].drive == drive).count();
+        let [currents, positions] = [Drive::Current, Drive::Position].map(driven).map(count);
+        let all = currents + positions;
+        let (traffic, switch_bytes) = match self.table {
+            RegisterTable::Dynamixel(_) => {
+                let mut traffic = dynamixel::traffic(all, 2, true);
+                // A packet of currents, and one of positions with their speeds.
+                let of =
+                    |servos: u32, len: u32| if servos == 0 { 0 } else { 14 + servos * (1 + len) };
+                traffic.write.fixed = of(currents, 2) + of(positions, 8);
+                traffic.write.each = 0;
+                (traffic, 14 + 2 * all)
+            }
+            RegisterTable::Feetech(table) => {
+                (feetech::traffic(table.model.family, all).with_goal(6), 14 + 2 * all)
+            }
+        };
+        let timing = Timing { baud: self.baud, return_delay_us: 2, turnaround_us: 5 };
+        Load { timing, traffic, switch_bytes, closes_loop: currents > 0 }
+    }
+}
+
+/// The lines of a rig, still without servos.
+pub(super) fn lines(servos: &[RigServo], baud: Option<u32>) -> Result<Vec<Line>, PartsError> {
+    let mut lines: Vec<Line> = Vec::new();
+    let mut first: HashMap<&str, &RigServo> = HashMap::new();
+    for servo in servos {
+        let (Some(table), Some(_)) = (table(servo), servo.id) else {
+            return Err(PartsError::Pulses(servo.name.clone()));
+        };
+        let one = *first.entry(&servo.bus).or_insert(servo);
+        let Some(line) = lines.iter().find(|line| line.name == servo.bus) else {
+            let (known, usual): (&[u32], u32) = match table {
+                RegisterTable::Dynamixel(_) => (&dynamixel::table::BAUDS, DYNAMIXEL_BAUD),
+                RegisterTable::Feetech(_) => (&FEETECH_BAUDS, FEETECH_BAUD),
+            };
+            let baud = baud.unwrap_or(usual);
+            let bus = servo.bus.clone();
+            if !known.contains(&baud) {
+                let known = known.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+                return Err(PartsError::Baud { baud, bus, known });
+            }
+            lines.push(Line { name: bus, baud, servos: Vec::new(), table });
+            continue;
+        };
+        let is_same = match (line.table, table) {
+            (RegisterTable::Dynamixel(_), RegisterTable::Dynamixel(_)) => true,
+            (RegisterTable::Feetech(a), RegisterTable::Feetech(b)) => {
+                a.model.family == b.model.family
+            }
+            _ => false,
+        };
+        if !is_same {
+            let (one, other) = (one.name.clone(), servo.name.clone());
+            return Err(PartsError::TwoProtocols { bus: line.name.clone(), one, other });
+        }
+    }
+    Ok(lines)
+}
+
+impl Parts {
+    /// The bus of each line, with its servos as they are driven.
+    pub(super) fn buses(&self) -> Result<Vec<Protocol>, PartsError> {
+        let each = self.lines.iter().zip(&self.schedules);
+        each.map(|(line, schedule)| self.bus(line, *schedule)).collect()
+    }
+
+    fn bus(&self, line: &Line, schedule: Schedule) -> Result<Protocol, PartsError> {
+        let failed = |reason| PartsError::Bus { bus: line.name.clone(), reason };
+        let of = |index: &usize| {
+            let (part, setup) = (&self.servos[*index], &self.setups[*index]);
+            let encoder = encoder(part);
+            // The last step of the turn is the first of the next.
+            let last_rad = encoder.turn_rad - single(part.own.kind.resolution_rad);
+            let own = self.board.servos()[*index].servo.settings();
+            let range_rad = own.range_rad.map(|end| (end + encoder.zero_rad).clamp(0.0, last_rad));
+            let speed_rad_s = single(SPEED_ROOM * no_load_rad_s(&part.own));
+            (part, setup, range_rad, speed_rad_s)
+        };
+        match line.table {
+            RegisterTable::Dynamixel(_) => {
+                let mut setups = Vec::new();
+                for index in &line.servos {
+                    let (part, setup, range_rad, speed_rad_s) = of(index);
+                    let Some(RegisterTable::Dynamixel(table)) = table(&part.own) else { continue };
+                    setups.push(dynamixel::ServoSetup {
+                        id: part.own.id.unwrap_or_default(),
+                        model: table.model,
+                        mode: mode(part.drive),
+                        range_rad,
+                        current_a: current_a(setup.stall_a),
+                        pwm: 1.0,
+                        speed_rad_s,
+                    });
+                }
+                let settings = dynamixel::Settings { fast: true, retries: 1 };
+                let bus = dynamixel::Bus::new(&setups, schedule, settings).map_err(failed)?;
+                Ok(Protocol::Dynamixel(Box::new(bus)))
+            }
+            RegisterTable::Feetech(table) => {
+                let setup = |index: &usize| {
+                    let (part, _, range_rad, speed_rad_s) = of(index);
+                    let id = part.own.id.unwrap_or_default();
+                    let mode = feetech::Mode::Position;
+                    feetech::ServoSetup { id, mode, range_rad, pwm: 1.0, speed_rad_s }
+                };
+                let setups: Vec<_> = line.servos.iter().map(setup).collect();
+                let family = table.model.family;
+                let settings =
+                    feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+                let bus = feetech::Bus::new(&setups, schedule, settings).map_err(failed)?;
+                Ok(Protocol::Feetech(Box::new(bus)))
+            }
+        }
+    }
+}

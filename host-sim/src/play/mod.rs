@@ -1,0 +1,42 @@
+//! A show on simulated servos, under the controller that boards run.
+//!
+//! ```text
+//! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
+//!                       └─> Stand (controller, buses, benches), a tick a call ─> Tally, Recorder
+//! stop ─> Director (arm, play, stop) ─────┘
+//! ```
+//! All is in simulated time: the same show gives the same bytes on every run.
+
+mod bus;
+mod director;
+mod line;
+mod parts;
+mod record;
+mod schedule;
+mod servo_part;
+mod servos;
+mod stand;
+mod tally;
+
+pub use director::{Director, Ended};
+pub use line::Line;
+pub use parts::{Options, Parts, PartsError};
+pub use record::{Recorder, SCHEMA};
+pub use schedule::RateError;
+pub use servo_part::{Drive, ServoPart};
+pub use servos::{PutError, ServoChoice, put_servos};
+pub use stand::{Memory, Stand, StandError, Wires};
+pub use tally::{Errors, Tally};
+
+use sinew_firmware::controller::Controller;
+use sinew_rig::board::BoardRig;
+
+/// What the largest board might hold: a show's CRC of its rig does not depend on it.
+const BODIES: usize = 64;
+const FREEDOMS: usize = 128;
+const SERVOS: usize = 64;
+/// A ball joint has four coordinates for three freedoms.
+const COORDINATES: usize = 192;
+
+type Board = BoardRig<BODIES, FREEDOMS, SERVOS>;
+type Loop<'a> = Controller<'a, BODIES, FREEDOMS, SERVOS, COORDINATES>;

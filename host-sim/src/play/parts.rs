@@ -1,0 +1,240 @@
+//! What a rig's controller, buses and simulated servos are made of.
+
+use sinew_bus::Schedule;
+use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
+use sinew_firmware::controller::{ControllerSettings, ServoSetup};
+use sinew_rig::board::BakeError;
+use sinew_rig::mechanism::Freedom;
+use sinew_rig::{Description, Mechanism};
+use sinew_servo_sim::load::Arm;
+use sinew_servo_sim::rig::{RigServosError, servos};
+use thiserror::Error;
+
+use super::Board;
+use super::line::{Line, lines};
+use super::schedule::{Load, Needs, RateError, choose};
+use super::servo_part::{Drive, ServoPart, drives, set_stops, setup};
+use crate::performance::rig_hash;
+
+/// What may be chosen. Default: what each servo can do, and the lines have time for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options {
+    /// How servos are driven.
+    pub drive: Option<Drive>,
+    /// Ticks a second.
+    pub rate_hz: Option<u32>,
+    /// Bits a second of all lines.
+    pub baud: Option<u32>,
+}
+
+/// Why a rig cannot be played on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PartsError {
+    /// It has no compact form.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// Its servos cannot be simulated.
+    #[error(transparent)]
+    Servos(#[from] RigServosError),
+    /// It travels.
+    #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
+    Travels,
+    /// It has no servos.
+    #[error("the rig has no servos")]
+    NoServos,
+    /// A servo takes pulses.
+    #[error("servo `{0}` takes pulses and hangs on no bus: `sinew play` has no line for it yet")]
+    Pulses(String),
+    /// Servos of two makers share a line.
+    #[error(
+        "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
+    )]
+    TwoProtocols {
+        /// The bus.
+        bus: String,
+        /// A servo.
+        one: String,
+        /// One of the other protocol.
+        other: String,
+    },
+    /// A kind of servo has no current mode.
+    #[error(
+        "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"
+    )]
+    NoCurrent {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+    },
+    /// A line cannot have this rate.
+    #[error("--baud {baud}: bus {bus:?} can have {known}")]
+    Baud {
+        /// What was asked for.
+        baud: u32,
+        /// The bus.
+        bus: String,
+        /// What it could have.
+        known: String,
+    },
+    /// The lines have no time.
+    #[error(transparent)]
+    Rate(#[from] RateError),
+    /// Two servos have one id, or a number cannot be.
+    #[error("bus {bus:?}: {reason}")]
+    Bus {
+        /// The bus.
+        bus: String,
+        /// Why.
+        reason: sinew_bus::SetupError,
+    },
+}
+
+/// All that a stand is made of.
+pub struct Parts {
+    pub(super) board: Board,
+    pub(super) settings: ControllerSettings,
+    pub(super) setups: Vec<ServoSetup>,
+    /// Of the line whose readings come latest.
+    pub(super) schedule: Schedule,
+    pub(super) schedules: Vec<Schedule>,
+    /// Lines, in the order in which the rig's servos name them.
+    pub lines: Vec<Line>,
+    /// Servos, in the rig's order.
+    pub servos: Vec<ServoPart>,
+    /// Names of the freedoms.
+    pub names: Vec<String>,
+    /// Whether a freedom slides: its numbers are m and N.
+    pub slides: Vec<bool>,
+    /// By freedom: how its servos are driven; none if none moves it.
+    pub drives: Vec<Option<Drive>>,
+    /// By freedom: its first servo.
+    pub first_servo: Vec<Option<usize>>,
+    /// Ticks a second.
+    pub rate_hz: u32,
+}
+
+impl Parts {
+    /// Of a rig.
+    ///
+    /// # Errors
+    /// [`PartsError`] names the servo or the line, and what would be right.
+    pub fn new(
+        rig: &Description,
+        mechanism: &Mechanism,
+        options: Options,
+    ) -> Result<Self, PartsError> {
+        if mechanism.bodies.iter().any(|link| link.joint == Freedom::Free) {
+            return Err(PartsError::Travels);
+        }
+        let board = Board::bake(rig, mechanism)?;
+        let (rig_crc, _) = rig_hash(rig, mechanism);
+        let mut own = servos(rig, mechanism)?;
+        set_stops(&board, &mut own);
+        let mut lines = lines(&own, options.baud)?;
+        let drives = drives(&board, &own, options.drive)?;
+        let mut parts = Vec::new();
+        for (index, (own, drive)) in own.into_iter().zip(drives).enumerate() {
+            let line = lines.iter().position(|line| line.name == own.bus).unwrap_or_default();
+            lines[line].servos.push(index);
+            parts.push(ServoPart { own, drive, place: (line, lines[line].servos.len() - 1) });
+        }
+        let setups: Vec<ServoSetup> = parts.iter().map(|part| setup(rig, part)).collect();
+        let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
+        let loads: Vec<(&str, Load)> =
+            lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
+        let needs = Needs { compute_us: settings.compute_us, stale_s: settings.stale_s };
+        let (rate_hz, schedules) = choose(&loads, options.rate_hz, needs)?;
+        // The tracker's readings are of lines that close its loop, if any does.
+        let closes = loads.iter().any(|(_, load)| load.closes_loop);
+        let latest = loads
+            .iter()
+            .zip(&schedules)
+            .filter(|((_, load), _)| load.closes_loop == closes)
+            .map(|(_, schedule)| *schedule)
+            .max_by_key(Schedule::groups);
+        let schedule = latest.ok_or(PartsError::NoServos)?;
+        settings.tracker = tracker(&schedule);
+        let (drives, first_servo) = by_freedom(&board, &parts);
+        let slides = mechanism.bodies.iter().flat_map(|link| {
+            let is_slide = matches!(link.joint, Freedom::Prismatic(_));
+            std::iter::repeat_n(is_slide, link.joint.kind().degrees_of_freedom())
+        });
+        Ok(Self {
+            settings,
+            setups,
+            schedule,
+            schedules,
+            lines,
+            servos: parts,
+            names: mechanism.freedom_names(),
+            slides: slides.collect(),
+            drives,
+            first_servo,
+            rate_hz,
+            board,
+        })
+    }
+
+    /// The CRC by which shows name this rig.
+    pub fn rig_crc(&self) -> u32 {
+        self.settings.rig_crc
+    }
+
+    /// Takes shows of another rig, too: of the same one before servos were put on it.
+    pub fn take_shows_of(&mut self, rig_crc: u32) {
+        self.settings.rig_crc = rig_crc;
+    }
+
+    /// The method of the tracker.
+    pub fn method(&self) -> MethodName {
+        self.settings.tracker.method
+    }
+
+    /// In how many ticks each servo of a line is read once.
+    pub fn groups(&self, line: usize) -> u32 {
+        self.schedules[line].groups()
+    }
+
+    /// Length of a tick, µs.
+    pub fn tick_us(&self) -> u32 {
+        self.schedule.tick_us()
+    }
+
+    /// What the servos of each line move, each alone.
+    pub fn arms(&self) -> Vec<Vec<Arm>> {
+        let of_line = |line: &Line| line.servos.iter().map(|s| self.servos[*s].own.load).collect();
+        self.lines.iter().map(of_line).collect()
+    }
+
+    /// Recommended voltage of a line's first servo, V.
+    pub(super) fn voltage_v(&self, line: usize) -> f64 {
+        self.servos[self.lines[line].servos[0]].own.kind.voltage_v
+    }
+}
+
+/// The recommended tracking, or the one that bears later readings.
+fn tracker(schedule: &Schedule) -> TrackerSettings {
+    let latency_ticks = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
+    let timing = LoopTiming { dt_s: 1e-6 * schedule.tick_us() as f32, latency_ticks };
+    if timing.check_recommended().is_ok() {
+        TrackerSettings::recommended()
+    } else {
+        TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
+    }
+}
+
+fn by_freedom(board: &Board, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
+    let count = board.freedoms().len();
+    let (mut drives, mut first) = (vec![None; count], vec![None; count]);
+    for drive in board.drives() {
+        let servo = drive.servos.first().map(|servo| usize::from(*servo));
+        for freedom in &drive.freedoms {
+            let freedom = usize::from(*freedom);
+            first[freedom] = servo;
+            drives[freedom] = servo.map(|servo| servos[servo].drive);
+        }
+    }
+    (drives, first)
+}

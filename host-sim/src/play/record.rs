@@ -1,0 +1,188 @@
+//! A recording of a performance as a Parquet file: one row a tick.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::Type;
+use sinew_servo_sim::load::Plant;
+
+use super::parts::Parts;
+use super::stand::Stand;
+
+/// What a recording names itself.
+pub const SCHEMA: &str = "sinew-recording/1";
+/// Rows that are written at once: 20 s at 500 Hz.
+const GROUP: usize = 10_000;
+
+/// Columns of each joint.
+const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
+/// Columns of each servo.
+const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
+
+/// Writes a recording.
+///
+/// Columns: `time_s` and `state`; of each joint `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m,
+/// or N) and `.limiter`; of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known
+/// is null. Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
+pub struct Recorder {
+    writer: SerializedFileWriter<BufWriter<File>>,
+    time_s: Vec<Option<f64>>,
+    state: Vec<Option<ByteArray>>,
+    joints: Vec<Joint>,
+    servos: Vec<[Vec<Option<f32>>; 3]>,
+}
+
+#[derive(Default)]
+struct Joint {
+    numbers: [Vec<Option<f32>>; 4],
+    limiter: Vec<Option<ByteArray>>,
+}
+
+impl Recorder {
+    /// Begins a file. `rig`: the rig's `rig.toml`, so that a report can draw it; `notes`: what else is kept with it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn new(
+        path: &Path,
+        parts: &Parts,
+        rig: &str,
+        notes: &[(&str, &str)],
+    ) -> Result<Self, ParquetError> {
+        let file = BufWriter::new(File::create(path)?);
+        let field = |name: &str, kind: PhysicalType| {
+            let logical = (kind == PhysicalType::BYTE_ARRAY).then_some(LogicalType::String);
+            Type::primitive_type_builder(name, kind)
+                .with_repetition(Repetition::OPTIONAL)
+                .with_logical_type(logical)
+                .build()
+                .map(Arc::new)
+        };
+        let mut fields = vec![field("time_s", PhysicalType::DOUBLE)?];
+        fields.push(field("state", PhysicalType::BYTE_ARRAY)?);
+        for name in &parts.names {
+            for of in OF_JOINT {
+                fields.push(field(&format!("{name}.{of}"), PhysicalType::FLOAT)?);
+            }
+            fields.push(field(&format!("{name}.limiter"), PhysicalType::BYTE_ARRAY)?);
+        }
+        for servo in &parts.servos {
+            for of in OF_SERVO {
+                fields.push(field(
+                    &format!("{}.{of}", servo_name(parts, servo)),
+                    PhysicalType::FLOAT,
+                )?);
+            }
+        }
+        let schema = Arc::new(Type::group_type_builder("recording").with_fields(fields).build()?);
+        let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());
+        let mut kept = vec![note("schema", SCHEMA), note("rig", rig)];
+        kept.push(note("rate_hz", &parts.rate_hz.to_string()));
+        kept.extend(notes.iter().map(|(key, value)| note(key, value)));
+        let properties = WriterProperties::builder()
+            .set_created_by(concat!("sinew ", env!("CARGO_PKG_VERSION")).to_owned())
+            .set_key_value_metadata(Some(kept))
+            .build();
+        Ok(Self {
+            writer: SerializedFileWriter::new(file, schema, Arc::new(properties))?,
+            time_s: Vec::new(),
+            state: Vec::new(),
+            joints: parts.names.iter().map(|_| Joint::default()).collect(),
+            servos: parts.servos.iter().map(|_| Default::default()).collect(),
+        })
+    }
+
+    /// Takes a tick.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn note<P: Plant>(&mut self, stand: &Stand<'_, P>) -> Result<(), ParquetError> {
+        let report = stand.report();
+        self.time_s.push(Some(stand.time_s()));
+        self.state.push(Some(report.state.to_string().as_str().into()));
+        let [commanded, measured] = stand.freedoms();
+        for (index, joint) in self.joints.iter_mut().enumerate() {
+            let freedom = report.freedoms[index];
+            let numbers = [commanded[index], measured[index], freedom.error, freedom.effort];
+            for (column, number) in joint.numbers.iter_mut().zip(numbers) {
+                column.push(Some(number));
+            }
+            joint.limiter.push(stand.limiter(index).map(|limiter| limiter.as_str().into()));
+        }
+        for (index, columns) in self.servos.iter_mut().enumerate() {
+            let told = &report.servos[index];
+            let numbers = [stand.current_a(index), told.temperature_c, told.voltage_v];
+            for (column, number) in columns.iter_mut().zip(numbers) {
+                column.push(number);
+            }
+        }
+        if self.time_s.len() == GROUP { self.write() } else { Ok(()) }
+    }
+
+    /// Writes what is left, and the end of the file.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn end(mut self) -> Result<(), ParquetError> {
+        self.write()?;
+        self.writer.close()?;
+        Ok(())
+    }
+
+    fn write(&mut self) -> Result<(), ParquetError> {
+        let mut rows = self.writer.next_row_group()?;
+        let mut next = |column: Column<'_>| -> Result<(), ParquetError> {
+            let Some(mut chunk) = rows.next_column()? else { return Ok(()) };
+            match column {
+                Column::Time(values) => put::<DoubleType>(&mut chunk, values)?,
+                Column::Number(values) => put::<FloatType>(&mut chunk, values)?,
+                Column::Text(values) => put::<ByteArrayType>(&mut chunk, values)?,
+            }
+            chunk.close()
+        };
+        next(Column::Time(&mut self.time_s))?;
+        next(Column::Text(&mut self.state))?;
+        for joint in &mut self.joints {
+            for numbers in &mut joint.numbers {
+                next(Column::Number(numbers))?;
+            }
+            next(Column::Text(&mut joint.limiter))?;
+        }
+        for numbers in self.servos.iter_mut().flatten() {
+            next(Column::Number(numbers))?;
+        }
+        rows.close()?;
+        Ok(())
+    }
+}
+
+/// What a servo's columns are called: as it, unless a joint is called so, too.
+fn servo_name(parts: &Parts, servo: &super::ServoPart) -> String {
+    let name = &servo.own.name;
+    if parts.names.contains(name) { format!("{name}.servo") } else { name.clone() }
+}
+
+enum Column<'c> {
+    Time(&'c mut Vec<Option<f64>>),
+    Number(&'c mut Vec<Option<f32>>),
+    Text(&'c mut Vec<Option<ByteArray>>),
+}
+
+/// Writes a column, and empties it. Definition level 1 is a value, 0 is none.
+fn put<T: DataType>(
+    chunk: &mut SerializedColumnWriter<'_>,
+    values: &mut Vec<Option<T::T>>,
+) -> Result<(), ParquetError> {
+    let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+    let present: Vec<T::T> = values.drain(..).flatten().collect();
+    chunk.typed::<T>().write_batch(&present, Some(&levels), None)?;
+    Ok(())
+}

@@ -1,0 +1,112 @@
+
+// ---- Plots of one joint over time: an SVG each, stretched to its box; words are HTML over it ----
+const KINDS = [
+  { kind: "position", title: "Position", unit: ["°", " mm"], factor: [180 / Math.PI, 1000] },
+  { kind: "speed", title: "Speed", unit: [" rad/s", " m/s"], factor: [1, 1] },
+  { kind: "acceleration", title: "Acceleration", unit: [" rad/s²", " m/s²"], factor: [1, 1] },
+  { kind: "effort", title: "Torque", unit: [" N m", " N"], factor: [1, 1] },
+];
+const element = (tag, properties = {}, children = []) => {
+  const node = Object.assign(document.createElement(tag), properties);
+  node.append(...children);
+  return node;
+};
+const drawn = (tag, attributes) => {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  return node;
+};
+const number = (signed, decimals) => {
+  const size = Math.abs(signed);
+  const text = signed.toFixed(decimals ?? (size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3));
+  // No zero below zero.
+  return Number(text) === 0 ? "0" : text.replace("-", "−");
+};
+
+// Positions have one decimal, as in the tables.
+const worded = (kind) => kind === "position" ? (x) => number(x, 1) : (x) => number(x);
+
+// Its limits: upper and lower, and what it holds for long. A limit is null where there is none.
+const limitsOf = (freedom, kind) => {
+  if (kind === "position") return freedom.position.filter((x) => x !== null);
+  return freedom[kind] === null ? [] : [-freedom[kind], freedom[kind]];
+};
+
+// The whole course in as many points as a screen has: of each stretch its least and its most.
+const WIDTH = 1000;
+const outline = (course, x, y) => {
+  const step = Math.max(Math.ceil(course.length / (WIDTH / 2)), 1);
+  const points = [];
+  for (let at = 0; at < course.length; at += step) {
+    const part = course.subarray(at, at + step);
+    const [least, most] = [Math.min(...part), Math.max(...part)];
+    const ends = step === 1 ? [least] : part.indexOf(least) < part.indexOf(most) ? [least, most] : [most, least];
+    ends.forEach((value, i) => points.push(`${x(at + i * step / 2).toFixed(1)} ${y(value).toFixed(2)}`));
+  }
+  return `M${points.join("L")}`;
+};
+
+// A plot, and `now`, which says the value at a time.
+const plot = ({ kind, title, unit, factor }, joint) => {
+  const freedom = RIG.freedoms[joint];
+  const [words, scale] = [unit, factor].map((of) => of[freedom.slides ? 1 : 0]);
+  const say = worded(kind);
+  const course = COURSES[kind][joint].map((x) => x * scale);
+  const limits = limitsOf(freedom, kind).map((x) => x * scale);
+  const long = kind === "effort" && freedom.continuous !== null ? freedom.continuous : null;
+  let least = Infinity, most = -Infinity;
+  for (const x of course) [least, most] = [Math.min(least, x), Math.max(most, x)];
+  const peak = Math.max(Math.abs(least), Math.abs(most));
+  // A limit far away would make the course a flat line: it is only told.
+  const near = limits.filter((limit) => Math.abs(limit) <= Math.max(3 * peak, 1e-9));
+  let [low, high] = [Math.min(least, 0, ...near), Math.max(most, 0, ...near)];
+  if (high - low < 1e-9) [low, high] = [low - 1, high + 1];
+  const margin = 0.12 * (high - low);
+  [low, high] = [low - margin, high + margin];
+
+  const y = (value) => 100 * (high - value) / (high - low);
+  const x = (sample) => WIDTH * sample / Math.max(SHOW.count - 1, 1);
+  const svg = drawn("svg", { viewBox: `0 0 ${WIDTH} 100`, preserveAspectRatio: "none", "aria-hidden": "true" });
+  for (const excess of SHOW.excesses) {
+    if (excess.joint !== joint || excess.plot !== kind) continue;
+    const [from, to] = [excess.from_s, excess.to_s].map((time) => Math.min(WIDTH * time / END, WIDTH));
+    svg.append(drawn("rect", { class: "excess", x: from - 1.5, width: to - from + 3, y: 0, height: 100 }));
+  }
+  const level = (value, style) => {
+    if (value <= low || value >= high) return;
+    svg.append(drawn("line", { class: style, x1: 0, x2: WIDTH, y1: y(value), y2: y(value) }));
+  };
+  level(0, "zero");
+  for (const limit of near) level(limit, "limit");
+  for (const sign of long === null ? [] : [-1, 1]) level(sign * long, "long");
+  svg.append(drawn("path", { class: "course", d: outline(course, x, y) }));
+
+  // Words beside the lines, where they do not lie upon each other.
+  const ticks = element("div", { className: "ticks", ariaHidden: "true" });
+  const taken = [];
+  for (const value of [...near, 0, most, least]) {
+    if (taken.some((other) => Math.abs(y(other) - y(value)) < 18)) continue;
+    taken.push(value);
+    ticks.append(element("span", { textContent: say(value), style: `top: ${y(value)}%` }));
+  }
+
+  const told = limits.length === 0 ? "no limit"
+    : kind === "position" ? `range ${limits.map(say).join(" to ")}${words}` : `limit ${say(limits.at(-1))}${words}`;
+  const far = near.length < limits.length ? " (outside the plot)" : "";
+  const lasting = long === null ? "" : `, for long ${say(long)}${words}`;
+  const range = kind === "position" ? `from ${say(least)} to ${say(most)}${words}` : `at most ${say(peak)}${words}`;
+  const value = element("span", { className: "value" });
+  const caption = element("figcaption", {}, [
+    element("b", { textContent: title }), value,
+    element("span", { className: "told", textContent: `${told}${far}${lasting}` }),
+  ]);
+  const area = element("div", { className: "area", role: "img", ariaLabel: `${title} over time: ${range}, ${told}` },
+    [svg, element("div", { className: "cursor" })]);
+  return {
+    figure: element("figure", {}, [caption, element("div", { className: "plot" }, [ticks, area])]),
+    now: (time) => {
+      value.textContent = say(between(course, placeOf(time))) + words;
+      area.lastChild.style.left = `${100 * time / END}%`;
+    },
+  };
+};

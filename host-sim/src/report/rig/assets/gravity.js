@@ -1,0 +1,22 @@
+// What gravity asks of the joints.
+const moves = (joint, body) => {
+  for (let at = body; at !== null; at = RIG.bodies[at].parent) if (at === joint) return true;
+  return false;
+};
+const MOVED = RIG.freedoms.map((freedom) =>
+  RIG.bodies.map((_, body) => body).filter((body) => moves(freedom.body, body)));
+
+// What each freedom must give to hold the pose: N m, or N of a slide.
+const GRAVITY = [0, -9.81, 0];
+const loads = (poses) => RIG.freedoms.map((freedom, index) => {
+  const axis = axisOf(freedom, poses);
+  let sum = 0;
+  for (const body of MOVED[index]) {
+    const { mass_kg: mass, center_m: center } = RIG.bodies[body];
+    const weight = times(GRAVITY, mass);
+    if (freedom.slides) { sum -= dot(axis, weight); continue; }
+    const at = add(poses[body].p, rotate(poses[body].q, center));
+    sum -= dot(axis, cross(sub(at, poses[freedom.body].p), weight));
+  }
+  return sum;
+});

@@ -1,0 +1,169 @@
+// A rig's bodies and joints drawn in 3D on a canvas, with a camera that turns.
+
+// ---- Colours of loads: shares of what a joint can give; none if that is not known ----
+const LOW = [46, 158, 107], MID = [217, 165, 20], HIGH = [211, 55, 31], UNKNOWN = [140, 148, 158];
+const mix = (a, b, t) => a.map((v, i) => v + (b[i] - v) * t);
+const shade = (share) => {
+  const blend = (s) => s < 0.5 ? mix(LOW, MID, s / 0.5) : mix(MID, HIGH, Math.min((s - 0.5) / 0.5, 1));
+  const [r, g, b] = share === null ? UNKNOWN : blend(share);
+  return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
+};
+
+// `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`. `approach` brings the camera as near
+// as all points are still in view.
+const stageOn = (canvas, points, show) => {
+  const context = canvas.getContext("2d");
+  const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  const box = points.reduce(
+    ([low, high], p) => [low.map((x, i) => Math.min(x, p[i])), high.map((x, i) => Math.max(x, p[i]))],
+    [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]]);
+  const home = times(add(...box), 0.5);
+  const size = Math.max(norm(sub(box[1], box[0])), 0.02);
+  const camera = { yaw: 0.7, pitch: 0.25, distance: 2.4 * size };
+  const ground = box[0][1];
+
+  let width = 0, height = 0, middle = home;
+  const ratio = () => window.devicePixelRatio || 1;
+  const project = (p) => {
+    const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
+    const [x, y, z] = sub(p, middle);
+    const depth = camera.distance - (x * cp * sy + y * sp + z * cp * cy);
+    const scale = 1.5 * Math.min(width, height * 1.3) / Math.max(depth, 0.02 * size);
+    return { x: width / 2 + scale * (x * cy - z * sy), y: height / 2 - scale * (-x * sp * sy + y * cp - z * sp * cy), depth, scale };
+  };
+
+  const measure = () => {
+    [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * ratio()));
+  };
+  const approach = () => {
+    measure();
+    const isSeen = ({ x, y }) => Math.abs(x - width / 2) < 0.45 * width && Math.abs(y - height / 2) < 0.43 * height;
+    for (camera.distance = size; camera.distance < 5 * size && !points.every((p) => isSeen(project(p)));) camera.distance *= 1.04;
+  };
+
+  // ---- Drawing: far things first ----
+  const line = (a, b, style, thick) => {
+    context.beginPath();
+    context.moveTo(a.x, a.y);
+    context.lineTo(b.x, b.y);
+    context.strokeStyle = style;
+    context.lineWidth = Math.max(thick, 1);
+    context.stroke();
+  };
+  const ring = (at, radius, style) => {
+    context.beginPath();
+    context.arc(at.x, at.y, radius * at.scale, 0, 2 * Math.PI);
+    context.strokeStyle = style;
+    context.lineWidth = 2.5 * ratio();
+    context.stroke();
+  };
+  const arc = (freedom, poses, radius) => {
+    const axis = axisOf(freedom, poses);
+    const { p } = poses[freedom.body];
+    const start = Math.abs(axis[1]) < 0.9 ? cross(axis, [0, 1, 0]) : cross(axis, [1, 0, 0]);
+    const across = times(start, 1 / norm(start));
+    const now = values[RIG.freedoms.indexOf(freedom)];
+    const at = (angle) => {
+      const way = angle - now;
+      return project(add(p, times(add(times(across, Math.cos(way)), times(cross(axis, across), Math.sin(way))), radius)));
+    };
+    const [least, most] = freedom.range;
+    context.beginPath();
+    const center = project(p);
+    context.moveTo(center.x, center.y);
+    for (let i = 0; i <= 32; i += 1) {
+      const q = at(least + (most - least) * i / 32);
+      context.lineTo(q.x, q.y);
+    }
+    context.closePath();
+    context.globalAlpha = 0.18;
+    context.fillStyle = color("focus");
+    context.fill();
+    context.globalAlpha = 1;
+    line(center, at(now), color("focus"), 1.5 * ratio());
+  };
+  const grid = () => {
+    const step = 10 ** Math.round(Math.log10(size / 4));
+    const reach = 6;
+    // Its lines stay on the ground while the camera goes with the rig.
+    const from = sub(middle, home).map((way) => Math.round(way / step));
+    for (let i = -reach; i <= reach; i += 1) {
+      for (const [a, b] of [[[i, -reach], [i, reach]], [[-reach, i], [reach, i]]]) {
+        const at = ([x, z]) => project([home[0] + (from[0] + x) * step, ground, home[2] + (from[2] + z) * step]);
+        line(at(a), at(b), color("line"), ratio());
+      }
+    }
+  };
+  // `shares`: of what each joint can give. `marked`: joints with a ring. `way`: how far the camera goes with the rig.
+  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0] } = {}) => {
+    middle = add(home, way);
+    measure();
+    if (width === 0) return;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    context.clearRect(0, 0, width, height);
+    context.lineCap = "round";
+    grid();
+    const thick = 0.018 * size;
+    const parts = [];
+    RIG.bodies.forEach((body, index) => {
+      const from = poses[index].p;
+      const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
+        .map((child) => poses[child].frame.p);
+      const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
+      to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
+      for (const end of to) {
+        const [a, b] = [project(from), project(end)];
+        parts.push({ depth: (a.depth + b.depth) / 2, paint: () => {
+          line(a, b, color("muted"), thick * a.scale + 2 * ratio());
+          line(a, b, color("paper"), thick * a.scale);
+        } });
+      }
+    });
+    RIG.freedoms.forEach((freedom, index) => {
+      const axis = axisOf(freedom, poses);
+      const { p } = poses[freedom.body];
+      const half = (freedom.slides ? 0.05 : 0.03) * size;
+      const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
+      const style = shade(shares[index]);
+      parts.push({ depth: project(p).depth - 0.02 * size, paint: () => {
+        if (index === chosen && !freedom.slides) arc(freedom, poses, 0.14 * size);
+        line(a, b, color(index === chosen ? "focus" : "text"), 1.7 * thick * a.scale + 2 * ratio());
+        line(a, b, style, 1.7 * thick * a.scale);
+        if (marked(index)) ring(project(p), 0.05 * size, color("alert"));
+      } });
+    });
+    parts.sort((a, b) => b.depth - a.depth);
+    for (const part of parts) part.paint();
+  };
+
+  // ---- Camera ----
+  const turnView = (yaw, pitch) => {
+    camera.yaw += yaw;
+    camera.pitch = Math.min(Math.max(camera.pitch + pitch, -1.5), 1.5);
+    show();
+  };
+  const zoom = (factor) => {
+    camera.distance = Math.min(Math.max(camera.distance * factor, 0.4 * size), 20 * size);
+    show();
+  };
+  let held = null;
+  canvas.addEventListener("pointerdown", (event) => { held = event; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    turnView((held.clientX - event.clientX) * 0.01, (event.clientY - held.clientY) * 0.01);
+    held = event;
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { held = null; });
+  canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoom(event.deltaY > 0 ? 1.1 : 1 / 1.1); }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const done = {
+      ArrowLeft: () => turnView(-0.1, 0), ArrowRight: () => turnView(0.1, 0),
+      ArrowUp: () => turnView(0, 0.1), ArrowDown: () => turnView(0, -0.1),
+      "+": () => zoom(1 / 1.15), "=": () => zoom(1 / 1.15), "-": () => zoom(1.15),
+    }[event.key];
+    if (done) { event.preventDefault(); done(); }
+  });
+  addEventListener("resize", show);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
+  return { draw, approach };
+};

@@ -1,0 +1,40 @@
+//! A rig's review, with what only the comparison of its two sides shows.
+
+use anyhow::Context as _;
+use sinew_retarget::rig::{RigMatch, mirror_faults};
+use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
+
+use super::Loaded;
+
+/// Reviews a rig, and compares its left side with its right one, if it has limbs.
+///
+/// # Errors
+/// If a servo or a drive cannot be, or the rig does not fit `sinew-core`.
+pub fn review(rig: &Loaded, control: Loop) -> anyhow::Result<Review> {
+    let name = || rig.description.name.clone();
+    let servos = Servos::of(&rig.description, &rig.mechanism).with_context(name)?;
+    let mut review = Review::of(&rig.mechanism, &servos, control).with_context(name)?;
+    let faults = RigMatch::of(&rig.mechanism)
+        .map(|sides| mirror_faults(&rig.mechanism, &sides))
+        .unwrap_or_default();
+    for fault in faults {
+        let joint = &rig.mechanism.bodies[fault.joint].joint_name;
+        let mend = if fault.is_axis_turned {
+            format!(
+                ". With the axis turned round it would be: give `{joint}` in rig.toml the axis with the other sign, or \
+                 import with `--turn-axis {joint}`"
+            )
+        } else {
+            String::new()
+        };
+        let finding = Finding {
+            severity: Severity::Warning,
+            about: format!("joint {joint}"),
+            text: format!("{}{mend}", fault.text),
+        };
+        // Behind what is worse.
+        let place = review.findings.partition_point(|other| other.severity <= Severity::Warning);
+        review.findings.insert(place, finding);
+    }
+    Ok(review)
+}

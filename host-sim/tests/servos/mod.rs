@@ -1,0 +1,31 @@
+//! `sinew servos` as a process.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::{Child, Command, ExitStatus, Stdio};
+
+/// The command, its output piped.
+pub(crate) fn sinew(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+    command.arg("servos").args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Starts it, and waits for `ready`.
+pub(crate) fn start(args: &[&str]) -> Child {
+    let mut child = sinew(args).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    if line != "ready\n" {
+        let mut said = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        panic!("{line}{said}");
+    }
+    child
+}
+
+/// Ends it as a shell does, and says how it ended.
+pub(crate) fn end(mut child: Child, signal: &str) -> ExitStatus {
+    let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    child.wait().unwrap()
+}

@@ -1,0 +1,50 @@
+//! A clip on a rig, as a person calls it: map, bake, export, evaluate.
+
+mod face;
+mod humanoid;
+mod independent;
+#[cfg(unix)]
+mod play;
+mod servos;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn sinew(arguments: &[&str]) -> Output {
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew")).args(arguments).output();
+    output.expect("the command starts")
+}
+
+/// What it prints, and what it notes.
+#[track_caller]
+fn done(arguments: &[&str]) -> [String; 2] {
+    let output = sinew(arguments);
+    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success(), "{arguments:?}: {err}");
+    [out, err]
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], part: &str) {
+    let output = sinew(arguments);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(told.contains(part), "{arguments:?}: {told}");
+}
+
+/// The bodies of a rig's file.
+fn mechanism(rig: &str) -> sinew_rig::Mechanism {
+    let options = sinew_rig::import::Options::default();
+    sinew_sim::rig::load(rig.as_ref(), &options).unwrap().mechanism
+}
+
+/// A time of a show in microseconds.
+fn whole_us(time_s: f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    let us = (time_s * 1e6).round() as u64;
+    us
+}
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("UTF-8").to_owned()
+}
