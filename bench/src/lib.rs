@@ -8,6 +8,7 @@
 pub mod emulated;
 pub mod rig;
 pub mod servo;
+pub mod show;
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{

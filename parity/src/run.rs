@@ -14,7 +14,8 @@
 //! | u32 | ticks t |
 //! | u32 | length s of the show in bytes |
 //! | s | the show, see [`sinew_firmware::show`] |
-//! | n x 28 | by body its joint's pose as it was measured a tick before the first: rotation xyzw, then translation in m |
+//! | n x 28 | by body its joint's pose as it was measured a tick before the first: rotation xyzw, then translation in m
+//! |
 //! | t x n x 28 | the same for each tick |
 //!
 //! The answer is per tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.

@@ -4,11 +4,19 @@
 //! panic that could be reached calls a function that does not exist, and the image does not link. `cargo xtask audit`
 //! says where, and reads from the image what else must not be in it.
 
+mod bus;
 mod construct;
+mod controller;
 mod decode;
+mod drives;
 #[cfg(feature = "faults")]
 mod faults;
 mod kernels;
+mod link;
+mod node;
+mod show;
+mod storage;
+mod supervisor;
 mod targets;
 mod tick;
 
@@ -44,6 +52,35 @@ fn main() -> ! {
         kernels::state_errors();
         kernels::dynamics();
         kernels::elementary();
+        show::decoder();
+        show::frames();
+        show::blend();
+        bus::dynamixel_bus();
+        bus::dynamixel_packets();
+        bus::dynamixel_groups();
+        bus::dynamixel_device();
+        bus::feetech_bus();
+        bus::feetech_packets();
+        bus::feetech_device();
+        bus::pca9685();
+        bus::readings();
+        drives::rig();
+        drives::classes();
+        link::frames();
+        link::controller();
+        link::host();
+        link::live();
+        link::telemetry();
+        storage::tables();
+        storage::items();
+        storage::uploads();
+        storage::faults();
+        supervisor::states();
+        supervisor::faults();
+        supervisor::detectors();
+        supervisor::guard();
+        controller::ticks();
+        node::nodes();
         #[cfg(feature = "faults")]
         {
             faults::index();

@@ -75,11 +75,16 @@ fn end() {
 }
 
 /// Runs a kernel on rigs of `N` bodies; its argument counts the runs.
+pub fn count<const N: usize>(name: &str, kernel: impl FnMut(usize)) {
+    count_runs::<N, RUNS>(name, kernel);
+}
+
+/// The same `TIMES` times.
 #[inline(never)]
-pub fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
+pub fn count_runs<const N: usize, const TIMES: u16>(name: &str, mut kernel: impl FnMut(usize)) {
     kernel(0);
     let mut counted = 0;
-    for run in 1..=RUNS {
+    for run in 1..=TIMES {
         let start = SYST::get_current();
         begin();
         kernel(usize::from(run));
@@ -87,8 +92,8 @@ pub fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
         // The counter runs down and wraps at 24 bits.
         counted += start.wrapping_sub(SYST::get_current()) & COUNTER_MASK;
     }
-    let instructions = counted * INSTRUCTIONS_PER_COUNT / u32::from(RUNS);
-    hprintln!("kernel={} bodies={} runs={} instructions={}", name, N, RUNS, instructions);
+    let instructions = counted * INSTRUCTIONS_PER_COUNT / u32::from(TIMES);
+    hprintln!("kernel={} bodies={} runs={} instructions={}", name, N, TIMES, instructions);
 }
 
 /// A kind of tick: what it executes, and how much stack it has taken.
@@ -97,13 +102,24 @@ pub fn count<const N: usize>(name: &str, mut kernel: impl FnMut(usize)) {
 /// If a tick fails.
 pub fn count_tick<const N: usize, E: Copy>(
     name: &str,
+    tick: impl FnMut(usize) -> Result<(), E>,
+) -> Result<(), &'static str> {
+    count_ticks::<N, RUNS, E>(name, tick)
+}
+
+/// The same `TIMES` times.
+///
+/// # Errors
+/// If a tick fails.
+pub fn count_ticks<const N: usize, const TIMES: u16, E: Copy>(
+    name: &str,
     mut tick: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<(), &'static str> {
     let mut result = Ok(());
     let mut checked = |run| result = result.and(tick(run));
-    count::<N>(name, &mut checked);
+    count_runs::<N, TIMES>(name, &mut checked);
     // Once more from the first frame: what is remembered from tick to tick starts anew.
-    let painted = stack::high_water_bytes(|| (0..=usize::from(RUNS)).for_each(&mut checked));
+    let painted = stack::high_water_bytes(|| (0..=usize::from(TIMES)).for_each(&mut checked));
     hprintln!("stack={} bodies={} bytes={}", name, N, painted);
     result.map_err(|_| "a tick was refused")
 }
