@@ -108,7 +108,7 @@ fn bake() -> Result<()> {
         step::run(
             &format!("bake the show of {}", board.name),
             step::command(simulator)
-                .args(["bake", "--clip", "kicks_01", "--scale", "1.1"])
+                .args(["bake", "kicks_01", "--scale", "1.1"])
                 .args(["--seconds", &board.show_s.to_string(), "--out"])
                 .arg(&show),
         )?;

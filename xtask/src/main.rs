@@ -3,6 +3,7 @@
 mod arm;
 mod audit;
 mod budget;
+mod clients;
 mod docs;
 mod elf;
 mod features;
@@ -27,13 +28,15 @@ Developer commands of Sinew
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  setup     Installs what is missing: the Arm target, QEMU, Chromium, rustfmt and clippy
+  setup     Installs what is missing: the Arm target, QEMU, Chromium, Python's venv, rustfmt and clippy
   test      Sets up, then runs all checks and tests
   firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
             --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
+  clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
+            feetech-cli; compares control tables with those of dynamixel-sdk
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
@@ -75,6 +78,7 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["budget", "--accept"] => Box::new(|| budget::run(true, || firmware::run(None))),
         ["test"] => Box::new(test::run),
         ["parity"] => Box::new(parity::run),
+        ["clients"] => Box::new(clients::run),
         ["semver", revision] => {
             let revision = (*revision).to_owned();
             Box::new(move || semver::run(&revision))

@@ -24,7 +24,7 @@ pub(crate) type Variable = (&'static str, PathBuf);
 /// Builds the programs and runs the test.
 pub(crate) fn run() -> Result<()> {
     let programs = build()?;
-    step::run("bit parity", test().envs(programs))
+    step::run("bit parity", test().envs(programs).env("SINEW_PARITY_ALL", "1"))
 }
 
 /// The test, which needs what [`build`] returns in its environment.

@@ -31,7 +31,15 @@ pub(crate) fn run() -> Result<()> {
     }
     let qemu = || step::output(Command::new("qemu-system-arm").arg("--version")).is_some();
     need("QEMU for Arm", qemu, || apt_install(&["qemu-system-arm"]))?;
-    need("Chromium", || chromium().is_some(), || apt_install(&["chromium"]))
+    need("Chromium", || chromium().is_some(), || apt_install(&["chromium"]))?;
+    python()
+}
+
+/// Python that can make a virtual environment: for real clients.
+pub(crate) fn python() -> Result<()> {
+    let found =
+        || step::output(Command::new("python3").args(["-c", "import ensurepip, venv"])).is_some();
+    need("Python with venv", found, || apt_install(&["python3-venv"]))
 }
 
 /// The browser that reads the report in tests.
@@ -55,7 +63,7 @@ fn need(what: &str, found: impl Fn() -> bool, install: impl FnOnce() -> bool) ->
     }
     bail!(
         "{what} could not be installed (see the lines above). By hand: `rustup target add {TARGET} {SOFT_FLOAT}` or, on \
-         Debian, `apt-get install {} qemu-system-arm chromium`",
+         Debian, `apt-get install {} qemu-system-arm chromium python3-venv`",
         DEBIAN_PACKAGES.join(" ")
     )
 }

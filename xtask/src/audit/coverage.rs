@@ -10,7 +10,11 @@ use crate::elf::{Elf, Lines, last_part};
 use crate::step;
 
 /// Where what boards may call is written, seen from the workspace.
-const SOURCES: [&str; 3] = ["core/src", "firmware/src", "parity/src"];
+const SOURCES: [&str; 7] =
+    ["bus/src", "core/src", "firmware/src", "link/src", "parity/src", "show/src", "storage/src"];
+
+/// What of it is for hosts alone.
+const OF_HOSTS: &str = "show/src/write/";
 
 /// Where the image is written.
 const IMAGE: &str = "audit/src/image";
@@ -25,6 +29,9 @@ pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
     for folder in SOURCES {
         for file in rust_files(&step::root().join(folder))? {
             let name = shown(&file);
+            if name.starts_with(OF_HOSTS) {
+                continue;
+            }
             public.extend(functions(&read(&file)?).map(|function| (name.clone(), function)));
         }
     }

@@ -22,7 +22,7 @@ pub(crate) const WITH_FAULTS: Image = Image { feature: Some("faults"), ..IMAGE }
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 18] = [
+const PARTS: [&str; 47] = [
     "audit::image::decode::show",
     "audit::image::decode::coordinates",
     "audit::image::construct::trees",
@@ -41,6 +41,35 @@ const PARTS: [&str; 18] = [
     "audit::image::kernels::state_errors",
     "audit::image::kernels::dynamics",
     "audit::image::kernels::elementary",
+    "audit::image::show::decoder",
+    "audit::image::show::frames",
+    "audit::image::show::blend",
+    "audit::image::bus::dynamixel_bus",
+    "audit::image::bus::dynamixel_packets",
+    "audit::image::bus::dynamixel_groups",
+    "audit::image::bus::dynamixel_device",
+    "audit::image::bus::feetech_bus",
+    "audit::image::bus::feetech_packets",
+    "audit::image::bus::feetech_device",
+    "audit::image::bus::pca9685",
+    "audit::image::bus::readings",
+    "audit::image::drives::rig",
+    "audit::image::drives::classes",
+    "audit::image::link::frames",
+    "audit::image::link::controller",
+    "audit::image::link::host",
+    "audit::image::link::live",
+    "audit::image::link::telemetry",
+    "audit::image::storage::tables",
+    "audit::image::storage::items",
+    "audit::image::storage::uploads",
+    "audit::image::storage::faults",
+    "audit::image::supervisor::states",
+    "audit::image::supervisor::faults",
+    "audit::image::supervisor::detectors",
+    "audit::image::supervisor::guard",
+    "audit::image::controller::ticks",
+    "audit::image::node::nodes",
 ];
 
 /// What must be found in the image with faults, and in which function.

@@ -15,14 +15,26 @@ use crate::step;
 pub(crate) const SECTION: &str = "image_bytes";
 
 /// Every kernel and every kind of tick, measured one by one.
-pub(crate) const KERNELS: Image =
+pub(super) const KERNELS: Image =
     Image { package: "sinew-bench", name: "kernels", feature: Some("mps2_an386") };
 
 /// Ticks of rigs of servos.
-pub(crate) const SERVOS: Image = Image { name: "servos", ..KERNELS };
+pub(super) const SERVOS: Image = Image { name: "servos", ..KERNELS };
+
+/// A show of 20 servos.
+pub(super) const SHOW: Image = Image { name: "show", ..KERNELS };
+
+/// A cycle of buses of 18 servos.
+pub(super) const BUS: Image = Image { name: "bus", ..KERNELS };
+
+/// A tick of drives of 18 servos.
+pub(super) const DRIVES: Image = Image { name: "drives", ..KERNELS };
 
 /// World, Linear Compensation and inverse dynamics, and nothing else.
-pub(crate) const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
+const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
+
+/// All images of the bench.
+pub(crate) const IMAGES: [Image; 6] = [KERNELS, SERVOS, SHOW, BUS, DRIVES, CORE_ALONE];
 
 /// Names that tell the instances of a generic function apart, and frame sizes in the image.
 const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
@@ -30,12 +42,12 @@ const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
 /// Builds the images, all at once: each is optimized as a whole, on one core.
 pub(crate) fn build() -> Result<()> {
     let mut cargo = KERNELS.cargo("build")?;
-    for image in [SERVOS, CORE_ALONE] {
+    for image in IMAGES.iter().filter(|image| image.name != KERNELS.name) {
         cargo.args(["--bin", image.name]);
     }
     // The frame sizes are a flag of nightly compilers.
     cargo.env("RUSTFLAGS", FLAGS).env("RUSTC_BOOTSTRAP", "1");
-    step::run("build kernels, servos and core_alone", &mut cargo)
+    step::run(&format!("build {}", IMAGES.map(|image| image.name).join(", ")), &mut cargo)
 }
 
 /// The tick of the core alone, of 18 bodies and without room for resolved acceleration.

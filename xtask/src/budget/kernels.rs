@@ -1,4 +1,4 @@
-//! What each kernel and each kind of tick takes, from the images `kernels` and `servos`.
+//! What each kernel and each kind of tick takes, from the images `kernels`, `servos`, `show`, `bus` and `drives`.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail, ensure};
 use sinew_image::EMULATED;
 
 use super::figures::{Figures, Place};
-use super::images::{KERNELS, SERVOS};
+use super::hashes;
+use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW};
 use super::stack::{Depth, Frames, deepest};
 use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
@@ -31,9 +32,11 @@ const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
 /// An image that is measured.
 struct Measured {
     image: Image,
-    callers: [Caller; 2],
+    callers: &'static [Caller],
     /// The numbers of bodies of its rigs.
-    sizes: [&'static str; 3],
+    sizes: &'static [&'static str],
+    /// Hashes that the image prints, as the host computes them.
+    hashes: fn() -> Result<Vec<(&'static str, u64)>>,
 }
 
 /// A function that whole ticks are called by: what it has on the stack is the tick's.
@@ -44,23 +47,34 @@ struct Caller {
 }
 
 /// No two of them have a row or a caller of the same name.
-const MEASURED: [Measured; 2] = [
+const MEASURED: [Measured; 5] = [
     Measured {
         image: KERNELS,
-        callers: [
+        callers: &[
             Caller { name: "core_tick", rows: "tick_" },
             Caller { name: "board_tick", rows: "board_" },
         ],
-        sizes: ["6", "18", "32"],
+        sizes: &["6", "18", "32"],
+        hashes: || Ok(Vec::new()),
     },
     Measured {
         image: SERVOS,
-        callers: [
+        callers: &[
             Caller { name: "core_tick_of_rig", rows: "tick_" },
             Caller { name: "rig_tick", rows: "rig_" },
         ],
-        sizes: ["6", "12", "20"],
+        sizes: &["6", "12", "20"],
+        hashes: || Ok(Vec::new()),
     },
+    Measured {
+        image: SHOW,
+        callers: &[Caller { name: "show_frame", rows: "show_frame" }],
+        sizes: &["20"],
+        hashes: || Ok(sinew_bench::show::hashes()?.to_vec()),
+    },
+    // The tests of the crate `bus` look at what it says; here it counts alone.
+    Measured { image: BUS, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
+    Measured { image: DRIVES, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
 ];
 
 /// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
@@ -120,6 +134,7 @@ impl Measured {
         figures.extend(executed.iter().map(|kernel| (at(CYCLES, &kernel.place), kernel.cycles())));
         figures.extend(stacks.iter().map(|(place, depth)| (place.clone(), depth.bytes)));
         figures.extend(printed(&text)?);
+        hashes::compare(&text, &(self.hashes)()?)?;
         self.check_stacks(&figures)?;
         Ok(Kernels { elf, figures, executed, stacks })
     }
@@ -132,8 +147,8 @@ impl Measured {
     fn stacks(&self, elf: &Elf) -> Result<Vec<(Place, Depth)>> {
         let frames = Frames::load(&self.image.path())?;
         let mut stacks = Vec::new();
-        for Caller { name, .. } in &self.callers {
-            for bodies in self.sizes {
+        for Caller { name, .. } in self.callers {
+            for &bodies in self.sizes {
                 let symbol = format!("{}::{name}::<{bodies}>", self.image.name);
                 let root = elf.named(&symbol);
                 let root = root.with_context(|| format!("the image has no `{symbol}`"))?;
@@ -197,7 +212,7 @@ fn printed(text: &str) -> Result<Figures> {
     let (mut figures, mut state) = (Figures::default(), Figures::default());
     for line in text.lines() {
         let (what, section) = match line.split_once('=') {
-            Some(("kernel", _)) => continue,
+            Some(("kernel" | "hash", _)) => continue,
             Some(("stack", _)) => ("stack", PAINTED_STACK),
             Some(("type", _)) => ("type", TYPES),
             _ => bail!("QEMU printed: {line}"),

@@ -3,6 +3,7 @@
 mod cycles;
 mod figures;
 mod file;
+mod hashes;
 mod images;
 mod kernels;
 mod stack;
@@ -20,7 +21,7 @@ use trace::Mix;
 
 pub(crate) use figures::{Figures, Place};
 pub(crate) use file::{Budget, FILE};
-pub(crate) use images::{CORE_ALONE, KERNELS, SERVOS, size};
+pub(crate) use images::{IMAGES, size};
 pub(crate) use kernels::{field, number};
 pub(crate) use tables::{aligned, section};
 pub(crate) use trace::qemu;
