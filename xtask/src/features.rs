@@ -6,15 +6,21 @@ use crate::{arm, step};
 
 pub(crate) fn run() -> Result<()> {
     let deny = ["--", "--deny", "warnings"];
-    let clippy = |title: &str, package: &str, features: &str| {
-        let of_package = ["clippy", "--locked", "--package", package, "--features", features];
-        step::run(title, step::cargo().args(of_package).arg("--all-targets").args(deny))
+    let clippy = |title: &str, packages: &[&str], features: &str| {
+        let mut command = step::cargo();
+        command.args(["clippy", "--locked", "--all-targets", "--features", features]);
+        for package in packages {
+            command.args(["--package", package]);
+        }
+        step::run(title, command.args(deny))
     };
-    for features in ["defmt", "serde", "defmt,serde"] {
-        clippy(&format!("clippy of the core with {features}"), "sinew-core", features)?;
-    }
-    clippy("clippy of the firmware's library with defmt", "sinew-firmware", "defmt")?;
-    clippy("clippy of the servos' stand-in with defmt", "sinew-parity", "defmt")?;
+    clippy("clippy of the core with serde", &["sinew-core"], "serde")?;
+    clippy("clippy of the core with serde and defmt", &["sinew-core"], "serde,defmt")?;
+    clippy(
+        "clippy of core, firmware and the servos' stand-in with defmt",
+        &["sinew-core", "sinew-firmware", "sinew-parity"],
+        "sinew-core/defmt,sinew-firmware/defmt,sinew-parity/defmt",
+    )?;
     step::run(
         "tests of the core with serde",
         step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),

@@ -36,7 +36,12 @@ pub(crate) fn run() -> Result<()> {
 
     let toolchains = step::output(step::command("rustup").args(["toolchain", "list"]));
     let toolchains = toolchains.unwrap_or_default();
+    let in_use = step::output(step::command("rustc").arg("--version")).unwrap_or_default();
     for Package { name, rust_version } in &packages {
+        // Clippy and the tests have built it with that.
+        if in_use.starts_with(&format!("rustc {rust_version}.")) {
+            continue;
+        }
         let installed = toolchains.lines().find(|line| {
             line.starts_with(&format!("{rust_version}."))
                 || line.starts_with(&format!("{rust_version}-"))

@@ -9,8 +9,6 @@ mod construct;
 mod controller;
 mod decode;
 mod drives;
-#[cfg(feature = "faults")]
-mod faults;
 mod kernels;
 mod link;
 mod node;
@@ -23,6 +21,7 @@ mod tick;
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
+use sinew_audit::{slice, slice_mut};
 use sinew_core::control::Gains;
 use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
 
@@ -81,26 +80,7 @@ fn main() -> ! {
         supervisor::guard();
         controller::ticks();
         node::nodes();
-        #[cfg(feature = "faults")]
-        {
-            faults::index();
-            faults::double();
-            faults::fused();
-            faults::text();
-            faults::recursion();
-            faults::pointer();
-        }
     }
-}
-
-/// A slice of unknown length and content.
-fn slice<T>() -> &'static [T] {
-    black_box(&[])
-}
-
-/// A slice of unknown length and content that can be written to.
-fn slice_mut<T>() -> &'static mut [T] {
-    black_box(&mut [])
 }
 
 fn body() -> Body {
@@ -127,15 +107,4 @@ fn measured() -> JointStates<N> {
 
 fn desired() -> JointTargets<N> {
     black_box(JointTargets::rest(&tree()))
-}
-
-#[expect(unsafe_code, reason = "nothing is behind it that could be unsafe")]
-unsafe extern "C" {
-    /// Nobody has it: what needs it does not link.
-    safe fn a_panic_can_be_reached() -> !;
-}
-
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    a_panic_can_be_reached()
 }

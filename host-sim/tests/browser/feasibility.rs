@@ -76,14 +76,13 @@ fn seek(page: &Page, time_s: f64) {
 }
 
 fn it_plays_and_stops(page: &Page) {
-    let pause = "new Promise(r => setTimeout(() => r(1), 300))";
     let before = page.pixels();
-    page.tab.evaluate(pause, true).unwrap();
+    page.wait_ms(300);
     assert_ne!(page.pixels(), before, "it moves");
     page.ask("document.getElementById('play').click()");
     page.settle();
     let time = clock(page);
-    page.tab.evaluate(pause, true).unwrap();
+    page.wait_ms(300);
     assert!((clock(page) - time).abs() < 1e-9, "it stands");
 }
 

@@ -1,5 +1,6 @@
 //! Pages in a browser without a screen, as a reader has them: from disk, with no network.
 
+mod devtools;
 mod feasibility;
 mod page;
 mod report;

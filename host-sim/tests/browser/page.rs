@@ -1,126 +1,97 @@
 //! A browser without a screen, and a page in it.
 
+use std::cell::RefCell;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
-use headless_chrome::protocol::cdp::types::Event;
-use headless_chrome::protocol::cdp::{Emulation, Log, Network, Runtime};
-use headless_chrome::{Browser, LaunchOptions, Tab};
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
+
+use crate::devtools::Browser;
 
 /// Opens a file, and lets `read` use it. Then nothing must have been complained of, and nothing fetched.
 pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
-    let chromium = std::env::var_os("SINEW_CHROMIUM").expect("SINEW_CHROMIUM names the browser");
     let profile = tempfile::tempdir().unwrap();
-    let options = LaunchOptions {
-        path: Some(chromium.into()),
-        // A container has no sandbox to offer; the page is our own.
-        sandbox: false,
-        window_size: Some((1280, 900)),
-        user_data_dir: Some(profile.path().to_owned()),
-        args: ["--disable-quic", "--disable-component-update", "--no-proxy-server"]
-            .map(std::ffi::OsStr::new)
-            .into(),
-        idle_browser_timeout: Duration::from_mins(2),
-        ..LaunchOptions::default()
-    };
-    let browser = Browser::new(options).unwrap();
     let url = format!("file://{}", file.display());
-    let page = Page::open(&browser, &url);
+    let page = Page::open(Browser::start(profile.path()), &url);
     page.resize(1280, 900);
     read(&page);
-    assert_eq!(*page.complaints.lock().unwrap(), [""; 0], "the console is silent");
-    for request in page.requests.lock().unwrap().iter() {
-        assert!(*request == url || request.starts_with("data:"), "fetched: {request}");
+    for event in &page.browser.into_inner().events {
+        let told = &event["params"];
+        match event["method"].as_str() {
+            Some("Log.entryAdded" | "Runtime.exceptionThrown" | "Runtime.consoleAPICalled") => {
+                panic!("the console is not silent: {told}")
+            }
+            Some("Network.requestWillBeSent") => {
+                let request = told["request"]["url"].as_str().unwrap();
+                assert!(request == url || request.starts_with("data:"), "fetched: {request}");
+            }
+            _ => {}
+        }
     }
 }
 
 /// A page in a tab, with what went wrong and what was fetched.
 pub(crate) struct Page {
-    pub(crate) tab: Arc<Tab>,
-    complaints: Arc<Mutex<Vec<String>>>,
-    requests: Arc<Mutex<Vec<String>>>,
+    browser: RefCell<Browser>,
 }
 
 impl Page {
-    fn open(browser: &Browser, url: &str) -> Self {
-        let tab = browser.new_tab().unwrap();
-        let (complaints, requests) = <(Arc<Mutex<Vec<_>>>, Arc<Mutex<Vec<_>>>)>::default();
-        let (to_complaints, to_requests) = (Arc::clone(&complaints), Arc::clone(&requests));
-        tab.call_method(Log::Enable(None)).unwrap();
-        tab.call_method(Runtime::Enable(None)).unwrap();
-        tab.call_method(Network::Enable {
-            max_total_buffer_size: None,
-            max_resource_buffer_size: None,
-            max_post_data_size: None,
-            report_direct_socket_traffic: None,
-            enable_durable_messages: None,
-        })
-        .unwrap();
-        tab.add_event_listener(Arc::new(move |event: &Event| match event {
-            Event::LogEntryAdded(event) => {
-                to_complaints.lock().unwrap().push(event.params.entry.text.clone());
-            }
-            Event::RuntimeExceptionThrown(event) => {
-                to_complaints.lock().unwrap().push(format!("{:?}", event.params.exception_details));
-            }
-            Event::RuntimeConsoleAPICalled(event) => {
-                to_complaints.lock().unwrap().push(format!("{:?}", event.params.args));
-            }
-            Event::NetworkRequestWillBeSent(event) => {
-                to_requests.lock().unwrap().push(event.params.request.url.clone());
-            }
-            _ => {}
-        }))
-        .unwrap();
-        tab.navigate_to(url).unwrap().wait_until_navigated().unwrap();
-        let page = Self { tab, complaints, requests };
+    fn open(mut browser: Browser, url: &str) -> Self {
+        for domain in ["Log", "Runtime", "Network", "Page"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
+        }
+        browser.call("Page.navigate", json!({ "url": url }));
+        browser.wait_for("Page.loadEventFired");
+        let page = Self { browser: RefCell::new(browser) };
         page.settle();
         page
+    }
+
+    fn call(&self, method: &str, parameters: Value) -> Value {
+        self.browser.borrow_mut().call(method, parameters)
+    }
+
+    /// What an expression is; what it promises is waited for.
+    fn evaluate(&self, expression: &str) -> Value {
+        let asked =
+            json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let mut answer = self.call("Runtime.evaluate", asked);
+        let exception = &answer["exceptionDetails"];
+        assert!(exception.is_null(), "{expression}: {exception}");
+        answer["result"]["value"].take()
     }
 
     /// What an expression is, as JSON; nothing is null.
     pub(crate) fn ask(&self, expression: &str) -> serde_json::Value {
         let json = format!("JSON.stringify({expression}) ?? 'null'");
-        let object = self.tab.evaluate(&json, false).unwrap();
-        let text = object.value.unwrap_or_else(|| panic!("{expression} has no value"));
-        serde_json::from_str(text.as_str().unwrap()).unwrap()
+        let text = self.evaluate(&json);
+        let text = text.as_str().unwrap_or_else(|| panic!("{expression} has no value"));
+        serde_json::from_str(text).unwrap()
+    }
+
+    /// Lets the page run for so long.
+    pub(crate) fn wait_ms(&self, time_ms: u32) {
+        self.evaluate(&format!("new Promise(r => setTimeout(() => r(1), {time_ms}))"));
     }
 
     /// Waits until everything that was asked for is drawn.
     pub(crate) fn settle(&self) {
         let frames =
             "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))";
-        self.tab.evaluate(frames, true).unwrap();
+        self.evaluate(frames);
     }
 
     pub(crate) fn resize(&self, width: u32, height: u32) {
-        self.tab
-            .call_method(Emulation::SetDeviceMetricsOverride {
-                width,
-                height,
-                device_scale_factor: 1.0,
-                mobile: false,
-                scale: None,
-                screen_width: None,
-                screen_height: None,
-                position_x: None,
-                position_y: None,
-                dont_set_visible_size: None,
-                screen_orientation: None,
-                viewport: None,
-                display_feature: None,
-                device_posture: None,
-            })
-            .unwrap();
+        let metrics =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", metrics);
         self.settle();
     }
 
     pub(crate) fn emulate(&self, media: &str, scheme: &str) {
-        let feature =
-            Emulation::MediaFeature { name: "prefers-color-scheme".into(), value: scheme.into() };
-        let (media, features) = (Some(media.into()), Some(vec![feature]));
-        self.tab.call_method(Emulation::SetEmulatedMedia { media, features }).unwrap();
+        let feature = json!({ "name": "prefers-color-scheme", "value": scheme });
+        self.call("Emulation.setEmulatedMedia", json!({ "media": media, "features": [feature] }));
         self.settle();
     }
 
@@ -130,8 +101,33 @@ impl Page {
     }
 
     pub(crate) fn press(&self, key: &str) {
-        self.tab.press_key(key).unwrap();
+        // What keys have beside their names: the code of Windows, and what they write.
+        let (code, text) = match key {
+            "Enter" => (13, "\r"),
+            " " => (32, key),
+            "End" => (35, ""),
+            "Home" => (36, ""),
+            "ArrowLeft" => (37, ""),
+            "ArrowUp" => (38, ""),
+            "ArrowRight" => (39, ""),
+            "+" => (187, key),
+            "-" => (189, key),
+            _ => panic!("{key:?} is not known here"),
+        };
+        for kind in [if text.is_empty() { "rawKeyDown" } else { "keyDown" }, "keyUp"] {
+            let mut event = json!({ "type": kind, "key": key, "windowsVirtualKeyCode": code });
+            if kind == "keyDown" {
+                event["text"] = json!(text);
+            }
+            self.call("Input.dispatchKeyEvent", event);
+        }
         self.settle();
+    }
+
+    /// The page as a PDF.
+    pub(crate) fn pdf(&self) -> Vec<u8> {
+        let printed = self.call("Page.printToPDF", json!({}));
+        BASE64_STANDARD.decode(printed["data"].as_str().unwrap()).unwrap()
     }
 
     /// Whether it fits a width, and nothing is cut off either: what is wider scrolls in its own box.

@@ -131,7 +131,7 @@ fn it_plays(page: &Page) {
     page.press(" ");
     let label = "document.getElementById('play').getAttribute('aria-label')";
     assert_eq!(page.ask(label), "Pause");
-    page.tab.evaluate("new Promise(r => setTimeout(() => r(1), 400))", true).unwrap();
+    page.wait_ms(400);
     page.press(" ");
     assert_eq!(page.ask(label), "Play");
     let clock = clock_of(page);
@@ -180,6 +180,6 @@ fn it_prints(page: &Page) {
     assert_eq!(display(".still"), "block", "a still stands in for the playback");
     let ground = page.ask("getComputedStyle(document.body).backgroundColor");
     assert_eq!(ground, "rgb(255, 255, 255)", "paper is light");
-    let pdf = page.tab.print_to_pdf(None).unwrap();
+    let pdf = page.pdf();
     assert!(pdf.starts_with(b"%PDF") && pdf.len() > 50_000, "{} bytes", pdf.len());
 }

@@ -33,14 +33,13 @@ fn positions(page: &Page) -> serde_json::Value {
 }
 
 fn it_moves_by_itself_until_it_is_stopped(page: &Page) {
-    let pause = "new Promise(r => setTimeout(() => r(1), 300))";
     let before = positions(page);
-    page.tab.evaluate(pause, true).unwrap();
+    page.wait_ms(300);
     assert_ne!(positions(page), before, "it moves");
     page.ask("document.getElementById('home').click()");
     page.settle();
     let home = positions(page);
-    page.tab.evaluate(pause, true).unwrap();
+    page.wait_ms(300);
     assert_eq!(positions(page), home, "it stands");
 }
 

@@ -1,0 +1,77 @@
+//! An image of what the audit must find, each once, so that it is known to look. On a host there is nothing to run.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::fmt::Write;
+    use core::hint::black_box;
+
+    use cortex_m_rt::entry;
+    use sinew_audit::slice;
+
+    #[entry]
+    fn main() -> ! {
+        loop {
+            index();
+            double();
+            fused();
+            text();
+            recursion();
+            pointer();
+        }
+    }
+
+    /// A panic.
+    #[inline(never)]
+    pub(crate) fn index() {
+        let items: &[u32] = slice();
+        black_box(items[black_box(3)]);
+    }
+
+    /// 64-bit floats.
+    #[inline(never)]
+    pub(crate) fn double() {
+        black_box(black_box(1.5f64) * black_box(2.5f64));
+    }
+
+    /// A fused multiply-add, which no code of Rust's becomes by itself. It may use these registers: their callers keep
+    /// them.
+    #[unsafe(naked)]
+    pub(crate) extern "C" fn fused() {
+        core::arch::naked_asm!("vfma.f32 s0, s1, s2", "bx lr")
+    }
+
+    /// Formatting.
+    #[inline(never)]
+    pub(crate) fn text() {
+        struct Sink;
+        impl Write for Sink {
+            fn write_str(&mut self, text: &str) -> core::fmt::Result {
+                black_box(text);
+                Ok(())
+            }
+        }
+        let _ = write!(Sink, "{}", black_box(1.5f32));
+    }
+
+    /// Recursion, and not of a kind that becomes a loop.
+    #[inline(never)]
+    pub(crate) fn recursion() {
+        black_box(factorial(black_box(5)));
+    }
+
+    fn factorial(n: u32) -> u32 {
+        if n == 0 { 1 } else { black_box(factorial(black_box(n.wrapping_sub(1)))).wrapping_mul(n) }
+    }
+
+    /// A call by pointer.
+    #[inline(never)]
+    pub(crate) fn pointer() {
+        let function: fn() = black_box(double);
+        function();
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {}

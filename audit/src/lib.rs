@@ -1,0 +1,30 @@
+//! What the images of `cargo xtask audit` share: values that the compiler knows nothing of, and a panic handler that does
+//! not exist.
+
+#![no_std]
+
+use core::hint::black_box;
+
+/// A slice of unknown length and content.
+pub fn slice<T>() -> &'static [T] {
+    black_box(&[])
+}
+
+/// A slice of unknown length and content that can be written to.
+pub fn slice_mut<T>() -> &'static mut [T] {
+    black_box(&mut [])
+}
+
+#[cfg(target_os = "none")]
+mod panic {
+    #[expect(unsafe_code, reason = "nothing is behind it that could be unsafe")]
+    unsafe extern "C" {
+        /// Nobody has it: what needs it does not link.
+        safe fn a_panic_can_be_reached() -> !;
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        a_panic_can_be_reached()
+    }
+}

@@ -1,0 +1,107 @@
+//! A browser without a screen, by its DevTools protocol: commands and events as JSON, on one WebSocket. Crates that have
+//! the whole protocol are generated code that compiles for a minute; a dozen methods are used here.
+
+use std::io::{self, BufRead as _, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use tungstenite::{Message, WebSocket};
+
+/// The longest that a command may take: then the test fails, and does not hang.
+const PATIENCE: Duration = Duration::from_mins(2);
+
+/// A browser and one tab of it.
+pub(crate) struct Browser {
+    process: Child,
+    socket: WebSocket<TcpStream>,
+    /// The tab's; empty until there is one.
+    session: String,
+    commands: u64,
+    /// What the tab told unasked, in its order.
+    pub(crate) events: Vec<Value>,
+}
+
+impl Browser {
+    /// Starts it, with an empty tab.
+    pub(crate) fn start(profile: &Path) -> Self {
+        let chromium =
+            std::env::var_os("SINEW_CHROMIUM").expect("SINEW_CHROMIUM names the browser");
+        let mut process = Command::new(chromium)
+            // A container has no sandbox to offer; the page is our own.
+            .args(["--headless", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
+            .args(["--disable-background-networking", "--disable-component-update"])
+            .args(["--disable-extensions", "--disable-quic", "--no-proxy-server"])
+            .args(["--remote-debugging-port=0", "--window-size=1280,900"])
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the browser starts");
+        let mut lines = BufReader::new(process.stderr.take().expect("it is piped"));
+        let url = loop {
+            let mut line = String::new();
+            assert!(lines.read_line(&mut line).unwrap() > 0, "the browser ended");
+            if let Some(url) = line.strip_prefix("DevTools listening on ") {
+                break url.trim().to_owned();
+            }
+        };
+        // It goes on to log, and would wait for a full pipe.
+        std::thread::spawn(move || io::copy(&mut lines, &mut io::sink()));
+        let address = url.split('/').nth(2).expect("ws://HOST:PORT/PATH");
+        let stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (socket, _) = tungstenite::client(&url, stream).unwrap();
+        let mut browser =
+            Self { process, socket, session: String::new(), commands: 0, events: Vec::new() };
+        let tab = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let attach = json!({ "targetId": tab["targetId"], "flatten": true });
+        let session = browser.call("Target.attachToTarget", attach);
+        browser.session = session["sessionId"].as_str().expect("a session").to_owned();
+        browser
+    }
+
+    /// Calls a method, and gives its result.
+    pub(crate) fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.commands += 1;
+        let mut command = json!({ "id": self.commands, "method": method, "params": parameters });
+        if !self.session.is_empty() {
+            command["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(command.to_string())).unwrap();
+        loop {
+            let mut message = self.next();
+            if message["id"] == self.commands {
+                assert!(message.get("error").is_none(), "{method}: {message}");
+                return message["result"].take();
+            }
+            self.events.push(message);
+        }
+    }
+
+    /// Waits for an event.
+    pub(crate) fn wait_for(&mut self, event: &str) {
+        while !self.events.iter().any(|message| message["method"] == event) {
+            let message = self.next();
+            self.events.push(message);
+        }
+    }
+
+    fn next(&mut self) -> Value {
+        loop {
+            if let Message::Text(text) = self.socket.read().expect("the browser answers") {
+                return serde_json::from_str(&text).unwrap();
+            }
+        }
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
