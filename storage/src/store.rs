@@ -15,7 +15,8 @@ use crate::upload::Upload;
 
 /// All that a board keeps, in a flash `F`.
 ///
-/// Reading costs a pass over what is read, and its CRC. Nothing but a fault is written without [`Disarmed`].
+/// Reading costs a pass over what is read, and its CRC. Nothing but faults, and that they were cleared, is written without
+/// [`Disarmed`].
 #[derive(Debug)]
 pub struct Store<F> {
     pub(crate) flash: F,
@@ -232,12 +233,12 @@ impl<F: NorFlash> Store<F> {
         Faults::of(&self.log, &mut self.flash)
     }
 
-    /// Lets the next fault be the first. The last ones stay.
+    /// Lets the next fault be the first, armed or not: faults may be cleared while the rig is lowered. The last ones
+    /// stay. It erases nothing.
     ///
     /// # Errors
-    /// [`Error::Flash`], [`Error::ReadBack`], [`Error::Full`].
-    pub fn clear_faults(&mut self, disarmed: &Disarmed) -> Result<(), Error<F::Error>> {
-        self.make_room(disarmed, Record::room::<F>(0))?;
+    /// As [`Self::record_fault`].
+    pub fn clear_faults(&mut self) -> Result<(), Error<F::Error>> {
         self.log.begin(&mut self.flash, CLEARED_HEAD)?.seal(&mut self.flash)
     }
 

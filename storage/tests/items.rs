@@ -225,7 +225,7 @@ fn faults_are_recorded_without_an_erase_and_the_first_stays() {
         assert_eq!(numbers, (last - 15..=last).collect::<Vec<_>>());
         store = Store::open(store.close(), SMALL).unwrap().0;
     }
-    store.clear_faults(&disarmed).unwrap();
+    store.clear_faults().unwrap();
     assert_eq!(store.faults().unwrap().first, None);
     store.tidy(&disarmed).unwrap();
     store.record_fault(&fault(200)).unwrap();

@@ -98,12 +98,14 @@ fn read_rig<const B: usize, const V: usize, const S: usize>(
     BoardRig::decode(bytes).ok().map(|rig| (rig, crc))
 }
 
-/// Faults that storage has kept, for the supervisor. Of one that was kept several times, the newest counts.
+/// Faults that storage has kept, for the supervisor. Of one that was kept several times, as it came again, the newest
+/// counts; one that came again after faults were cleared has its own time.
 fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Error<F::Error>> {
     let kept = store.faults()?;
     let mut last: heapless::Vec<FaultRecord, LOGGED> = heapless::Vec::new();
     for record in kept.last.iter().rev().filter_map(words::kept) {
-        let is_again = last.iter().any(|newer| newer.is_as(&record));
+        let is_again =
+            last.iter().any(|newer| newer.is_as(&record) && newer.time_us == record.time_us);
         if !is_again && last.push(record).is_err() {
             break;
         }
