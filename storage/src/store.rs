@@ -108,6 +108,16 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Rig)
     }
 
+    /// Whether newer settings, or a newer rig, were there than [`Self::settings`] or [`Self::rig`] reads, and are damaged.
+    /// So it stays, over every power cut, until the next whole ones. Of the rare seal that power failed in nobody can
+    /// tell it from damage: it counts, too. O(log).
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn is_damaged(&mut self, kind: Kind) -> Result<bool, Error<F::Error>> {
+        self.log.is_damaged(&mut self.flash, kind)
+    }
+
     /// The show of a slot, if one is there. O(its size): every byte is under the CRC.
     ///
     /// # Errors

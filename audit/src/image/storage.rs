@@ -126,4 +126,5 @@ fn faults_of<const GRANULE: usize>() {
         black_box((faults.first, faults.last.len()));
     }
     black_box(store.clear_faults().is_ok());
+    black_box(store.is_damaged(black_box(Kind::Rig)).is_ok());
 }
