@@ -2,6 +2,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
+use crate::damage::NOTE_KIND;
 use crate::disarmed::Disarmed;
 use crate::error::Error;
 use crate::fault::{FAULT_KIND, FAULTS_KEPT, Tally};
@@ -14,7 +15,7 @@ impl Log {
     /// does, so a cut anywhere changes nothing.
     ///
     /// What counts: the newest whole record of each kind; of faults the first since they were cleared, and the last
-    /// [`FAULTS_KEPT`]. Order is kept.
+    /// [`FAULTS_KEPT`]. Order is kept. What newer items are damaged is noted behind it.
     pub(crate) fn compact<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -38,7 +39,7 @@ impl Log {
         let mut end = self.first_in::<F>(sector);
         while let Some(record) = self.next(flash, at)? {
             at = Some(record.end::<F>());
-            if record.state(flash)? != Seal::Good {
+            if record.head.kind == NOTE_KIND || record.state(flash)? != Seal::Good {
                 continue;
             }
             let counts = if record.head.kind == FAULT_KIND {
@@ -52,8 +53,10 @@ impl Log {
                 end = copy(flash, &record, end, sector_end)?;
             }
         }
+        end = self.note_damage(flash, end, sector_end)?;
         finish(flash, start, generation)?;
-        self.active = Some(Active { sector, generation, end, is_torn: false });
+        let (is_torn, is_cut_short) = (false, false);
+        self.active = Some(Active { sector, generation, end, is_torn, is_cut_short });
         self.is_new = false;
         Ok(())
     }

@@ -3,6 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 
+use crate::damage::NOTES;
 use crate::error::Error;
 use crate::flash::read;
 use crate::log::Log;
@@ -134,10 +135,12 @@ pub(crate) fn least_reserve<F: NorFlash>() -> u32 {
     Record::room::<F>(FAULT_LEN).saturating_mul(KEPT)
 }
 
-/// Room for the first fault, for the last ones, for as many new ones, and for a note that they were cleared.
+/// Room for the first fault, for the last ones, for as many new ones, and for notes: that they were cleared, and what is
+/// damaged.
 pub(crate) fn room_for_all<F: NorFlash>() -> u32 {
     let one = Record::room::<F>(FAULT_LEN);
-    one.saturating_mul(KEPT.saturating_mul(2).saturating_add(2))
+    let faults = one.saturating_mul(KEPT.saturating_mul(2).saturating_add(1));
+    faults.saturating_add(Record::room::<F>(0).saturating_mul(NOTES.saturating_add(1)))
 }
 
 const KEPT: u32 = 16;

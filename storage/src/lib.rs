@@ -29,6 +29,7 @@
 
 mod board;
 mod compact;
+mod damage;
 mod descriptor;
 mod disarmed;
 mod error;

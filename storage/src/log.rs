@@ -11,7 +11,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 use crate::board::Area;
 use crate::error::Error;
-use crate::flash::{CHECKSUM, all_ones, fill, is_blank, padded, read};
+use crate::flash::{CHECKSUM, all_ones, fill, padded, read};
 use crate::record::{HEAD_LEN, Head, Look, Record, Seal};
 
 const MAGIC: [u8; 4] = *b"SNWL";
@@ -35,6 +35,8 @@ pub(crate) struct Active {
     pub(crate) end: u32,
     /// Whether something is there that is no record: what a cut left.
     pub(crate) is_torn: bool,
+    /// Whether it is more than a cut leaves: records that nobody can reach.
+    pub(crate) is_cut_short: bool,
 }
 
 impl Log {
@@ -48,7 +50,8 @@ impl Log {
             let Some(generation) = decode(raw) else { continue };
             if log.active.is_none_or(|active| active.generation < generation) {
                 let end = log.first_in::<F>(sector);
-                log.active = Some(Active { sector, generation, end, is_torn: false });
+                log.active =
+                    Some(Active { sector, generation, end, is_torn: false, is_cut_short: false });
             }
         }
         if let Some(mut active) = log.active {
@@ -56,8 +59,7 @@ impl Log {
             while let Look::Record(record) = Record::look(flash, active.end, sector_end)? {
                 active.end = record.end::<F>();
             }
-            let rest = sector_end.saturating_sub(active.end);
-            active.is_torn = !is_blank(flash, active.end, rest)?;
+            active.look_behind(flash, sector_end)?;
             log.active = Some(active);
         }
         Ok(log)

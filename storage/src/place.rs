@@ -22,6 +22,8 @@ impl<F: NorFlash> Store<F> {
         let generation = self.log.active.map(|active| active.generation);
         if let Some(record) = newest
             && let Some(upload) = Upload::resume(&mut self.flash, record, descriptor, generation)?
+            // Where a newer one is damaged, somebody stands for this one anew.
+            && !(upload.is_sealed && self.log.is_damaged(&mut self.flash, descriptor.kind)?)
         {
             return Ok(upload);
         }

@@ -80,7 +80,9 @@ pub(crate) enum Seal {
     Open,
     /// As a whole.
     Good,
-    /// Given up, or damaged.
+    /// Given up: nobody will finish it.
+    GivenUp,
+    /// Damaged.
     Bad,
 }
 
@@ -152,7 +154,7 @@ impl Record {
         read(flash, self.seal_at::<F>(), &mut raw)?;
         Ok(match u32::from_le_bytes(raw) {
             OPEN => Seal::Open,
-            GIVEN_UP => Seal::Bad,
+            GIVEN_UP => Seal::GivenUp,
             seal if seal == self.computed_seal(flash)? => Seal::Good,
             _ => Seal::Bad,
         })

@@ -15,7 +15,8 @@ use crate::upload::Upload;
 
 /// All that a board keeps, in a flash `F`.
 ///
-/// Reading costs a pass over what is read, and its CRC. Nothing but a fault is written without [`Disarmed`].
+/// Reading costs a pass over what is read, and its CRC. Nothing but faults, and that they were cleared, is written without
+/// [`Disarmed`].
 #[derive(Debug)]
 pub struct Store<F> {
     pub(crate) flash: F,
@@ -105,6 +106,16 @@ impl<F: NorFlash> Store<F> {
     /// [`Error::Flash`].
     pub fn rig(&mut self) -> Result<Option<Stored>, Error<F::Error>> {
         self.in_log(Kind::Rig)
+    }
+
+    /// Whether newer settings, or a newer rig, were there than [`Self::settings`] or [`Self::rig`] reads, and are damaged.
+    /// So it stays, over every power cut, until the next whole ones. Of the rare seal that power failed in nobody can
+    /// tell it from damage: it counts, too. O(log).
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn is_damaged(&mut self, kind: Kind) -> Result<bool, Error<F::Error>> {
+        self.log.is_damaged(&mut self.flash, kind)
     }
 
     /// The show of a slot, if one is there. O(its size): every byte is under the CRC.
@@ -232,12 +243,12 @@ impl<F: NorFlash> Store<F> {
         Faults::of(&self.log, &mut self.flash)
     }
 
-    /// Lets the next fault be the first. The last ones stay.
+    /// Lets the next fault be the first, armed or not: faults may be cleared while the rig is lowered. The last ones
+    /// stay. It erases nothing.
     ///
     /// # Errors
-    /// [`Error::Flash`], [`Error::ReadBack`], [`Error::Full`].
-    pub fn clear_faults(&mut self, disarmed: &Disarmed) -> Result<(), Error<F::Error>> {
-        self.make_room(disarmed, Record::room::<F>(0))?;
+    /// As [`Self::record_fault`].
+    pub fn clear_faults(&mut self) -> Result<(), Error<F::Error>> {
         self.log.begin(&mut self.flash, CLEARED_HEAD)?.seal(&mut self.flash)
     }
 

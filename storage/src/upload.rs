@@ -65,7 +65,7 @@ impl Upload {
         let is_sealed = match record.state(flash)? {
             Seal::Good => true,
             Seal::Open => false,
-            Seal::Bad => return Ok(None),
+            Seal::GivenUp | Seal::Bad => return Ok(None),
         };
         let mut upload =
             Self { record, descriptor: descriptor.clone(), generation, received: 0, is_sealed };

@@ -70,7 +70,7 @@ fn used(changes: u32) -> MockFlash {
     put(&mut store, &disarmed, Kind::Rig, &rig(1, 2, 300)).unwrap();
     upload(&mut store, &disarmed, Kind::Show, &content(1, 900), 256).unwrap();
     store.record_fault(&fault(1)).unwrap();
-    store.clear_faults(&disarmed).unwrap();
+    store.clear_faults().unwrap();
     store.record_fault(&fault(2)).unwrap();
     for change in 0..changes {
         put(&mut store, &disarmed, Kind::Settings, &content(change, 90)).unwrap();
@@ -140,7 +140,7 @@ fn a_fault() {
 
 #[test]
 fn faults_cleared() {
-    cut("faults are cleared", &used(2), |store, disarmed| store.clear_faults(disarmed));
+    cut("faults are cleared", &used(2), |store, _| store.clear_faults());
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn live(
         }
         5 => {
             new.first_fault = None;
-            store.clear_faults(disarmed)
+            store.clear_faults()
         }
         _ => {
             let number = u16::try_from(number).unwrap();

@@ -14,7 +14,6 @@ use crate::supervisor::{self, Fault};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wait {
     Supervisor,
-    Clear,
     Load { slot: usize },
     Unload { slot: usize },
 }
@@ -94,9 +93,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             mail.with(|mail| mail.stop = Some(ticket));
             return None;
         }
-        let clear = order == supervisor::Command::ClearFaults;
-        let wait = if clear { Wait::Clear } else { Wait::Supervisor };
-        self.give(Order::Supervise(order), ticket, wait, mail)
+        self.give(Order::Supervise(order), ticket, Wait::Supervisor, mail)
     }
 
     /// Gives an order to the loop, if it has none.
@@ -125,10 +122,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         // An emergency stop is not waited for.
         let wait = self.waiting.take_if(|(of, _)| *of == ticket).map(|(_, wait)| wait);
         let outcome = match (said, wait) {
-            (Said::Supervised(Ok(state)), wait) => {
-                if wait == Some(Wait::Clear) {
-                    self.clear_faults(mail);
-                }
+            (Said::Supervised(Ok(state)), _) => {
                 Outcome::Applied(Applied::State(words::state(state)))
             }
             (Said::Supervised(Err(why)), _) => Outcome::Refused(words::refused(why)),

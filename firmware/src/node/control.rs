@@ -10,7 +10,7 @@ use super::live::Live;
 use super::mail::{Mail, Order, Said, Shared, Tick, Ticket};
 use super::snapshot::{self, Times};
 use crate::controller::{Controller, Incomplete, Inputs, Jog, Wire, exchange};
-use crate::supervisor::{Command, Fault, FaultLog, FaultRecord, FaultSet, LOGGED};
+use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
 
 /// The loop of a node. It has a context of its own, which nothing but the bus may interrupt.
 #[derive(Debug)]
@@ -170,12 +170,11 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         }
         let log = self.controller.supervisor().log();
         if *log != self.told {
-            let is_new = |record: &FaultRecord| self.told.last().all(|told| told != *record);
             let room = mail.faults.capacity().saturating_sub(mail.faults.len());
             // All or none, so that none is told twice. There is room for all in an empty mail.
-            if log.last().filter(is_new).count() <= room {
-                for record in log.last().filter(is_new) {
-                    let _ = mail.faults.push_back(record);
+            if log.news(&self.told).count() <= room {
+                for news in log.news(&self.told) {
+                    let _ = mail.faults.push_back(news);
                 }
                 self.told = *log;
             }

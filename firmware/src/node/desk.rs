@@ -17,7 +17,7 @@ use super::settings::NodeSettings;
 use super::telemetry::Telemeter;
 use super::words;
 use crate::controller::Jog;
-use crate::supervisor::FaultRecord;
+use crate::supervisor::FaultNews;
 
 /// Bytes that are taken from the line in a step.
 const AT_ONCE: usize = 64;
@@ -62,8 +62,8 @@ pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: 
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,
     pub(super) telemeter: Telemeter<V, S, C>,
-    /// Faults that storage has not taken yet.
-    pub(super) faults: Deque<FaultRecord, FAULTS_WAITING>,
+    /// Of faults what storage has not taken yet.
+    pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// What was stored counts after a restart: until then nobody arms.
     pub(super) kept: Option<Disarmed>,
 }

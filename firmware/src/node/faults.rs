@@ -7,23 +7,33 @@ use sinew_storage::Error;
 use super::desk::Desk;
 use super::mail::{Mail, Shared};
 use super::words;
+use crate::supervisor::FaultNews;
 
 impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
     Desk<'a, F, B, V, S, C>
 {
-    /// Tells faults to the host, and keeps them.
+    /// Tells faults to the host, and keeps them: in the order in which they came, with the notes between them that they
+    /// were cleared. So the first one in flash is the first since then, whatever waits.
     pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, V, S, C>>) {
         while !self.faults.is_full()
-            && let Some(record) = mail.with(|mail| mail.faults.pop_front())
+            && let Some(news) = mail.with(|mail| mail.faults.pop_front())
         {
-            self.outbox.put(&ToHost::Fault(words::fault(&record)));
-            if is_kept(record.times) {
-                // There is room: asked above.
-                let _ = self.faults.push_back(record);
+            if let FaultNews::Fault(record) = news {
+                self.outbox.put(&ToHost::Fault(words::fault(&record)));
+                if !is_kept(record.times) {
+                    continue;
+                }
             }
+            // There is room: asked above.
+            let _ = self.faults.push_back(news);
         }
-        if let Some(record) = self.faults.front().copied() {
-            let kept = self.store.record_fault(&words::to_keep(&record));
+        if let Some(news) = self.faults.front().copied() {
+            let kept = match news {
+                FaultNews::Fault(record) => {
+                    self.store.record_fault(&words::to_keep(&record)).map(|_| ())
+                }
+                FaultNews::Cleared => self.store.clear_faults(),
+            };
             if let Err(Error::Untidy | Error::Full { .. }) = kept {
                 // There is no room while torque is on: it waits until that is off.
                 let Some(disarmed) = mail.with(|mail| mail.disarmed.take()) else { return };

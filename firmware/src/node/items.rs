@@ -192,12 +192,6 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let record = record.and_then(words::kept).map(|record| words::fault(&record));
         Ok(Applied::Fault(FaultReport { count, record }))
     }
-
-    /// The supervisor has cleared its faults: the next one is the first in flash, too. The last ones stay.
-    pub(super) fn clear_faults(&mut self, mail: &impl Shared<Mail<'a, V, S, C>>) {
-        // While the rig is lowered the loop has the permission: flash then keeps the fault that was the first.
-        let _ = self.disarmed(mail, false, Store::clear_faults);
-    }
 }
 
 fn read_back<F: NorFlash>(

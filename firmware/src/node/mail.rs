@@ -6,7 +6,7 @@ use sinew_show::ShowFrames;
 use sinew_storage::Disarmed;
 
 use crate::controller::Jog;
-use crate::supervisor::{Answer, Command, FaultRecord, LOGGED, Operator, State};
+use crate::supervisor::{Answer, Command, FaultNews, LOGGED, Operator, State};
 
 /// Of whom a command is: its session and number.
 pub(super) type Ticket = (u16, u16);
@@ -14,9 +14,9 @@ pub(super) type Ticket = (u16, u16);
 /// Live frames that may wait for the next tick.
 pub(super) const LIVE_WAITING: usize = 4;
 
-/// Faults that may wait for storage.
+/// Faults that may wait for storage, with the notes between them that they were cleared.
 pub(super) const FAULTS_WAITING: usize = 16;
-const _: () = assert!(FAULTS_WAITING >= LOGGED, "what the supervisor keeps has room at once");
+const _: () = assert!(FAULTS_WAITING > LOGGED, "what the supervisor keeps has room at once");
 
 /// Something that both halves reach: on a board a value behind a critical section.
 ///
@@ -42,7 +42,7 @@ pub struct Mail<'a, const V: usize, const S: usize, const C: usize> {
     pub(super) live: Deque<LiveFrame, LIVE_WAITING>,
     pub(super) wants_snapshot: bool,
     pub(super) answers: Deque<(Ticket, Said), 4>,
-    pub(super) faults: Deque<FaultRecord, FAULTS_WAITING>,
+    pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     pub(super) snapshot: Option<Tick<V, S, C>>,
     pub(super) state: State,
     pub(super) disarmed: Option<Disarmed>,

@@ -2,7 +2,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 use sinew_rig::board::BoardRig;
-use sinew_storage::{BoardTable, Condition, Disarmed, Error, Hash, Store, Stored};
+use sinew_storage::{BoardTable, Condition, Disarmed, Error, Hash, Kind, Store, Stored};
 
 use super::settings::{NodeSettings, SETTINGS_MAX, SETTINGS_SCHEMA};
 use super::words;
@@ -23,7 +23,7 @@ pub struct Found<F, const B: usize, const V: usize, const S: usize> {
     pub settings: NodeSettings,
     /// The rig, and the CRC that its form ends with. None if there is no good one: nothing can move then.
     pub rig: Option<(BoardRig<B, V, S>, u32)>,
-    /// Whether the settings, or the rig, are not the stored ones: what is stored is bad.
+    /// Whether the settings, or the rig, are not the newest that were stored: what is stored is bad.
     pub is_bad: bool,
     /// For the controller: why the board starts, and what is bad, as faults; and the faults before.
     pub start: Start,
@@ -46,7 +46,9 @@ pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
     store.tidy(&disarmed)?;
     let log = fault_log(&mut store)?;
 
-    let mut is_bad = was_lost;
+    // Older ones that are whole are read, so that a host can ask; they do not count unless somebody stands for them anew.
+    let mut is_bad =
+        was_lost || store.is_damaged(Kind::Settings)? || store.is_damaged(Kind::Rig)?;
     let mut rig = None;
     match store.rig()? {
         Some(item) => {
@@ -98,12 +100,14 @@ fn read_rig<const B: usize, const V: usize, const S: usize>(
     BoardRig::decode(bytes).ok().map(|rig| (rig, crc))
 }
 
-/// Faults that storage has kept, for the supervisor. Of one that was kept several times, the newest counts.
+/// Faults that storage has kept, for the supervisor. Of one that was kept several times, as it came again, the newest
+/// counts; one that came again after faults were cleared has its own time.
 fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Error<F::Error>> {
     let kept = store.faults()?;
     let mut last: heapless::Vec<FaultRecord, LOGGED> = heapless::Vec::new();
     for record in kept.last.iter().rev().filter_map(words::kept) {
-        let is_again = last.iter().any(|newer| newer.is_as(&record));
+        let is_again =
+            last.iter().any(|newer| newer.is_as(&record) && newer.time_us == record.time_us);
         if !is_again && last.push(record).is_err() {
             break;
         }

@@ -68,6 +68,7 @@ mod transition;
 
 pub use command::{Answer, Command, Refused};
 pub use event::{Event, Feeds};
+pub(crate) use fault::FaultNews;
 pub use fault::{Clears, Fault, FaultLog, FaultRecord, FaultSet, Findings, Reaction, Row, TABLE};
 pub use guard::{Guard, GuardReason, GuardSettings, Guarded};
 pub use permission::Permission;

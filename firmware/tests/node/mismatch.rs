@@ -2,7 +2,9 @@
 
 use sinew_firmware::node::NodeSettings;
 use sinew_firmware::supervisor::State;
-use sinew_link::message::{Command, Item, Kind as ItemKind, Outcome, Refusal, Value};
+use sinew_link::message::{
+    Applied, Command, Item, Kind as ItemKind, Outcome, Place, Refusal, Value,
+};
 
 use crate::line::Trouble;
 use crate::stand::{Kind, setup};
@@ -72,6 +74,48 @@ fn a_rig_that_flash_has_lost_refuses_motion() {
     world.connect();
     assert_eq!((world.state(), world.host.welcome.unwrap().about.rig), (None, 0));
     assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
+}
+
+/// The newest settings are damaged, those of before are whole: they are not taken in silence, at no start, until somebody
+/// stands for settings anew; also for the same ones.
+#[test]
+fn older_settings_do_not_count_where_newer_ones_are_damaged() {
+    let mut world = ready();
+    for value in [8.0, 9.0] {
+        world.ask(Command::WriteSetting { key: 6, value: Value::Number(value) });
+        world.connect();
+    }
+    // A bit of the newest ones: of key 6, 9 s.
+    let key: Vec<u8> = 6_u16.to_le_bytes().into_iter().chain(9_f32.to_le_bytes()).collect();
+    let mut flash = world.chip.flash.borrow_mut();
+    let at = flash.bytes.windows(key.len()).rposition(|bytes| bytes == key).unwrap();
+    flash.bytes[at + 2] ^= 0x10;
+    drop(flash);
+    for _ in 0..2 {
+        assert!(world.restart());
+        world.connect();
+        world.run(1.0);
+        let told = world.ask(Command::ReadSetting { key: 6 });
+        assert_eq!(told, Outcome::Applied(Applied::Setting(Value::Number(8.0))));
+        assert_eq!((world.state(), world.servos_on()), (Some(State::Faulted), 0));
+        assert_eq!(world.host.faults.last().unwrap().fault, 13);
+        assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
+        assert_eq!(world.ask(Command::ClearFaults), Outcome::Refused(Refusal::NeedsUpload(13)));
+        let one = Command::WriteSetting { key: 6, value: Value::Number(8.0) };
+        assert_eq!(world.ask(one), Outcome::Refused(Refusal::NeedsUpload(13)));
+    }
+    // The older ones, bit for bit, with their descriptor.
+    let settings = NodeSettings::new(setup(KIND).settings).with(6, 8.0).unwrap().bytes();
+    let mut same = item(ItemKind::Settings, &settings, rig(KIND).1);
+    same.approver = "host, one setting".try_into().unwrap();
+    assert_eq!(world.ask(Command::AskStored(Place::Settings)), stored(&same));
+    assert_eq!(world.upload(&same, &settings), stored(&same));
+    world.connect();
+    world.until(State::Limp, 2.0);
+}
+
+fn stored(item: &Item) -> Outcome {
+    Outcome::Applied(Applied::Stored(Some(item.clone())))
 }
 
 #[test]

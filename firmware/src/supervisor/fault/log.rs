@@ -3,18 +3,22 @@
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
-/// comes and goes pushes no other out.
+/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
-    is_cleared: bool,
+    /// Newest first.
     last: [Option<FaultRecord>; K],
+    /// How many of the last ones came since faults were cleared.
+    since: usize,
+    /// How often they were cleared.
+    clears: u32,
 }
 
 impl<const K: usize> Default for FaultLog<K> {
     fn default() -> Self {
-        Self { first: None, is_cleared: true, last: [None; K] }
+        Self { first: None, last: [None; K], since: 0, clears: 0 }
     }
 }
 
@@ -24,7 +28,8 @@ impl<const K: usize> FaultLog<K> {
         first: Option<FaultRecord>,
         last: impl IntoIterator<Item = FaultRecord>,
     ) -> Self {
-        let mut log = Self { first, is_cleared: first.is_none(), last: [None; K] };
+        let since = if first.is_some() { K.max(1) } else { 0 };
+        let mut log = Self { first, since, ..Self::default() };
         for (place, record) in log.last.iter_mut().zip(last) {
             *place = Some(record);
         }
@@ -33,10 +38,11 @@ impl<const K: usize> FaultLog<K> {
 
     /// Notes a fault. O(K).
     pub fn note(&mut self, record: FaultRecord) {
-        if core::mem::take(&mut self.is_cleared) {
+        if self.since == 0 {
             self.first = Some(record);
         }
-        if let Some(again) = self.last.iter_mut().flatten().find(|kept| kept.is_as(&record)) {
+        let mut own = self.last.iter_mut().take(self.since).flatten();
+        if let Some(again) = own.find(|kept| kept.is_as(&record)) {
             again.times = again.times.saturating_add(1);
             return;
         }
@@ -44,11 +50,13 @@ impl<const K: usize> FaultLog<K> {
         if let Some(newest) = self.last.first_mut() {
             *newest = Some(record);
         }
+        self.since = self.since.saturating_add(1);
     }
 
     /// Faults were cleared: the next one is the first. What is kept stays until then.
     pub fn clear(&mut self) {
-        self.is_cleared = true;
+        self.since = 0;
+        self.clears = self.clears.wrapping_add(1);
     }
 
     /// The first fault since faults were cleared, or, until one comes, the first before that.
@@ -60,6 +68,25 @@ impl<const K: usize> FaultLog<K> {
     pub fn last(&self) -> impl Iterator<Item = FaultRecord> {
         self.last.iter().flatten().copied()
     }
+
+    /// What is new here against the same log as it was before: in the order in which it came.
+    pub(crate) fn news<'l>(&'l self, before: &'l Self) -> impl Iterator<Item = FaultNews> + 'l {
+        let is_new = |record: &&FaultRecord| !before.last.contains(&Some(**record));
+        let (since, older) = self.last.split_at_checked(self.since).unwrap_or((&self.last, &[]));
+        let fault = |record: &FaultRecord| FaultNews::Fault(*record);
+        let older = older.iter().rev().flatten().filter(is_new).map(fault);
+        let cleared = (self.clears != before.clears).then_some(FaultNews::Cleared);
+        older.chain(cleared).chain(since.iter().rev().flatten().filter(is_new).map(fault))
+    }
+}
+
+/// What storage has to be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FaultNews {
+    /// A fault came, or came again.
+    Fault(FaultRecord),
+    /// Faults were cleared: the next one is the first.
+    Cleared,
 }
 
 #[cfg(test)]
@@ -83,11 +110,37 @@ mod tests {
         assert_eq!(log.first(), Some(record(Fault::Range, 5)));
         log.note(record(Fault::Overrun, 9));
         assert_eq!(log.first(), Some(record(Fault::Overrun, 9)));
-        // It came again: counted, with its first time.
+        // It is not the one of before: it has its own time. From here on it is counted.
+        log.note(record(Fault::Overrun, 10));
         assert!(log.last().eq([
-            record(Fault::ServoSilent, 7),
-            FaultRecord { times: 2, ..record(Fault::Overrun, 6) }
+            FaultRecord { times: 2, ..record(Fault::Overrun, 9) },
+            record(Fault::ServoSilent, 7)
         ]));
         assert_eq!(FaultLog::restored(log.first(), log.last()).last, log.last);
+    }
+
+    #[test]
+    fn news_are_in_order_and_told_once() {
+        let mut log = FaultLog::<4>::default();
+        log.note(record(Fault::Range, 5));
+        let told = log;
+        assert_eq!(log.news(&told).count(), 0);
+        log.note(record(Fault::Overrun, 6));
+        log.clear();
+        for time_us in [7, 8] {
+            log.note(record(Fault::Range, time_us));
+        }
+        log.note(record(Fault::Overrun, 9));
+        assert!(log.news(&told).eq([
+            FaultNews::Fault(record(Fault::Overrun, 6)),
+            FaultNews::Cleared,
+            FaultNews::Fault(FaultRecord { times: 2, ..record(Fault::Range, 7) }),
+            FaultNews::Fault(record(Fault::Overrun, 9)),
+        ]));
+        // What was before a start of the board is told already, and not counted with.
+        let mut again = FaultLog::<4>::restored(log.first(), log.last());
+        let told = again;
+        again.note(FaultRecord { start: 8, ..record(Fault::Range, 1) });
+        assert_eq!((again.first(), again.news(&told).count()), (log.first(), 1));
     }
 }

@@ -9,6 +9,7 @@ mod table;
 
 pub use findings::Findings;
 pub use log::FaultLog;
+pub(crate) use log::FaultNews;
 pub use record::FaultRecord;
 pub use row::{Clears, Reaction, Row};
 pub use set::FaultSet;

@@ -159,7 +159,7 @@ pub const TABLE: &[Row; Fault::COUNT] = &[
     },
     Row {
         fault: Fault::SettingsBad,
-        when: "settings or rig cannot be read, or cannot be",
+        when: "settings or rig cannot be read, cannot be, or only older ones are whole",
         remedy: "upload them again",
         reactions: LIMP,
         clears: Clears::Upload,
