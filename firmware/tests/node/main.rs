@@ -14,6 +14,7 @@ mod stand;
 #[path = "../controller/swing.rs"]
 mod swing;
 
+mod emulated;
 mod full_line;
 mod hardware;
 mod host;
