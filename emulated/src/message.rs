@@ -104,11 +104,6 @@ impl<B: Bytes> End<B> {
         Self { bytes, room: [0; ROOM] }
     }
 
-    /// The line of bytes.
-    pub fn bytes(&mut self) -> &mut B {
-        &mut self.bytes
-    }
-
     /// Sends a message.
     ///
     /// # Panics
