@@ -3,6 +3,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod files;
 #[cfg(not(target_os = "none"))]
 mod host;
 #[cfg(target_os = "none")]

@@ -9,6 +9,7 @@ mod elf;
 mod features;
 mod firmware;
 mod image;
+mod node;
 mod package;
 mod parity;
 mod semver;
@@ -35,6 +36,8 @@ Commands:
             --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
+  node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes
+            of its bus and its line, and all that it commands, with the same in process
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   semver REV
@@ -78,6 +81,7 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["budget", "--accept"] => Box::new(|| budget::run(true, || firmware::run(None))),
         ["test"] => Box::new(test::run),
         ["parity"] => Box::new(parity::run),
+        ["node"] => Box::new(node::run),
         ["clients"] => Box::new(clients::run),
         ["semver", revision] => {
             let revision = (*revision).to_owned();

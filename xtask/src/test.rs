@@ -6,7 +6,9 @@ use anyhow::Result;
 use sinew_image::BOARDS;
 
 use crate::image::Image;
-use crate::{arm, audit, budget, clients, docs, features, firmware, package, parity, setup, step};
+use crate::{
+    arm, audit, budget, clients, docs, features, firmware, node, package, parity, setup, step,
+};
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -34,6 +36,7 @@ pub(crate) fn run() -> Result<()> {
     audit::run()?;
     clients::run()?;
     let machines = parity::build()?;
+    let image = node::build()?;
     let mut tests = step::cargo();
     tests
         .args(["test", "--locked", "--workspace"])
@@ -41,7 +44,7 @@ pub(crate) fn run() -> Result<()> {
         // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
         // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
         .env("PROPTEST_RNG_SEED", "20261121")
-        .envs(machines.iter().cloned());
+        .envs(machines.iter().cloned().chain([image.clone()]));
     let browser = setup::chromium().unwrap_or_default();
     tests.env("SINEW_CHROMIUM", &browser);
     if std::env::var_os("SINEW_DATA").is_some() {
@@ -51,6 +54,7 @@ pub(crate) fn run() -> Result<()> {
         eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
         step::run("tests", &mut tests)?;
         step::run("bit parity", parity::test().envs(machines))?;
+        step::run("the node in QEMU", node::test().envs([image]))?;
         let mut report = step::cargo();
         report
             .args(["test", "--locked", "--workspace", "--test", "browser"])
@@ -76,7 +80,7 @@ fn lint_images() -> Result<()> {
         command.env("SINEW_SHOW", firmware::baked(board));
         clippy(image, command)?;
     }
-    for image in budget::IMAGES.into_iter().chain([audit::FAULTY, parity::IMAGE]) {
+    for image in budget::IMAGES.into_iter().chain([audit::FAULTY, parity::IMAGE, node::IMAGE]) {
         clippy(image, image.cargo("clippy")?)?;
     }
     Ok(())

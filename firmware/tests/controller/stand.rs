@@ -2,19 +2,15 @@
 
 use std::sync::OnceLock;
 
-use sinew_bus::dynamixel::{self, table::MODELS};
-use sinew_bus::feetech::{self, Family};
 use sinew_bus::{
     Command as BusCommand, CommandError, Effort, EncodeError, Feedback, Health, Limit, Request,
-    Schedule, ServoBus, Timing,
+    ServoBus,
 };
-use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
+use sinew_emulated::arm;
+pub(crate) use sinew_emulated::arm::{Kind, Parts, SERVOS, parts as setup};
 use sinew_firmware::controller::{
-    Complete, Controller, ControllerSettings, Incomplete, Inputs, Jog, LiveSource, ServoSetup,
-    Start, Wire, exchange,
+    Complete, Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
 };
-use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
-use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_firmware::supervisor::{Command, FaultSet, State};
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
@@ -26,33 +22,6 @@ use sinew_servo_sim::supply::Supply;
 
 pub(crate) type Board = BoardRig<8, 8, 8>;
 type Loop = Controller<'static, 8, 8, 8, 8>;
-
-pub(crate) const SERVOS: usize = 6;
-
-/// How the arm's servos are driven.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
-    /// XL330 by current, 400 Hz at 4 Mbps.
-    Current,
-    /// STS3215 by position, 100 Hz at 1 Mbps.
-    Position,
-}
-
-impl Kind {
-    pub(crate) fn rate_hz(self) -> u32 {
-        match self {
-            Self::Current => 400,
-            Self::Position => 100,
-        }
-    }
-
-    fn model(self) -> &'static str {
-        match self {
-            Self::Current => "XL330-M288-T",
-            Self::Position => "STS3215-7.4V",
-        }
-    }
-}
 
 /// The arm's compact form, and its servos.
 pub(crate) struct Figure {
@@ -92,48 +61,41 @@ pub(crate) struct Planted {
     pub(crate) is_unknown: bool,
 }
 
-enum Protocol {
-    Dynamixel(dynamixel::Bus<SERVOS>),
-    Feetech(feetech::Bus<SERVOS>),
-}
-
 /// A bus with something wrong.
 pub(crate) struct Bus {
-    protocol: Protocol,
+    own: arm::Bus,
     pub(crate) planted: Planted,
 }
 
-macro_rules! of {
-    ($bus:expr, $it:ident => $do:expr) => {
-        match $bus {
-            Protocol::Dynamixel($it) => $do,
-            Protocol::Feetech($it) => $do,
-        }
-    };
+impl From<arm::Bus> for Bus {
+    /// Nothing is wrong yet.
+    fn from(own: arm::Bus) -> Self {
+        Self { own, planted: Planted::default() }
+    }
 }
 
 impl ServoBus for Bus {
     fn len(&self) -> usize {
-        of!(&self.protocol, bus => bus.len())
+        self.own.len()
     }
     fn command(
         &mut self,
         servo: usize,
         command: BusCommand,
     ) -> Result<Option<Limit>, CommandError> {
-        of!(&mut self.protocol, bus => bus.command(servo, command))
+        self.own.command(servo, command)
     }
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
-        of!(&mut self.protocol, bus => bus.plan(out))
+        self.own.plan(out)
     }
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
-        of!(&mut self.protocol, bus => bus.plan_more(left_us, out))
+        self.own.plan_more(left_us, out)
     }
     fn reply(&mut self, bytes: &[u8]) -> bool {
-        of!(&mut self.protocol, bus => bus.reply(bytes))
+        self.own.reply(bytes)
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
-        let read = of!(&self.protocol, bus => bus.feedback(servo))?;
+        let read = self.own.feedback(servo)?;
         let Planted { position_rad, off_rad, current_a, is_unknown, .. } = self.planted;
         if servo > 0 {
             return Some(read);
@@ -145,7 +107,7 @@ impl ServoBus for Bus {
         })
     }
     fn health(&self, servo: usize) -> Option<Health> {
-        let health = of!(&self.protocol, bus => bus.health(servo))?;
+        let health = self.own.health(servo)?;
         if servo > 0 {
             return Some(health);
         }
@@ -236,7 +198,7 @@ impl Stand {
         Self {
             kind,
             controller,
-            bus: parts.bus(),
+            bus: parts.bus.into(),
             bench,
             live: Live::default(),
             heard: true,
@@ -347,84 +309,4 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     }
     let voltage_v = figure.servos[0].kind.voltage_v;
     Bench::new(simulated, arms, Supply::stiff(voltage_v))
-}
-
-/// What a controller and a bus of a kind of arm are made of.
-pub(crate) struct Parts {
-    pub(crate) settings: ControllerSettings,
-    pub(crate) servos: Vec<ServoSetup>,
-    pub(crate) schedule: Schedule,
-    protocol: Protocol,
-    timing: Timing,
-}
-
-impl Parts {
-    pub(crate) fn bus(self) -> Bus {
-        Bus { protocol: self.protocol, planted: Planted::default() }
-    }
-}
-
-pub(crate) fn setup(kind: Kind) -> Parts {
-    let count = SERVOS as u32;
-    let baud = if kind == Kind::Current { 4_000_000 } else { 1_000_000 };
-    let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
-    let (traffic, recommended_v, bounds_v, stall_a) = match kind {
-        // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9.
-        Kind::Current => (dynamixel::traffic(count, 2, true), 5.0, [3.5, 7.0], 1.47),
-        Kind::Position => (feetech::traffic(Family::Sts, count).with_goal(6), 7.4, [4.0, 9.0], 2.4),
-    };
-    let schedule = Schedule::new(timing, &traffic, kind.rate_hz()).unwrap();
-    let setup = ServoSetup {
-        drive: match kind {
-            Kind::Current => DriveSettings::Current(CurrentSettings {
-                encoder: Encoder::default(),
-                current_a: 1.2,
-                // Above what the detector of heat finds first.
-                cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
-            }),
-            Kind::Position => DriveSettings::Position(PositionSettings::default()),
-        },
-        heat: HeatSettings::default(),
-        supply: SupplySettings::of(recommended_v, bounds_v[0], bounds_v[1]),
-        winding: WindingSettings::of_stall(stall_a),
-        stall_a,
-    };
-    let tracker = match kind {
-        Kind::Current => TrackerSettings::recommended(),
-        // 10 ms and as much latency: too late for the recommended one, whose feedback no position servo takes.
-        Kind::Position => {
-            TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
-        }
-    };
-    let protocol = match kind {
-        Kind::Current => {
-            let setup = |id| dynamixel::ServoSetup {
-                id,
-                model: MODELS.iter().find(|model| model.name == "XL330-M288").unwrap(),
-                mode: dynamixel::Mode::Current,
-                range_rad: [0.0, 6.2],
-                current_a: 1.2,
-                pwm: 1.0,
-                speed_rad_s: 15.0,
-            };
-            let setups: Vec<_> = (1..).take(SERVOS).map(setup).collect();
-            let settings = dynamixel::Settings { fast: true, retries: 1 };
-            Protocol::Dynamixel(dynamixel::Bus::new(&setups, schedule, settings).unwrap())
-        }
-        Kind::Position => {
-            let setup = |id| feetech::ServoSetup {
-                id,
-                mode: feetech::Mode::Position,
-                range_rad: [0.0, 6.2],
-                pwm: 1.0,
-                speed_rad_s: 10.0,
-            };
-            let setups: Vec<_> = (1..).take(SERVOS).map(setup).collect();
-            let family = Family::Sts;
-            let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
-            Protocol::Feetech(feetech::Bus::new(&setups, schedule, settings).unwrap())
-        }
-    };
-    let settings = ControllerSettings { tracker, ..ControllerSettings::default() };
-    Parts { settings, servos: vec![setup; SERVOS], schedule, protocol, timing }
 }

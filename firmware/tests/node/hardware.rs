@@ -5,24 +5,16 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use sinew_emulated::node::LINE_IN_STEP;
+pub(crate) use sinew_emulated::node::TABLE;
 use sinew_firmware::controller::{Complete, Wire};
 use sinew_firmware::node::{Mail, Port, Safety, Shared};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
-use sinew_storage::{Area, BoardTable, Capacity};
 
 use crate::flash::{MockFlash, PowerFailed};
 use crate::host::Host;
 use crate::stand::hash_of;
-
-pub(crate) const TABLE: BoardTable = BoardTable {
-    log: Area { start: 0x4000, sector_len: 0x4000, sectors: 2 },
-    slots: &[
-        Area { start: 0xC000, sector_len: 0x4000, sectors: 1 },
-        Area { start: 0x1_0000, sector_len: 0x4000, sectors: 1 },
-    ],
-    capacity: Capacity { bodies: 8, degrees_of_freedom: 8, servos: 8 },
-};
 
 /// Flash that its driver and the processor both see.
 #[derive(Clone)]
@@ -118,14 +110,12 @@ impl Port<'static> for Desktop<'_> {
         self.now_us
     }
     fn receive(&mut self, into: &mut [u8]) -> usize {
-        let came = &mut self.host.there.bytes;
-        let count = into.len().min(came.len());
-        into.iter_mut().zip(came.drain(..count)).for_each(|(to, byte)| *to = byte);
+        let count = into.len().min(self.host.there.bytes.len());
+        into.iter_mut().zip(self.host.give(count)).for_each(|(to, byte)| *to = byte);
         count
     }
     fn send(&mut self, bytes: &[u8]) -> usize {
-        // A line that takes 200 bytes at a time, if the host reads.
-        let count = if self.host.reads { bytes.len().min(200) } else { 0 };
+        let count = if self.host.reads { bytes.len().min(LINE_IN_STEP) } else { 0 };
         self.host.take(&bytes[..count], self.now_us);
         count
     }

@@ -7,6 +7,7 @@ use sinew_link::message::{
 use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
 use crate::line::{Line, Trouble};
+use crate::stand::{HASH_BEGIN, hash_of};
 
 pub(crate) struct Host {
     pub(crate) sender: Sender,
@@ -28,6 +29,8 @@ pub(crate) struct Host {
     /// To the controller, and from it.
     pub(crate) there: Line,
     pub(crate) back: Line,
+    /// All bytes that the controller has taken, and all that it has sent, as [`hash_of`] has them.
+    pub(crate) hashes: [u64; 2],
 }
 
 impl Host {
@@ -48,6 +51,7 @@ impl Host {
             cut: Vec::new(),
             there: Line::new(trouble, seed),
             back: Line::new(trouble, seed ^ 1),
+            hashes: [HASH_BEGIN; 2],
         }
     }
 
@@ -76,8 +80,16 @@ impl Host {
         self.send(&ToController::Command(command), now_us);
     }
 
+    /// Bytes that the controller takes.
+    pub(crate) fn give(&mut self, count: usize) -> Vec<u8> {
+        let bytes: Vec<u8> = self.there.bytes.drain(..count).collect();
+        hash_of(&mut self.hashes[0], &bytes);
+        bytes
+    }
+
     /// Bytes that the controller has sent, as frames on the line back.
     pub(crate) fn take(&mut self, bytes: &[u8], now_us: u64) {
+        hash_of(&mut self.hashes[1], bytes);
         for byte in bytes {
             self.cut.push(*byte);
             if *byte == 0 && self.cut.len() > 1 {

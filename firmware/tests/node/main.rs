@@ -14,6 +14,7 @@ mod stand;
 #[path = "../controller/swing.rs"]
 mod swing;
 
+mod emulated;
 mod first_fault;
 mod full_line;
 mod hardware;

@@ -2,20 +2,20 @@
 
 use std::cell::RefCell;
 
+use sinew_emulated::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{FaultSet, State};
-use sinew_link::message::{
-    About, Applied, Capacities, Command, Item, Kind as ItemKind, Outcome, Release, Version,
-};
+use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 
+use crate::emulated::Emulated;
 use crate::hardware::{Chip, Desktop, Locked, Pins, Servos, TABLE};
 use crate::host::{Host, next_of_upload};
 use crate::ideal::{Ideal, NoServos};
 use crate::line::Trouble;
-use crate::stand::{Bus, HASH_BEGIN, Kind, bench, figure, setup};
+use crate::stand::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
 use crate::stored::{item, rig};
 
 type Loop = Control<'static, 8, 8, 8, 8>;
@@ -41,6 +41,10 @@ pub(crate) struct World {
     pub(crate) is_dead: bool,
     /// In place of simulated servos.
     pub(crate) ideal: Option<Ideal>,
+    /// In place of the board in process.
+    pub(crate) emulated: Option<Emulated>,
+    /// All that the loop has [`commanded`].
+    pub(crate) commanded: u64,
     /// Steps below the loop in each tick.
     pub(crate) steps: u32,
 }
@@ -48,34 +52,21 @@ pub(crate) struct World {
 fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
     let parts = setup(kind);
     let defaults = NodeSettings::new(parts.settings.clone());
-    let mut room = vec![0; 16_384];
+    let mut room = vec![0; RIG_ROOM];
     let found =
         start::<_, 8, 8, 8>(chip.clone(), TABLE, &defaults, FaultSet::EMPTY, &mut room).ok()?;
     let rig = found.rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
-    let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, 1_000_000);
+    let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, LINE_BPS);
     let control = rig.and_then(|(rig, _)| {
         let settings = &found.settings;
         let controller =
             Controller::new(rig, &settings.controller, &parts.servos, &parts.schedule, found.start);
         let control = Control::new(rig, controller.ok()?, settings.live()).ok()?;
-        Some((control, parts.bus()))
+        Some((control, parts.bus.into()))
     });
-    let about = About {
-        protocol: Version::CURRENT,
-        firmware: Release { major: 0, minor: 1, patch: 0 },
-        rig: 0,
-        capacities: Capacities {
-            bodies: 8,
-            coordinates: 8,
-            dofs: 8,
-            servos: 8,
-            slots: 2,
-            slot_bytes: 0,
-        },
-    };
     let rig = rig.filter(|_| control.is_some());
     let (settings, is_bad) = (found.settings, found.is_bad);
-    let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
+    let setup = Setup { about: ABOUT, settings, is_bad, rig, tick_s, line_bps };
     Some(Board {
         control,
         desk: Desk::new(found.store, setup, first_session),
@@ -86,7 +77,7 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
 impl World {
     pub(crate) fn new(kind: Kind, trouble: Trouble, seed: u64) -> Self {
         let chip = Chip::new();
-        let board = boot(kind, &chip, 100).unwrap();
+        let board = boot(kind, &chip, first_session(1)).unwrap();
         Self {
             kind,
             chip,
@@ -99,6 +90,8 @@ impl World {
             ticks: 0,
             is_dead: false,
             ideal: None,
+            emulated: None,
+            commanded: HASH_BEGIN,
             steps: 4,
         }
     }
@@ -129,7 +122,7 @@ impl World {
         self.starts += 1;
         self.pins.outputs = false;
         *self.chip.lent.borrow_mut() = None;
-        let board = boot(self.kind, &self.chip, self.starts.wrapping_mul(100));
+        let board = boot(self.kind, &self.chip, first_session(self.starts));
         board.map(|board| self.board = board).is_some()
     }
 
@@ -146,14 +139,20 @@ impl World {
             self.below();
             return self.host.step(now_us);
         }
-        if let Some((control, bus)) = &mut self.board.control {
+        if let Some(mut emulated) = self.emulated.take() {
+            emulated.tick(self, [base_s, end_s]);
+            self.emulated = Some(emulated);
+        } else if let Some((control, bus)) = &mut self.board.control {
             let clock_us = self.pins.clock_us.clone();
             let (bench, hash) = (&mut self.bench, &mut self.hash);
             let mut wire = Servos { bench, base_s, end_s, clock_us, start_us: now_us, hash };
             let mut out = [0; 1024];
             let ended = control.tick(&mut self.pins, &self.board.mail, bus, &mut wire, &mut out);
             assert!(ended.is_ok(), "{ended:?}");
-            if control.controller().report().show.is_none() {
+            let controller = control.controller();
+            let numbers = commanded(controller);
+            numbers.for_each(|number| hash_of(&mut self.commanded, &number.to_le_bytes()));
+            if controller.report().show.is_none() {
                 *self.chip.lent.borrow_mut() = None;
             }
             self.check();
@@ -164,8 +163,11 @@ impl World {
         self.host.step(now_us);
     }
 
-    /// Steps below the loop.
+    /// Steps below the loop; an emulated board has made them.
     fn below(&mut self) {
+        if self.emulated.is_some() {
+            return;
+        }
         for _ in 0..self.steps {
             let Self { host, chip, board, .. } = self;
             let mut port = Desktop {
@@ -202,6 +204,9 @@ impl World {
     }
 
     pub(crate) fn state(&self) -> Option<State> {
+        if let Some(emulated) = &self.emulated {
+            return emulated.state;
+        }
         self.board.control.as_ref().map(|(control, _)| control.controller().report().state)
     }
 
