@@ -2,11 +2,15 @@
 
 use std::sync::OnceLock;
 
-use sinew_bus::dynamixel::{self, table::MODELS};
+use sinew_bus::dynamixel::{
+    self,
+    table::{MODELS, Model, Table},
+};
 use sinew_bus::feetech::{self, Family};
+use sinew_bus::settings::{self, Demand, Setting};
 use sinew_bus::{
-    Command as BusCommand, CommandError, Effort, EncodeError, Feedback, Health, Limit, Request,
-    Schedule, ServoBus, Timing,
+    Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
+    Request, Schedule, ServoBus, Timing,
 };
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
 use sinew_firmware::controller::{
@@ -131,6 +135,12 @@ impl ServoBus for Bus {
     }
     fn reply(&mut self, bytes: &[u8]) -> bool {
         of!(&mut self.protocol, bus => bus.reply(bytes))
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        of!(&mut self.protocol, bus => bus.compare(asked));
+    }
+    fn compared(&self) -> Compared {
+        of!(&self.protocol, bus => bus.compared())
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let read = of!(&self.protocol, bus => bus.feedback(servo))?;
@@ -332,11 +342,8 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     for ((id, memory), own) in (1..).zip(memory).zip(&figure.servos) {
         let mut servo = Servo::new(&own.kind, id, memory).unwrap();
         servo.set_baud(parts.timing.baud).unwrap();
-        if kind == Kind::Current {
-            // Return delay 2 us, writes are not answered, current mode.
-            for (register, value) in [(9, 1), (68, 1), (11, 0)] {
-                servo.set(register, value);
-            }
+        for setting in parts.settings_of(kind, arms.len()) {
+            servo.set(setting.item.address, setting.raw);
         }
         servo.place(own.home_rad);
         simulated.push(servo);
@@ -349,6 +356,10 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     Bench::new(simulated, arms, Supply::stiff(voltage_v))
 }
 
+fn xl330() -> &'static Model {
+    MODELS.iter().find(|model| model.name == "XL330-M288").unwrap()
+}
+
 /// What a controller and a bus of a kind of arm are made of.
 pub(crate) struct Parts {
     pub(crate) settings: ControllerSettings,
@@ -359,6 +370,19 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
+    /// What `sinew servo apply` writes.
+    pub(crate) fn settings_of(&self, kind: Kind, servo: usize) -> Vec<Setting> {
+        let board = &figure(kind).board.servos()[servo];
+        let demand = self.servos[servo].demand(&board.servo);
+        match kind {
+            Kind::Current => {
+                let model = xl330();
+                settings::dynamixel(Table { model, firmware: 52 }, demand).collect()
+            }
+            Kind::Position => settings::feetech(Family::Sts, demand).collect(),
+        }
+    }
+
     pub(crate) fn bus(self) -> Bus {
         Bus { protocol: self.protocol, planted: Planted::default() }
     }
@@ -368,10 +392,13 @@ pub(crate) fn setup(kind: Kind) -> Parts {
     let count = SERVOS as u32;
     let baud = if kind == Kind::Current { 4_000_000 } else { 1_000_000 };
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
-    let (traffic, recommended_v, bounds_v, stall_a) = match kind {
+    let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
         // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9.
-        Kind::Current => (dynamixel::traffic(count, 2, true), 5.0, [3.5, 7.0], 1.47),
-        Kind::Position => (feetech::traffic(Family::Sts, count).with_goal(6), 7.4, [4.0, 9.0], 2.4),
+        Kind::Current => (dynamixel::traffic(count, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
+        Kind::Position => {
+            let traffic = feetech::traffic(Family::Sts, count).with_goal(6);
+            (traffic, 7.4, [4.0, 9.0], 2.4, 1.91)
+        }
     };
     let schedule = Schedule::new(timing, &traffic, kind.rate_hz()).unwrap();
     let setup = ServoSetup {
@@ -388,6 +415,8 @@ pub(crate) fn setup(kind: Kind) -> Parts {
         supply: SupplySettings::of(recommended_v, bounds_v[0], bounds_v[1]),
         winding: WindingSettings::of_stall(stall_a),
         stall_a,
+        stall_nm,
+        shutdown_c: 70.0,
     };
     let tracker = match kind {
         Kind::Current => TrackerSettings::recommended(),
@@ -400,7 +429,7 @@ pub(crate) fn setup(kind: Kind) -> Parts {
         Kind::Current => {
             let setup = |id| dynamixel::ServoSetup {
                 id,
-                model: MODELS.iter().find(|model| model.name == "XL330-M288").unwrap(),
+                model: xl330(),
                 mode: dynamixel::Mode::Current,
                 range_rad: [0.0, 6.2],
                 current_a: 1.2,
