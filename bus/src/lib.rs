@@ -7,6 +7,7 @@
 //! - [`ServoBus`] is what a rig needs of any of them: commands in, a cycle of packets out, replies in, feedback and
 //!   errors by servo.
 //! - [`Schedule`] says at construction what rate a bus allows, and spreads reads over ticks where one is too short.
+//! - [`settings`] is what a rig asks of a servo's registers; a bus compares it, in the time that ticks leave.
 //! - [`Line`] joins simulated devices to one half-duplex line.
 //!
 //! # A tick
@@ -79,6 +80,7 @@
     )
 )]
 
+mod compare;
 pub mod dynamixel;
 mod error;
 pub mod feetech;
@@ -89,10 +91,12 @@ mod plausible;
 mod schedule;
 mod servo_bus;
 mod servo_state;
+pub mod settings;
 mod sink;
 pub mod table;
 mod window;
 
+pub use compare::{Compared, Difference};
 pub use error::{CommandError, EncodeError, SetupError};
 pub use line::{BusDevice, Line};
 pub use plausible::Plausible;

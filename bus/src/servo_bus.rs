@@ -1,6 +1,7 @@
 //! What a rig needs of any servo bus.
 
-use crate::{CommandError, EncodeError};
+use crate::settings::Demand;
+use crate::{CommandError, Compared, EncodeError};
 
 /// A bus of servos, numbered from 0 in the order of its construction.
 ///
@@ -40,6 +41,13 @@ pub trait ServoBus {
 
     /// The last believed reading of a servo.
     fn feedback(&self, servo: usize) -> Option<Feedback>;
+
+    /// Compares the registers of this servo with what a rig asks of it, from the beginning; or nothing more. They are
+    /// read in the time that ticks leave, one question a tick: what does not come is asked for again.
+    fn compare(&mut self, asked: Option<(usize, Demand)>);
+
+    /// What came of the last [`compare`](Self::compare).
+    fn compared(&self) -> Compared;
 
     /// How a servo is.
     fn health(&self, servo: usize) -> Option<Health>;

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sinew_bus::dynamixel::{self, table::MODELS};
 use sinew_bus::feetech::{self, Family};
+use sinew_bus::settings::Demand;
 use sinew_bus::{
-    Command, CommandError, EncodeError, Feedback, Health, Limit, Request, Schedule, ServoBus,
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, Schedule, ServoBus,
     Timing,
 };
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
@@ -73,10 +74,13 @@ pub enum Bus {
 pub fn parts(kind: Kind) -> Parts {
     let baud = if kind == Kind::Current { 4_000_000 } else { 1_000_000 };
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
-    let (traffic, recommended_v, bounds_v, stall_a) = match kind {
+    let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
         // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9.
-        Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47),
-        Kind::Position => (feetech::traffic(Family::Sts, COUNT).with_goal(6), 7.4, [4.0, 9.0], 2.4),
+        Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
+        Kind::Position => {
+            let traffic = feetech::traffic(Family::Sts, COUNT).with_goal(6);
+            (traffic, 7.4, [4.0, 9.0], 2.4, 1.91)
+        }
     };
     let schedule = Schedule::new(timing, &traffic, kind.rate_hz()).expect("the bus is fast enough");
     let setup = ServoSetup {
@@ -93,6 +97,8 @@ pub fn parts(kind: Kind) -> Parts {
         supply: SupplySettings::of(recommended_v, bounds_v[0], bounds_v[1]),
         winding: WindingSettings::of_stall(stall_a),
         stall_a,
+        stall_nm,
+        shutdown_c: 70.0,
     };
     let tracker = match kind {
         Kind::Current => TrackerSettings::recommended(),
@@ -164,6 +170,12 @@ impl ServoBus for Bus {
     }
     fn reply(&mut self, bytes: &[u8]) -> bool {
         of!(self, bus => bus.reply(bytes))
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        of!(self, bus => bus.compare(asked));
+    }
+    fn compared(&self) -> Compared {
+        of!(self, bus => bus.compared())
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         of!(self, bus => bus.feedback(servo))

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use sinew_firmware::supervisor::{
     Command, Fault, FaultLog, FaultSet, Feed, Feeds, Findings, Inputs, LOGGED, Operator, Outcome,
-    Refused, Settings, Source, State, Supervisor,
+    Refused, RegisterDiffers, Registers, Settings, Source, State, Supervisor,
 };
 
 const TICK_US: u64 = 10_000;
@@ -22,6 +22,7 @@ impl Rig {
         let inputs = Inputs {
             heard: true,
             measured: true,
+            registers: Registers::Same,
             stop_tested: true,
             feeds: ALL_FEEDS,
             is_there: true,
@@ -98,6 +99,17 @@ fn arming_says_what_is_missing() {
     };
     assert_eq!(refused(|inputs| inputs.measured = false), Refused::NotMeasured);
     assert_eq!(refused(|inputs| inputs.stop_tested = false), Refused::StopUntested);
+    let unread = refused(|inputs| inputs.registers = Registers::Unread);
+    assert_eq!(unread, Refused::RegistersUnread);
+    let differs = refused(|inputs| {
+        let item = "Operating Mode";
+        let differs = RegisterDiffers { servo: 2, item, address: 11, found: 3, expected: 0 };
+        inputs.registers = Registers::Differ(differs);
+    });
+    assert_eq!(
+        differs.to_string(),
+        "servo 2: Operating Mode (11) is 3, it must be 0: `sinew servo apply` sets it"
+    );
     let hot = refused(|inputs| inputs.findings.note(Fault::HotMeasured));
     assert_eq!(hot, Refused::Fault(Fault::HotMeasured));
     assert_eq!(hot.to_string(), "fault 5 (hot, measured): mend it and clear it first");
@@ -285,15 +297,18 @@ prop_compose! {
         fault in prop::option::weighted(0.15, prop::sample::select(Fault::ALL.to_vec())),
         [heard, measured, stop_tested, show, live, jog] in prop::array::uniform6(prop::bool::weighted(0.9)),
         [uploaded, is_there, is_slow] in prop::array::uniform3(prop::bool::weighted(0.3)),
+        unread in prop::bool::weighted(0.1),
     ) -> (Inputs, u64, usize) {
         let mut findings = Findings::default();
         if let Some(fault) = fault {
             findings.note(fault);
         }
         let feeds = Feeds { show, live, jog };
+        let registers = if unread { Registers::Unread } else { Registers::Same };
         let uploaded = if uploaded { FaultSet::OF_SHOW } else { FaultSet::EMPTY };
         let inputs = Inputs {
-            now_us: 0, heard, command, findings, uploaded, measured, stop_tested, feeds, is_there,
+            now_us: 0, heard, command, findings, uploaded, measured, registers, stop_tested, feeds,
+            is_there,
         };
         if is_slow { (inputs, step_us, 1) } else { (inputs, TICK_US, ticks) }
     }
@@ -327,6 +342,7 @@ proptest! {
                 if permission.torque && !was_on {
                     prop_assert_eq!((command, found.answer), (Some(Command::Arm), Some(Ok(State::Arming))));
                     prop_assert!(inputs.measured && inputs.stop_tested);
+                    prop_assert_eq!(inputs.registers, Registers::Same);
                 }
                 was_on = permission.torque;
                 if let Source::Feed(feed) = permission.source {

@@ -1,9 +1,11 @@
 //! What a rig file asks of its servos: compared, applied, calibrated.
 #![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![expect(clippy::cast_possible_truncation, reason = "a board computes in f32")]
 
 mod common;
 
 use common::{SimLine, client};
+use sinew_bus::settings::{self, Demand, Setting};
 use sinew_bus::table::{Access, Range};
 use sinew_rig::Description;
 use sinew_rig::description::ServoModel;
@@ -12,7 +14,7 @@ use sinew_service::compare::{apply, diff, span};
 use sinew_service::desired::{Mode, desired};
 use sinew_service::registers::{self, Number};
 use sinew_service::rig_servo::{RigServo, of_bus, own_rad};
-use sinew_service::{Client, Registers, ServiceError, Servo, rig_file};
+use sinew_service::{Client, Registers, ServiceError, Servo, Table, rig_file};
 
 /// One joint, one servo.
 fn text(kind: &str) -> String {
@@ -69,18 +71,11 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
                 "Current Limit",
                 "Max Position Limit",
                 "Min Position Limit",
-                "Status Return Level",
             ][..],
         ),
         (
             "XL430-W250-T",
-            &[
-                "Return Delay Time",
-                "PWM Limit",
-                "Max Position Limit",
-                "Min Position Limit",
-                "Status Return Level",
-            ],
+            &["Return Delay Time", "PWM Limit", "Max Position Limit", "Min Position Limit"],
         ),
         (
             "STS3215-7.4V",
@@ -111,21 +106,21 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
 }
 
 #[test]
-fn what_a_reboot_forgets_differs_again_and_what_is_kept_does_not() {
-    for (kind, forgotten) in [
+fn after_a_reboot_all_is_as_it_was_applied_but_what_was_changed_in_ram_before() {
+    for (kind, in_ram) in [
         ("XL330-M288-T", "Status Return Level"),
-        ("XL430-W250-T", "Status Return Level"),
+        ("XL430-W250-T", "Position P Gain"),
         ("STS3215-7.4V", "Torque Limit"),
     ] {
         let (mut client, rig, servo) = opened(kind);
         let settings = desired(&rig, &servo.table, Mode::Position).unwrap();
         apply(&mut client, &servo, &settings, false).unwrap();
-        client.reboot(&servo).unwrap();
+        registers::write(&mut client, &servo, in_ram, Number::Raw(1)).unwrap();
         let found = diff(&mut client, &servo, &settings).unwrap();
-        assert_eq!(names(&found), [forgotten], "{kind}");
+        assert_eq!(names(&found), [in_ram], "{kind}");
         assert!(!found[0].is_kept);
-        apply(&mut client, &servo, &settings, false).unwrap();
-        assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
+        client.reboot(&servo).unwrap();
+        assert_eq!(diff(&mut client, &servo, &settings).unwrap(), [], "{kind}");
     }
 }
 
@@ -244,6 +239,41 @@ fn all_kinds_get_settings_that_their_registers_take() {
     }
     // Five Dynamixels, three of them with current, and two Feetechs.
     assert_eq!(seen, 2 * 7 + 2 * 3);
+}
+
+/// A board has the rig's numbers in f32, and its encoder's middle as an angle.
+#[test]
+fn a_board_comes_to_the_same_counts() {
+    let single = |number: f64| number as f32;
+    for kind in ServoModel::built_in_names() {
+        let model = ServoModel::built_in(kind).unwrap();
+        let stall_nm = model.stall_torque_nm.value;
+        for tenths in (5..=1800).step_by(5) {
+            let most = f64::from(tenths).to_radians() / 10.0;
+            let rig = RigServo {
+                name: "any".to_owned(),
+                id: 1,
+                model: model.clone(),
+                range_rad: Some([-most, 0.9 * most]),
+                torque_nm: (tenths < 1800).then_some(stall_nm * f64::from(tenths) / 1800.0),
+            };
+            let Some(table) = rig.table() else { continue };
+            let demand = Demand {
+                mode: Mode::Position,
+                range_rad: [-most, 0.9 * most].map(|own| single(own) + std::f32::consts::PI),
+                torque_nm: single(rig.torque_nm.unwrap_or(stall_nm)),
+                stall_nm: single(stall_nm),
+                friction_nm: single(model.friction_nm.value),
+                torque_constant_nm_a: single(model.torque_constant_nm_a.value),
+                shutdown_c: single(model.shutdown_c.value),
+            };
+            let board: Vec<Setting> = match &table {
+                Table::Dynamixel(table) => settings::dynamixel(*table, demand).collect(),
+                Table::Feetech(table) => settings::feetech(table.model.family, demand).collect(),
+            };
+            assert_eq!(desired(&rig, &table, Mode::Position).unwrap(), board, "{kind} {tenths}");
+        }
+    }
 }
 
 /// Moves the shaft by hand, from the middle of its encoder.

@@ -2,6 +2,7 @@
 
 use core::hint::black_box;
 
+use sinew_bus::settings::{self, Demand, Mode};
 use sinew_bus::table::{ByteOrder, Item};
 use sinew_bus::{
     BusDevice, Command, Effort, Line, Plausible, Schedule, ServoBus, Timing, Traffic, dynamixel,
@@ -12,6 +13,19 @@ use super::{slice, slice_mut};
 
 /// Servos of a rig.
 const SERVOS: usize = 20;
+
+/// What a rig asks of a servo's registers.
+fn demand() -> Demand {
+    black_box(Demand {
+        mode: Mode::Current,
+        range_rad: [1.0, 2.0],
+        torque_nm: 1.0,
+        stall_nm: 1.0,
+        friction_nm: 1.0,
+        torque_constant_nm_a: 1.0,
+        shutdown_c: 1.0,
+    })
+}
 
 /// What a rig asks of any bus.
 fn serve(mut bus: impl ServoBus) {
@@ -27,9 +41,11 @@ fn serve(mut bus: impl ServoBus) {
     for command in black_box(commands) {
         black_box(&bus.command(black_box(1), command));
     }
+    bus.compare(black_box(Some((1, demand()))));
     black_box(&bus.plan(slice_mut()));
     black_box(&bus.plan_more(black_box(1), slice_mut()));
     black_box(bus.reply(slice()));
+    black_box(bus.compared());
     black_box(bus.feedback(black_box(1)).map(|feedback| match feedback.effort {
         Effort::Current(effort) | Effort::Load(effort) => effort,
     }));
@@ -63,11 +79,11 @@ fn exchange(devices: &mut [impl BusDevice]) {
 
 #[inline(never)]
 pub(crate) fn dynamixel_bus() {
-    use dynamixel::{Bus, Mode, Settings, traffic};
+    use dynamixel::{Bus, Settings, traffic};
     let traffic = traffic(black_box(1), black_box(1), black_box(true)).with_goal(black_box(1));
     let Some(schedule) = schedule(&black_box(traffic)) else { return };
     let settings = black_box(Settings { fast: true, retries: 1 });
-    black_box(black_box(Mode::Position).number());
+    black_box(black_box(dynamixel::Mode::Position).number());
     if let Ok(bus) = Bus::<SERVOS>::new(slice(), schedule, settings) {
         serve(black_box(bus));
     }
@@ -143,6 +159,7 @@ pub(crate) fn dynamixel_device() {
     item(table.named(black_box("")));
     item(table.items().last());
     black_box((table.size(), &table.indirect()));
+    black_box(settings::dynamixel(table, demand()).last());
     let mut device = black_box(Device::<300>::new(table, black_box(1), slice_mut()));
     device.pass_time(black_box(1));
     device.memory_mut().set(black_box(1), black_box(1));
@@ -157,6 +174,7 @@ pub(crate) fn feetech_bus() {
     use feetech::{Bus, Family, Settings, traffic};
     let family = black_box(Family::Sts);
     let Some(schedule) = schedule(&black_box(traffic(family, black_box(1)))) else { return };
+    black_box(settings::feetech(family, demand()).last());
     let settings = black_box(Settings { family, echo: true, retries: 1, speed_counts: 1 });
     if let Ok(bus) = Bus::<SERVOS>::new(slice(), schedule, settings) {
         serve(black_box(bus));

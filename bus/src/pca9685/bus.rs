@@ -5,9 +5,11 @@ use heapless::Vec;
 use super::register::{CHANNELS, OFF, PERIOD, channel};
 use super::setup::Prescale;
 use crate::servo_state::{check_finite, check_positive, round};
+use crate::settings::Demand;
 use crate::sink::Sink;
 use crate::{
-    Command, CommandError, EncodeError, Feedback, Health, Limit, Request, ServoBus, SetupError,
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+    SetupError,
 };
 
 /// A servo on a channel, and how its pulses make positions.
@@ -169,6 +171,13 @@ impl ServoBus for Bus {
 
     fn reply(&mut self, _bytes: &[u8]) -> bool {
         true
+    }
+
+    /// Hobby servos have no registers.
+    fn compare(&mut self, _asked: Option<(usize, Demand)>) {}
+
+    fn compared(&self) -> Compared {
+        Compared::Nothing
     }
 
     fn feedback(&self, _servo: usize) -> Option<Feedback> {

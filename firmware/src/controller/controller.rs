@@ -13,14 +13,15 @@ use super::part::{number, put};
 use super::path::Path;
 use super::performance::Performance;
 use super::pose::Pose;
+use super::registers::Comparison;
 use super::report::{FreedomReport, Report, ServoReport};
 use super::settings::{ControllerSettings, ServoSetup, Start};
 use super::stop_test::StopTest;
 use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
-    Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Source, State,
-    Supervisor,
+    Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Registers,
+    Source, State, Supervisor,
 };
 
 /// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
@@ -70,6 +71,7 @@ pub struct Controller<'a, const B: usize, const V: usize, const S: usize, const 
     performance: Performance<'a, B, V, S>,
     output: Output<S>,
     stop_test: StopTest,
+    comparison: Comparison<S>,
     readings: Readings<V, S, C>,
     permission: Permission,
     state: State,
@@ -126,6 +128,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             present: FaultSet::EMPTY,
             raised: FaultSet::EMPTY,
             latched: FaultSet::EMPTY,
+            registers: Registers::Unread,
             following: None,
             freedoms: filled(rig.freedoms().len(), FreedomReport::default()),
             servos: filled(servos.len(), ServoReport::NOTHING),
@@ -149,6 +152,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             supervisor,
             path,
             stop_test: StopTest::default(),
+            comparison: Comparison::new(rig.servos(), servos),
             permission,
             state,
             is_there: false,
@@ -215,11 +219,19 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         if !self.sources.listen(inputs.now_us, live) || jog.is_some() != inputs.jog.is_some() {
             findings.note(Fault::NotFinite);
         }
+        if !self.permission.torque {
+            let (watch, read) = (&self.watch, &self.readings.servos);
+            self.comparison.step(bus, |servo| {
+                read.get(servo).is_some_and(|(_, health)| watch.is_silent(health))
+            });
+        }
         let outcome = self.supervise(inputs, jog, findings);
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
         self.tell(&outcome);
-        if !self.permission.torque {
+        if self.permission.torque {
+            self.comparison.stop(bus);
+        } else {
             self.path.place(self.readings.pose.q());
             return Begun { result: self.output.release(bus, &self.permission) };
         }
@@ -344,6 +356,9 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             findings.note(fault);
         }
         let of_settings = if inputs.uploaded { FaultSet::OF_SETTINGS } else { FaultSet::EMPTY };
+        let registers =
+            if self.permission.torque { Registers::Unread } else { self.comparison.result() };
+        self.report.registers = registers;
         self.stop_test.look(self.watch.telling(&self.readings.conditions));
         self.supervisor.step(&Supervised {
             now_us: inputs.now_us,
@@ -352,6 +367,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             findings,
             uploaded: self.sources.take_uploaded().union(of_settings),
             measured: self.watch.is_measured(&self.readings.conditions),
+            registers,
             stop_tested: self.stop_test.is_passed(),
             feeds: self.sources.feeds(jog, plays_show),
             is_there: self.is_there,

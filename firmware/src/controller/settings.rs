@@ -1,5 +1,8 @@
 //! What a controller is made of.
 
+use sinew_bus::settings::{Demand, Mode};
+use sinew_rig::servo::Servo;
+
 use crate::drives::DriveSettings;
 use crate::supervisor::detect::{
     FollowingSettings, HeatSettings, OverrunSettings, Silence, SupplySettings, WindingSettings,
@@ -64,6 +67,32 @@ pub struct ServoSetup {
     pub winding: WindingSettings,
     /// Current at stall, A: of a servo that tells its load alone, load is a part of it.
     pub stall_a: f32,
+    /// Torque at stall, N m: where the rig asks for less, its own limit must be lower.
+    pub stall_nm: f32,
+    /// Where its kind switches itself off, degC: its own limit must be that.
+    pub shutdown_c: f32,
+}
+
+impl ServoSetup {
+    /// What this servo must hold in its registers: with anything else the rig is not armed.
+    pub fn demand(&self, servo: &Servo) -> Demand {
+        let servo = servo.settings();
+        let (mode, encoder) = match &self.drive {
+            DriveSettings::Current(own) => (Mode::Current, Some(own.encoder)),
+            DriveSettings::Position(own) => (Mode::Position, Some(own.encoder)),
+            DriveSettings::Target(own) => (Mode::Position, own.encoder),
+        };
+        let zero_rad = encoder.unwrap_or_default().zero_rad;
+        Demand {
+            mode,
+            range_rad: servo.range_rad.map(|own| own + zero_rad),
+            torque_nm: servo.torque_nm,
+            stall_nm: self.stall_nm,
+            friction_nm: servo.friction_nm,
+            torque_constant_nm_a: servo.torque_constant_nm_a,
+            shutdown_c: self.shutdown_c,
+        }
+    }
 }
 
 /// What is known when the board starts.

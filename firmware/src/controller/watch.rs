@@ -51,6 +51,8 @@ impl<const V: usize, const S: usize> Watch<V, S> {
         for (index, (servo, setup)) in rig.servos().iter().zip(setups).enumerate() {
             let of = |why| ControllerError::Servo { servo: index, why };
             SettingError::check("stall_a", setup.stall_a, [1e-3, 100.0]).map_err(of)?;
+            SettingError::check("stall_nm", setup.stall_nm, [1e-3, 1e4]).map_err(of)?;
+            SettingError::check("shutdown_c", setup.shutdown_c, [0.0, 150.0]).map_err(of)?;
             if let DriveSettings::Current(drive) = setup.drive {
                 // Else it would fall at the fault that lets it down.
                 let least = setup.heat.off_c;
@@ -108,6 +110,11 @@ impl<const V: usize, const S: usize> Watch<V, S> {
             let read = condition.feedback;
             !servo.guard.tells || read.is_some_and(|read| read.age_ticks <= self.stale_ticks)
         })
+    }
+
+    /// Whether a servo is silent, as far as its replies say.
+    pub(super) fn is_silent(&self, health: &Health) -> bool {
+        self.silence.step(health.missed_in_a_row).is_some()
     }
 
     /// Servos that tell, with their stall currents.

@@ -8,7 +8,9 @@ use sinew_rig::board::BoardRigError;
 use sinew_show::ShowError;
 use sinew_storage::{Approver, CapacityError, Descriptor, Error, Hash, Kind};
 
-use crate::supervisor::{self, Fault, FaultRecord, Feed, Operator, Refused, State};
+use crate::supervisor::{
+    self, Fault, FaultRecord, Feed, Operator, Refused, RegisterDiffers, State,
+};
 
 pub(super) fn state(state: State) -> message::State {
     let all = message::State::ALL;
@@ -60,6 +62,10 @@ pub(super) fn refused(why: Refused) -> Refusal {
     match why {
         Refused::InState(of) => Refusal::State(state(of)),
         Refused::NotMeasured => Refusal::NotMeasured,
+        Refused::RegistersUnread => Refusal::RegistersUnread,
+        Refused::RegisterDiffers(RegisterDiffers { servo, address, found, expected, .. }) => {
+            Refusal::RegisterDiffers { servo, address, found, expected }
+        }
         Refused::StopUntested => Refusal::StopUntested,
         Refused::FeedSilent(Feed::Show) => Refusal::FeedSilent(message::Feed::Show),
         Refused::FeedSilent(Feed::Live) => Refusal::FeedSilent(message::Feed::Live),

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Fault, Feed, Operator, State};
+use super::{Fault, Feed, Operator, RegisterDiffers, State};
 
 /// What people ask of the supervisor. Each gets an [`Answer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -45,6 +45,10 @@ pub enum Refused {
     InState(State),
     /// Some servo has no valid and new reading.
     NotMeasured,
+    /// Not all registers of all servos were read and compared since the rig became limp, or since one was silent.
+    RegistersUnread,
+    /// A servo is not set up as the rig asks.
+    RegisterDiffers(RegisterDiffers),
     /// The way to stop was not tested since the rig became limp.
     StopUntested,
     /// The feed gives no poses.
@@ -68,6 +72,12 @@ impl fmt::Display for Refused {
             Self::NotMeasured => f.write_str(
                 "not every servo has a valid and new reading: is each powered and plugged?",
             ),
+            Self::RegistersUnread => f.write_str(
+                "not all registers of all servos were compared since the rig became limp: try again",
+            ),
+            Self::RegisterDiffers(differs) => {
+                write!(f, "{differs}: `sinew servo apply` sets it")
+            }
             Self::StopUntested => f.write_str(
                 "the way to stop was not tested since the rig became limp: test it first",
             ),
@@ -88,7 +98,7 @@ impl core::error::Error for Refused {}
 /// What one can do in a state in which a command was refused.
 const fn way_from(state: State) -> &'static str {
     match state {
-        State::Off => "it waits until every servo was read",
+        State::Off => "it waits until every servo was read, its registers too",
         State::Limp => "arm it first",
         State::Calibrating | State::Teaching => "disarm it first",
         State::Arming | State::Stopping | State::Lowering => "wait until that is over",

@@ -1,6 +1,6 @@
 //! What a tick brings to a mode.
 
-use super::{Command, FaultSet, Feed};
+use super::{Command, FaultSet, Feed, Registers};
 
 /// What a tick brings. Clocks come as what they say about the state before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -15,6 +15,8 @@ pub struct Event {
     pub uploaded: FaultSet,
     /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
     pub measured: bool,
+    /// What servos hold in their registers.
+    pub registers: Registers,
     /// The way to stop was tested since the rig became limp.
     pub stop_tested: bool,
     /// Which feeds give poses.

@@ -26,11 +26,13 @@
 //!
 //! ```
 //! use sinew_firmware::supervisor::{
-//!     Command, FaultLog, Inputs, Refused, Settings, Source, State, Supervisor,
+//!     Command, FaultLog, Inputs, Refused, Registers, Settings, Source, State, Supervisor,
 //! };
 //! let mut supervisor = Supervisor::new(Settings::default(), 1, FaultLog::default())?;
-//! // All servos were read, the stop was tested, the host is there.
-//! let good = Inputs { heard: true, measured: true, stop_tested: true, ..Inputs::default() };
+//! // All servos were read, their registers too, the stop was tested, the host is there.
+//! let registers = Registers::Same;
+//! let good =
+//!     Inputs { heard: true, measured: true, registers, stop_tested: true, ..Inputs::default() };
 //! let mut tick = |now_us, command| supervisor.step(&Inputs { now_us, command, ..good });
 //! assert!(!tick(0, None).permission.torque);
 //! // Torque comes on by command alone, where the servos are.
@@ -60,6 +62,7 @@ mod event;
 mod fault;
 mod guard;
 mod permission;
+mod registers;
 mod settings;
 mod state;
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
@@ -72,6 +75,7 @@ pub(crate) use fault::FaultNews;
 pub use fault::{Clears, Fault, FaultLog, FaultRecord, FaultSet, Findings, Reaction, Row, TABLE};
 pub use guard::{Guard, GuardReason, GuardSettings, Guarded};
 pub use permission::Permission;
+pub use registers::{RegisterDiffers, Registers};
 pub use settings::{SOFT_MOST_RAD_S, Settings};
 pub use state::{Allows, Feed, Mode, Operator, Source, State};
 pub use supervisor::{Inputs, LOGGED, Outcome, Supervisor};

@@ -9,7 +9,7 @@ use super::FaultSet;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum State {
-    /// Since power-on not every servo was read. Torque is off.
+    /// Since power-on not every servo was read, its registers too. Torque is off.
     #[default]
     Off = 0,
     /// Torque is off, all is known; it may be armed.

@@ -2,7 +2,7 @@
 
 use super::fault::{FaultLog, FaultRecord, Findings, reacting};
 use super::permission::Permission;
-use super::{Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Settings, State};
+use super::{Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Registers, Settings, State};
 use crate::SettingError;
 
 /// How many of the last faults are kept.
@@ -25,6 +25,8 @@ pub struct Inputs {
     pub uploaded: FaultSet,
     /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
     pub measured: bool,
+    /// What servos hold in their registers. Asked for by arming alone.
+    pub registers: Registers,
     /// The way to stop was tested since the rig became limp.
     pub stop_tested: bool,
     /// Which feeds give poses.
@@ -157,6 +159,7 @@ impl Supervisor {
             present,
             uploaded: inputs.uploaded,
             measured: inputs.measured,
+            registers: inputs.registers,
             stop_tested: inputs.stop_tested,
             feeds: inputs.feeds,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),

@@ -1,7 +1,9 @@
 //! From one mode to the next: a pure function of a mode and what a tick brings, without a clock.
 
 use super::fault::{BY_COMMAND, BY_UPLOAD, Reaction, SERIOUS, TABLE, reacting};
-use super::{Answer, Command, Event, Fault, FaultSet, Feed, Mode, Operator, Refused, State};
+use super::{
+    Answer, Command, Event, Fault, FaultSet, Feed, Mode, Operator, Refused, Registers, State,
+};
 
 impl Mode {
     /// The next mode, and what became of the command. Faults come first, then what goes on by itself, then the command.
@@ -57,7 +59,9 @@ impl Mode {
     /// What happens without a command, in a state that no fault has ended.
     fn go_on(&mut self, event: &Event, reaction: Reaction) {
         match self.state {
-            State::Off if event.measured => self.state = State::Limp,
+            State::Off if event.measured && event.registers != Registers::Unread => {
+                self.state = State::Limp;
+            }
             State::Arming if event.time_over => self.state = State::Holding,
             State::Playing => {
                 let is_fed = self.feed.is_some_and(|feed| event.feeds.gives(feed));
@@ -139,11 +143,18 @@ impl Mode {
         if let Some(fault) = self.latched.and(SERIOUS).first() {
             return Err(Refused::Fault(fault));
         }
+        // Before all that it may be the cause of: a servo that answers late is not measured.
+        if let Registers::Differ(differs) = event.registers {
+            return Err(Refused::RegisterDiffers(differs));
+        }
         if self.state != State::Limp {
             return Err(Refused::InState(self.state));
         }
         if !event.measured {
             return Err(Refused::NotMeasured);
+        }
+        if event.registers == Registers::Unread {
+            return Err(Refused::RegistersUnread);
         }
         if !event.stop_tested {
             return Err(Refused::StopUntested);

@@ -9,5 +9,6 @@
 mod anything;
 mod matrix;
 mod play;
+mod registers;
 mod stand;
 mod swing;

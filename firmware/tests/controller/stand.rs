@@ -2,9 +2,12 @@
 
 use std::sync::OnceLock;
 
+use sinew_bus::dynamixel::table::{MODELS, Table};
+use sinew_bus::feetech::Family;
+use sinew_bus::settings::{self, Demand, Setting};
 use sinew_bus::{
-    Command as BusCommand, CommandError, Effort, EncodeError, Feedback, Health, Limit, Request,
-    ServoBus,
+    Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
+    Request, ServoBus,
 };
 use sinew_emulated::arm;
 pub(crate) use sinew_emulated::arm::{Kind, Parts, SERVOS, parts as setup};
@@ -93,6 +96,12 @@ impl ServoBus for Bus {
     }
     fn reply(&mut self, bytes: &[u8]) -> bool {
         self.own.reply(bytes)
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        self.own.compare(asked);
+    }
+    fn compared(&self) -> Compared {
+        self.own.compared()
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let read = self.own.feedback(servo)?;
@@ -294,11 +303,8 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     for ((id, memory), own) in (1..).zip(memory).zip(&figure.servos) {
         let mut servo = Servo::new(&own.kind, id, memory).unwrap();
         servo.set_baud(parts.timing.baud).unwrap();
-        if kind == Kind::Current {
-            // Return delay 2 us, writes are not answered, current mode.
-            for (register, value) in [(9, 1), (68, 1), (11, 0)] {
-                servo.set(register, value);
-            }
+        for setting in settings_of(kind, parts, arms.len()) {
+            servo.set(setting.item.address, setting.raw);
         }
         servo.place(own.home_rad);
         simulated.push(servo);
@@ -309,4 +315,17 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     }
     let voltage_v = figure.servos[0].kind.voltage_v;
     Bench::new(simulated, arms, Supply::stiff(voltage_v))
+}
+
+/// What `sinew servo apply` writes.
+pub(crate) fn settings_of(kind: Kind, parts: &Parts, servo: usize) -> Vec<Setting> {
+    let board = &figure(kind).board.servos()[servo];
+    let demand = parts.servos[servo].demand(&board.servo);
+    match kind {
+        Kind::Current => {
+            let model = MODELS.iter().find(|model| model.name == "XL330-M288").unwrap();
+            settings::dynamixel(Table { model, firmware: 52 }, demand).collect()
+        }
+        Kind::Position => settings::feetech(Family::Sts, demand).collect(),
+    }
 }

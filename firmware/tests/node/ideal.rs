@@ -1,7 +1,9 @@
 //! Servos that are at once where they are commanded: for hours of a show in seconds.
 
+use sinew_bus::settings::Demand;
 use sinew_bus::{
-    Command, CommandError, Effort, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+    Command, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit, Request,
+    ServoBus,
 };
 use sinew_firmware::controller::Wire;
 
@@ -34,6 +36,10 @@ impl ServoBus for Ideal {
     }
     fn reply(&mut self, _: &[u8]) -> bool {
         true
+    }
+    fn compare(&mut self, _: Option<(usize, Demand)>) {}
+    fn compared(&self) -> Compared {
+        Compared::Nothing
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let effort = Effort::Load(0.0);

@@ -27,6 +27,7 @@ mod live;
 mod mismatch;
 mod people;
 mod power_cut;
+mod registers;
 mod shows;
 mod silence;
 mod stored;

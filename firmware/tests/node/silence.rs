@@ -11,6 +11,8 @@ use crate::world::World;
 /// Seconds of silence until the rig holds, is lowered, and is limp.
 fn silence(world: &mut World) -> [f64; 3] {
     world.until(State::Limp, 3.0);
+    // Let go at its home, the arm falls: it is armed when it hangs.
+    world.run(1.0);
     world.ask(Command::Arm);
     world.until(State::Holding, 3.0);
     world.ask(Command::Play(Feed::Show));

@@ -5,7 +5,8 @@ use std::fmt;
 use std::sync::LazyLock;
 
 use sinew_firmware::supervisor::{
-    Allows, Answer, Command, Event, Fault, FaultSet, Mode, Reaction, Source, State, TABLE,
+    Allows, Answer, Command, Event, Fault, FaultSet, Mode, Reaction, Registers, Source, State,
+    TABLE,
 };
 
 use crate::events::Events;
@@ -119,8 +120,11 @@ fn broken(
         (
             before > Allows::Nothing
                 || after == Allows::Nothing
-                || (to.mode.state == State::Arming && event.measured && event.stop_tested),
-            "arming is from valid measurements, with a tested stop",
+                || (to.mode.state == State::Arming
+                    && event.measured
+                    && event.registers == Registers::Same
+                    && event.stop_tested),
+            "arming is from valid measurements, of servos set up as the rig asks, with a tested stop",
         ),
         (
             !is_armed_now || !from.is_blamed && worst == Reaction::Note,

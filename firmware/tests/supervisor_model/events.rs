@@ -2,7 +2,9 @@
 
 use std::collections::HashSet;
 
-use sinew_firmware::supervisor::{Command, Event, Fault, FaultSet, Feed, Feeds, Operator, TABLE};
+use sinew_firmware::supervisor::{
+    Command, Event, Fault, FaultSet, Feed, Feeds, Operator, Registers, TABLE,
+};
 
 /// Faults that the supervisor knows by name: they stand for their kind.
 const NAMED: [Fault; 2] = [Fault::ServoSilent, Fault::EStop];
@@ -41,13 +43,14 @@ impl Events {
         }
         let mut situations = Vec::new();
         for present in sets {
-            for bits in 0_u32..1 << 9 {
+            for bits in 0_u32..1 << 10 {
                 let is = |bit: u32| bits >> bit & 1 == 1;
                 situations.push(Event {
                     command: None,
                     present,
                     uploaded: if is(0) { UPLOADED } else { FaultSet::EMPTY },
                     measured: is(1),
+                    registers: if is(9) { Registers::Same } else { Registers::Unread },
                     stop_tested: is(2),
                     feeds: Feeds { show: is(3), live: is(4), jog: is(5) },
                     enabled: is(6),

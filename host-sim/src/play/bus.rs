@@ -3,9 +3,10 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use sinew_bus::settings::Demand;
 use sinew_bus::{
-    Command, CommandError, EncodeError, Feedback, Health, Limit, Request, ServoBus, dynamixel,
-    feetech,
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+    dynamixel, feetech,
 };
 
 use super::SERVOS;
@@ -87,6 +88,13 @@ impl ServoBus for Buses {
 
     fn reply(&mut self, bytes: &[u8]) -> bool {
         self.talks().is_none_or(|talks| of!(talks, bus => bus.reply(bytes)))
+    }
+
+    /// These servos are set up by whoever simulates them: there is nothing to compare.
+    fn compare(&mut self, _: Option<(usize, Demand)>) {}
+
+    fn compared(&self) -> Compared {
+        Compared::Nothing
     }
 
     fn feedback(&self, servo: usize) -> Option<Feedback> {

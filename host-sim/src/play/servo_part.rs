@@ -117,6 +117,10 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
     let model = rig.servo_model(&kind.name);
     let stall_a = model.map_or(stall_a(&part.own), |model| model.stall_current_a.value);
     let stall_a = single(stall_a);
+    let stall_nm = model.map_or(kind.torque_constant_nm_a * f64::from(stall_a), |model| {
+        model.stall_torque_nm.value
+    });
+    let stall_nm = single(stall_nm);
     let heat = HeatSettings::of_limit(single(kind.shutdown_c));
     let cut_off =
         CutOff { warm_c: heat.off_c, hot_c: heat.off_c + HOT_ROOM_C, ..CutOff::default() };
@@ -144,6 +148,8 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
         supply: SupplySettings::of(voltage_v, least_v, most_v),
         winding: WindingSettings::of_stall(stall_a),
         stall_a,
+        stall_nm,
+        shutdown_c: single(kind.shutdown_c),
     }
 }
 

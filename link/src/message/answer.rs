@@ -160,6 +160,19 @@ pub enum Refusal {
     Unsupported,
     /// Not now: something else is being done.
     Busy,
+    /// Not all registers of all servos were compared with what the rig asks.
+    RegistersUnread,
+    /// A servo is not set up as the rig asks.
+    RegisterDiffers {
+        /// Index of the servo.
+        servo: u16,
+        /// Address of the register, as its maker has it.
+        address: u16,
+        /// What it holds, in its own counts.
+        found: i32,
+        /// What it must hold.
+        expected: i32,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -204,6 +217,13 @@ impl fmt::Display for Refusal {
             Self::Memory => f.write_str("the memory did not take it: begin an upload again"),
             Self::Unsupported => f.write_str("this firmware cannot do it"),
             Self::Busy => f.write_str("something else is being done: try again"),
+            Self::RegistersUnread => f.write_str(
+                "not all registers of all servos were compared since the rig became limp: try again",
+            ),
+            Self::RegisterDiffers { servo, address, found, expected } => write!(
+                f,
+                "servo {servo}: its register {address} is {found}, it must be {expected}: `sinew servo apply` sets it"
+            ),
         }
     }
 }

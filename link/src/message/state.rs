@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What a rig does: the states of the firmware's supervisor, with its numbers (a test of the firmware compares them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum State {
-    /// Since power-on not every servo was read. Torque is off.
+    /// Since power-on not every servo was read, its registers too. Torque is off.
     Off,
     /// Torque is off, all is known; it may be armed.
     Limp,

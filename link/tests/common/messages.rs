@@ -147,7 +147,7 @@ fn limit(r: &mut Random) -> Limit {
 }
 
 fn refusal(r: &mut Random) -> Refusal {
-    match r.below(23) {
+    match r.below(25) {
         0 => Refusal::Session,
         1 => Refusal::Late,
         2 => Refusal::Forgotten,
@@ -170,7 +170,14 @@ fn refusal(r: &mut Random) -> Refusal {
         19 => Refusal::Content(r.bits() as u16),
         20 => Refusal::Memory,
         21 => Refusal::Unsupported,
-        _ => Refusal::Busy,
+        22 => Refusal::Busy,
+        23 => Refusal::RegistersUnread,
+        _ => Refusal::RegisterDiffers {
+            servo: r.bits() as u16,
+            address: r.bits() as u16,
+            found: r.bits() as i32,
+            expected: r.bits() as i32,
+        },
     }
 }
 

@@ -3,14 +3,19 @@
 use heapless::Vec;
 
 use super::servo::{Goals, Servo};
-use super::{Awaits, Bus, MOTION_LEN, SLOW_LEN};
+use super::{Awaits, Bus, MOTION_LEN, settings_of};
+use crate::compare::Comparison;
 use crate::dynamixel::fast::{FastReader, answer_len};
 use crate::dynamixel::frame::{BROADCAST, Packet};
 use crate::dynamixel::instruction::{Instruction, Span};
 use crate::dynamixel::status::Status;
 use crate::dynamixel::table::address;
 use crate::servo_state::check_finite;
-use crate::{Command, CommandError, EncodeError, Feedback, Health, Limit, Request, ServoBus};
+use crate::settings::Demand;
+use crate::table::ByteOrder;
+use crate::{
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+};
 
 impl<const S: usize> ServoBus for Bus<S> {
     fn len(&self) -> usize {
@@ -63,14 +68,15 @@ impl<const S: usize> ServoBus for Bus<S> {
         self.parser.clear();
         self.tick = self.tick.wrapping_add(1);
         self.retries_left = self.settings.retries;
-        self.slow_is_due = !self.servos.is_empty();
+        self.slow_is_due = !core::mem::take(&mut self.slow_waits) && !self.servos.is_empty();
+        self.registers_are_due = self.comparison.is_some();
         Ok(self.request(written.saturating_add(asked), reply_len))
     }
 
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
         // A damaged length may have kept whole replies waiting for bytes that do not come.
         while let Some(packet) = self.parser.flush() {
-            take_packet(&mut self.servos, &mut self.awaits, packet);
+            take_packet(&mut self.servos, &mut self.awaits, &mut self.comparison, packet);
         }
         self.note_silence();
         if let (Some(missing), Some(left)) = (self.next_missing(), self.retries_left.checked_sub(1))
@@ -82,23 +88,20 @@ impl<const S: usize> ServoBus for Bus<S> {
                 return Ok(request);
             }
         }
-        if !self.slow_is_due {
-            return Ok(None);
+        if core::mem::take(&mut self.slow_is_due) {
+            let request = self.ask_slow(left_us, out)?;
+            if request.is_some() {
+                return Ok(request);
+            }
         }
-        // What an alert means comes first; else supply and temperature of one servo after the other.
-        let alert =
-            |servo: &Servo| servo.state.health.alert && servo.state.health.hardware_error == 0;
-        if let Some(servo) = self.servos.iter().position(alert) {
-            self.slow_is_due = false;
-            return self.ask_one(servo, (address::HARDWARE_ERROR, 1), left_us, out);
+        if core::mem::take(&mut self.registers_are_due) {
+            return self.ask_registers(left_us, out);
         }
-        self.slow = self.slow.saturating_add(1).checked_rem(self.servos.len()).unwrap_or(0);
-        self.slow_is_due = false;
-        self.ask_one(self.slow, (address::PRESENT_VOLTAGE, SLOW_LEN), left_us, out)
+        Ok(None)
     }
 
     fn reply(&mut self, bytes: &[u8]) -> bool {
-        let Self { servos, parser, awaits, .. } = self;
+        let Self { servos, parser, awaits, comparison, .. } = self;
         let mut input = bytes;
         if let Awaits::Fast(reader) = awaits {
             for servo in
@@ -112,13 +115,21 @@ impl<const S: usize> ServoBus for Bus<S> {
             *awaits = Awaits::Nothing;
         }
         while let Some(packet) = parser.next(&mut input) {
-            take_packet(servos, awaits, packet);
+            take_packet(servos, awaits, comparison, packet);
         }
         match awaits {
             Awaits::Nothing => true,
             Awaits::Fast(_) | Awaits::One { .. } => false,
             Awaits::Each => !servos.iter().any(|servo| servo.is_in_group && servo.state.is_awaited),
         }
+    }
+
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        self.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
+    }
+
+    fn compared(&self) -> Compared {
+        self.comparison.as_ref().map_or(Compared::Nothing, |comparison| comparison.result)
     }
 
     fn feedback(&self, servo: usize) -> Option<Feedback> {
@@ -131,7 +142,12 @@ impl<const S: usize> ServoBus for Bus<S> {
 }
 
 /// Gives a reply to the servo that was asked for it; any other is dropped.
-fn take_packet(servos: &mut [Servo], awaits: &mut Awaits, packet: Packet<'_>) {
+fn take_packet(
+    servos: &mut [Servo],
+    awaits: &mut Awaits,
+    comparison: &mut Option<Comparison>,
+    packet: Packet<'_>,
+) {
     let Some(status) = Status::of(packet) else { return };
     match *awaits {
         Awaits::Nothing | Awaits::Fast(_) => {}
@@ -142,11 +158,20 @@ fn take_packet(servos: &mut [Servo], awaits: &mut Awaits, packet: Packet<'_>) {
             }
         }
         Awaits::One { servo, address, length } => {
+            let index = servo;
             if let Some(servo) =
-                servos.get_mut(servo).filter(|servo| status.answers(servo.setup.id, length.into()))
+                servos.get_mut(index).filter(|servo| status.answers(servo.setup.id, length.into()))
             {
                 servo.take(&status, address, length);
                 *awaits = Awaits::Nothing;
+                let Some(comparison) = comparison.as_mut() else { return };
+                let settings = settings_of(servo, comparison.demand);
+                let is_asked = comparison.servo == index
+                    && comparison.next(settings.clone()) == Some((address, length));
+                // With an error what stands there is no register.
+                if is_asked && status.error.code().is_none() {
+                    comparison.take(settings, ByteOrder::Little, address, status.data);
+                }
             }
         }
     }

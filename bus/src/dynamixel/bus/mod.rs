@@ -11,8 +11,10 @@ use super::frame::MAX_ID;
 use super::group::SyncWriter;
 use super::instruction::Instruction;
 use super::parser::Parser;
-use super::table::address;
+use super::table::{Table, address};
+use crate::compare::{Comparison, patient_us};
 use crate::servo_state::servos_of;
+use crate::settings::{self, Demand, Setting};
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
@@ -26,7 +28,7 @@ const EXTRA_LEN: u32 = 14 + 11 + 3;
 /// The longest reply: a status of [`MOTION_LEN`] bytes, stuffed at worst.
 const LONGEST: usize = 32;
 
-/// Up to `S` servos. Status Return Level (68) should be 1: writes are not answered.
+/// Up to `S` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
 #[derive(Debug, Clone)]
 pub struct Bus<const S: usize> {
     servos: Vec<Servo, S>,
@@ -41,6 +43,10 @@ pub struct Bus<const S: usize> {
     /// Whose supply and temperature are read next.
     slow: usize,
     slow_is_due: bool,
+    comparison: Option<Comparison>,
+    registers_are_due: bool,
+    /// There was no time for registers behind supply and temperature: in the next tick these wait.
+    slow_waits: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -81,6 +87,9 @@ impl<const S: usize> Bus<S> {
             retried: 0,
             slow: 0,
             slow_is_due: false,
+            comparison: None,
+            registers_are_due: false,
+            slow_waits: false,
         })
     }
 
@@ -167,6 +176,33 @@ impl<const S: usize> Bus<S> {
         Request { len, reply_len, time_us }
     }
 
+    /// What an alert means comes first; else supply and temperature of one servo after the other.
+    fn ask_slow(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        let alert =
+            |servo: &Servo| servo.state.health.alert && servo.state.health.hardware_error == 0;
+        if let Some(servo) = self.servos.iter().position(alert) {
+            return self.ask_one(servo, (address::HARDWARE_ERROR, 1), left_us, out);
+        }
+        self.slow = self.slow.saturating_add(1).checked_rem(self.servos.len()).unwrap_or(0);
+        self.ask_one(self.slow, (address::PRESENT_VOLTAGE, SLOW_LEN), left_us, out)
+    }
+
+    /// Asks for the next registers that are to be compared, if there is time.
+    fn ask_registers(
+        &mut self,
+        left_us: u32,
+        out: &mut [u8],
+    ) -> Result<Option<Request>, EncodeError> {
+        let next = self.comparison.as_ref().and_then(|comparison| {
+            let servo = self.servos.get(comparison.servo)?;
+            Some((comparison.servo, comparison.next(settings_of(servo, comparison.demand))?))
+        });
+        let Some((servo, registers)) = next else { return Ok(None) };
+        let request = self.ask_one(servo, registers, left_us, out)?;
+        self.slow_waits = request.is_none();
+        Ok(request.map(|asked| Request { time_us: patient_us(asked.time_us, left_us), ..asked }))
+    }
+
     /// Asks one servo, if there is time.
     fn ask_one(
         &mut self,
@@ -186,4 +222,9 @@ impl<const S: usize> Bus<S> {
         self.parser.clear();
         Ok(Some(request))
     }
+}
+
+/// What a servo must hold in its registers. Where they are does not depend on the firmware.
+fn settings_of(servo: &Servo, demand: Demand) -> impl Iterator<Item = Setting> + Clone + use<> {
+    settings::dynamixel(Table { model: servo.setup.model, firmware: u8::MAX }, demand)
 }

@@ -15,6 +15,8 @@ pub mod address {
     pub const BAUD: u16 = 8;
     /// Return delay, 2 us.
     pub const RETURN_DELAY: u16 = 9;
+    /// Drive mode: direction, profile, torque on by a goal.
+    pub const DRIVE_MODE: u16 = 10;
     /// Operating mode.
     pub const OPERATING_MODE: u16 = 11;
     /// A second id that is obeyed, not answered.
@@ -35,6 +37,8 @@ pub mod address {
     pub const MAX_POSITION: u16 = 48;
     /// Least position.
     pub const MIN_POSITION: u16 = 52;
+    /// What it does at power-up.
+    pub const STARTUP: u16 = 60;
     /// Which hardware errors switch torque off.
     pub const SHUTDOWN: u16 = 63;
     /// Torque on or off.
@@ -45,8 +49,16 @@ pub mod address {
     pub const REGISTERED: u16 = 69;
     /// Hardware errors.
     pub const HARDWARE_ERROR: u16 = 70;
+    /// Position D gain.
+    pub const POSITION_D: u16 = 80;
+    /// Position I gain.
+    pub const POSITION_I: u16 = 82;
     /// Position P gain.
     pub const POSITION_P: u16 = 84;
+    /// Gain of the wanted acceleration.
+    pub const FEEDFORWARD_2ND: u16 = 88;
+    /// Gain of the wanted speed.
+    pub const FEEDFORWARD_1ST: u16 = 90;
     /// Bus watchdog, 20 ms; -1 when it has run out.
     pub const BUS_WATCHDOG: u16 = 98;
     /// Goal PWM.
@@ -89,7 +101,8 @@ pub(super) enum Only {
 }
 
 /// The highest PWM, which is the whole supply.
-pub(in crate::dynamixel) const PWM_COUNTS: i32 = 885;
+pub(crate) const FULL_PWM: u16 = 885;
+pub(in crate::dynamixel) const PWM_COUNTS: i32 = FULL_PWM as i32;
 pub(in crate::dynamixel) const POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::TAU / 4096.0 };
 pub(in crate::dynamixel) const VELOCITY: Unit =

@@ -6,6 +6,7 @@
 mod items;
 mod models;
 
+pub(crate) use items::FULL_PWM;
 pub use items::address;
 pub(super) use items::{POSITION, PWM_COUNTS, VELOCITY};
 pub use models::{Current, Family, MODELS, Model};

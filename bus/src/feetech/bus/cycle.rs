@@ -3,13 +3,17 @@
 use heapless::Vec;
 
 use super::servo::Servo;
-use super::{Bus, Settings};
+use super::{Bus, Registers, Settings};
+use crate::compare::Comparison;
 use crate::feetech::frame::{BROADCAST, Packet};
 use crate::feetech::instruction::Instruction;
 use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
 use crate::servo_state::check_finite;
-use crate::{Command, CommandError, EncodeError, Feedback, Health, Limit, Request, ServoBus};
+use crate::settings::{self, Demand};
+use crate::{
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+};
 
 impl<const S: usize> ServoBus for Bus<S> {
     fn len(&self) -> usize {
@@ -58,6 +62,8 @@ impl<const S: usize> ServoBus for Bus<S> {
         self.asked = first.filter(|_| !sync);
         self.tick = self.tick.wrapping_add(1);
         self.retries_left = self.settings.retries;
+        self.registers.is_due = self.registers.comparison.is_some();
+        self.registers.awaited = None;
         let len = written.saturating_add(asked);
         self.begin(len);
         let answers = if sync { ids.len() } else { usize::from(first.is_some()) };
@@ -67,7 +73,8 @@ impl<const S: usize> ServoBus for Bus<S> {
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
         // A damaged length may have kept whole replies waiting for bytes that do not come.
         while let Some(packet) = self.parser.flush() {
-            take_packet(&mut self.servos, self.asked, self.settings, packet);
+            let Self { servos, registers, asked, settings, .. } = self;
+            take_packet(servos, registers, *asked, *settings, packet);
         }
         let awaited =
             |servo: &Servo, was_asked| servo.state.is_awaited && servo.was_asked == was_asked;
@@ -77,7 +84,10 @@ impl<const S: usize> ServoBus for Bus<S> {
             .iter()
             .position(|servo| awaited(servo, true))
             .filter(|_| self.retries_left > 0);
-        let Some(index) = fresh.or(again) else { return Ok(None) };
+        let Some(index) = fresh.or(again) else {
+            let is_due = core::mem::take(&mut self.registers.is_due);
+            return if is_due { self.ask_registers(left_us, out) } else { Ok(None) };
+        };
         let len = self.ask_one(index, out)?;
         let request = self.request(len, 1);
         if request.time_us > left_us {
@@ -98,8 +108,13 @@ impl<const S: usize> ServoBus for Bus<S> {
         let skipped = self.echo_left.min(bytes.len());
         self.echo_left = self.echo_left.saturating_sub(skipped);
         let mut input = bytes.get(skipped..).unwrap_or_default();
+        let of_registers = self.registers.awaited.is_some();
         while let Some(packet) = self.parser.next(&mut input) {
-            take_packet(&mut self.servos, self.asked, self.settings, packet);
+            let Self { servos, registers, asked, settings, .. } = self;
+            take_packet(servos, registers, *asked, *settings, packet);
+        }
+        if of_registers {
+            return self.registers.awaited.is_none();
         }
         let is_asked = |index: usize| self.asked.is_none_or(|asked| asked == index);
         !self
@@ -107,6 +122,15 @@ impl<const S: usize> ServoBus for Bus<S> {
             .iter()
             .enumerate()
             .any(|(index, servo)| is_asked(index) && servo.state.is_awaited)
+    }
+
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        self.registers.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
+    }
+
+    fn compared(&self) -> Compared {
+        let comparison = self.registers.comparison.as_ref();
+        comparison.map_or(Compared::Nothing, |comparison| comparison.result)
     }
 
     fn feedback(&self, servo: usize) -> Option<Feedback> {
@@ -119,13 +143,37 @@ impl<const S: usize> ServoBus for Bus<S> {
 }
 
 /// Gives a reply to the servo that was asked for it; any other is dropped.
-fn take_packet(servos: &mut [Servo], asked: Option<usize>, settings: Settings, packet: Packet<'_>) {
+fn take_packet(
+    servos: &mut [Servo],
+    registers: &mut Registers,
+    asked: Option<usize>,
+    settings: Settings,
+    packet: Packet<'_>,
+) {
     let Some(status) = Status::of(packet) else { return };
+    if registers.awaited.is_some() {
+        let id_of = |servo: usize| servos.get(servo).map(|servo| servo.setup.id);
+        return registers.take(&status, id_of, settings.family);
+    }
     let len = usize::from(settings.family.block_len());
     for (index, servo) in servos.iter_mut().enumerate() {
         let is_asked = servo.state.is_awaited && asked.is_none_or(|asked| asked == index);
         if is_asked && status.answers(servo.setup.id, len) {
             servo.take(&status, settings);
+        }
+    }
+}
+
+impl Registers {
+    fn take(&mut self, status: &Status<'_>, id_of: impl Fn(usize) -> Option<u8>, family: Family) {
+        let (Some((address, length)), Some(comparison)) = (self.awaited, &mut self.comparison)
+        else {
+            return;
+        };
+        if id_of(comparison.servo).is_some_and(|id| status.answers(id, length.into())) {
+            self.awaited = None;
+            let settings = settings::feetech(family, comparison.demand);
+            comparison.take(settings, family.order(), address, status.data);
         }
     }
 }

@@ -10,7 +10,9 @@ use super::frame::MAX_ID;
 use super::instruction::{Instruction, SyncWriter};
 use super::parser::Parser;
 use super::table::address;
+use crate::compare::{Comparison, patient_us};
 use crate::servo_state::servos_of;
+use crate::settings;
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::Servo;
 pub use setup::{Mode, ServoSetup, Settings, traffic};
@@ -38,6 +40,16 @@ pub struct Bus<const S: usize> {
     asked: Option<usize>,
     tick: u32,
     retries_left: u8,
+    registers: Registers,
+}
+
+/// Registers that are compared.
+#[derive(Debug, Clone, Default)]
+struct Registers {
+    comparison: Option<Comparison>,
+    is_due: bool,
+    /// What was asked for, and has not come: address and length.
+    awaited: Option<(u16, u16)>,
 }
 
 impl<const S: usize> Bus<S> {
@@ -65,6 +77,7 @@ impl<const S: usize> Bus<S> {
             asked: None,
             tick: 0,
             retries_left: 0,
+            registers: Registers::default(),
         })
     }
 
@@ -115,11 +128,15 @@ impl<const S: usize> Bus<S> {
     }
 
     /// What comes back from so many servos, and how long all of it takes.
-    fn request(&mut self, len: usize, servos: usize) -> Request {
+    fn request(&self, len: usize, servos: usize) -> Request {
+        let reply_len = usize::from(self.settings.family.block_len()).saturating_add(6);
+        self.request_of(len, servos, servos.saturating_mul(reply_len))
+    }
+
+    /// The same of replies of so many bytes.
+    fn request_of(&self, len: usize, servos: usize, reply_len: usize) -> Request {
         let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         let timing = self.schedule.timing();
-        let reply_len =
-            servos.saturating_mul(usize::from(self.settings.family.block_len()).saturating_add(6));
         let more_us = count(servos.saturating_sub(1)).saturating_mul(timing.return_delay_us);
         let time_us = timing.request_us(count(len), count(reply_len)).saturating_add(more_us);
         Request { len, reply_len, time_us }
@@ -135,5 +152,31 @@ impl<const S: usize> Bus<S> {
         let length = self.settings.family.block_len();
         let read = Instruction::Read { address: address::PRESENT_POSITION, length };
         read.encode(self.settings.family, id, out)
+    }
+
+    /// Asks for the next registers that are to be compared, if there is time.
+    fn ask_registers(
+        &mut self,
+        left_us: u32,
+        out: &mut [u8],
+    ) -> Result<Option<Request>, EncodeError> {
+        let family = self.settings.family;
+        let next = self.registers.comparison.as_ref().and_then(|comparison| {
+            let id = self.servos.get(comparison.servo)?.setup.id;
+            let registers = comparison.next(settings::feetech(family, comparison.demand))?;
+            Some((id, registers))
+        });
+        let Some((id, registers)) = next else { return Ok(None) };
+        // All addresses of this protocol are of one byte.
+        let [address, length] =
+            [registers.0, registers.1].map(|number| u8::try_from(number).unwrap_or(u8::MAX));
+        let len = Instruction::Read { address, length }.encode(family, id, out)?;
+        let request = self.request_of(len, 1, usize::from(length).saturating_add(6));
+        if request.time_us > left_us {
+            return Ok(None);
+        }
+        self.registers.awaited = Some(registers);
+        self.begin(len);
+        Ok(Some(Request { time_us: patient_us(request.time_us, left_us), ..request }))
     }
 }

@@ -148,6 +148,10 @@ impl Device<'_> {
         for (slot, byte) in self.memory.iter_mut().zip(self.stored) {
             *slot = byte;
         }
+        // The maker's table: at power-on the limit in RAM is the one that is kept.
+        if table.model.family == Family::Sts {
+            self.set(address::TORQUE_LIMIT, self.get(address::MAX_TORQUE));
+        }
     }
 
     fn await_turn(&mut self, address: u8, length: u8, ids: &[u8]) {

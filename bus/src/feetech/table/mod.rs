@@ -26,6 +26,22 @@ pub mod address {
     pub const MIN_POSITION: u8 = 9;
     /// Most position.
     pub const MAX_POSITION: u8 = 11;
+    /// Temperature limit.
+    pub const MAX_TEMPERATURE: u8 = 13;
+    /// Lowest supply.
+    pub const MIN_VOLTAGE: u8 = 15;
+    /// Most torque after power-up.
+    pub const MAX_TORQUE: u8 = 16;
+    /// What makes it let go.
+    pub const UNLOADING: u8 = 19;
+    /// Position P gain.
+    pub const POSITION_P: u8 = 21;
+    /// Position D gain.
+    pub const POSITION_D: u8 = 22;
+    /// Position I gain.
+    pub const POSITION_I: u8 = 23;
+    /// Operating mode of STS.
+    pub const OPERATING_MODE: u8 = 33;
     /// 0 off, 1 on, 2 damped, 128 sets the middle.
     pub const TORQUE_ENABLE: u8 = 40;
     /// Acceleration.
@@ -76,6 +92,19 @@ impl Family {
             Self::Sts => 4095,
             Self::Scs => 1023,
         }
+    }
+
+    /// Its items, by address.
+    const fn items(self) -> &'static [Item] {
+        match self {
+            Self::Sts => STS,
+            Self::Scs => SCS,
+        }
+    }
+
+    /// The item at an address; what models have of their own is left out.
+    pub(crate) fn at(self, address: u8) -> Option<Item> {
+        self.items().iter().copied().find(|item| item.address == u16::from(address))
     }
 
     /// One count of its encoder, rad.
@@ -134,12 +163,8 @@ impl Table {
 
     /// All items, by address.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
-        let items = match self.model.family {
-            Family::Sts => STS,
-            Family::Scs => SCS,
-        };
         let table = *self;
-        items.iter().map(move |item| table.adapted(*item))
+        self.model.family.items().iter().map(move |item| table.adapted(*item))
     }
 
     /// The item that has this address.

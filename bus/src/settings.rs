@@ -1,0 +1,200 @@
+//! What servos must hold in their registers: the one list of it, for whoever writes it and whoever compares it.
+
+use crate::dynamixel::table::address as dxl;
+use crate::feetech::table::address as feetech;
+use crate::servo_state::round;
+use crate::table::{Item, Range};
+use crate::{dynamixel as dynamixel_servos, feetech as feetech_servos};
+
+/// What a servo controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// Position within a turn.
+    #[default]
+    Position,
+    /// Position with a limit of current.
+    CurrentPosition,
+    /// Current.
+    Current,
+    /// PWM.
+    Pwm,
+}
+
+/// What a rig asks of a servo.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// What it controls.
+    pub mode: Mode,
+    /// Least and most position, rad: zero where its encoder counts zero.
+    pub range_rad: [f32; 2],
+    /// The most torque that it is asked for, N m.
+    pub torque_nm: f32,
+    /// Its torque at stall, N m.
+    pub stall_nm: f32,
+    /// What its friction takes, N m.
+    pub friction_nm: f32,
+    /// Torque per current, N m/A.
+    pub torque_constant_nm_a: f32,
+    /// Where its kind switches itself off, degC.
+    pub shutdown_c: f32,
+}
+
+/// A register, and what it must hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// The register.
+    pub item: Item,
+    /// What it must hold.
+    pub raw: i32,
+}
+
+/// What a register must hold.
+#[derive(Debug, Clone, Copy)]
+enum Must {
+    /// This.
+    Be(i32),
+    /// What the factory sets.
+    Factory,
+    /// The number of the mode.
+    Mode,
+    /// The temperature at which it switches itself off.
+    Heat,
+    /// The current of the torque that is asked for; as the factory sets it where that is all it has.
+    Current,
+    /// The part of its torque that is asked for, in so many counts.
+    Share(u16),
+    /// The least position.
+    Least,
+    /// The most position.
+    Most,
+}
+
+/// Dynamixel: the servo answers after 2 us. The factory's 500 us make a bus of 6 a third as fast.
+const DYNAMIXEL_DELAY: i32 = 1;
+/// Feetech: heat, current and overload make it let go, as dumps of new STS3215 have it.
+const STS_UNLOADING: i32 = 44;
+/// What no register holds: a mode that a servo does not have is never the one it is in.
+const NO_MODE: i32 = -1;
+/// A range may end so much of a count beyond one: the rounding of f32, and of whoever wrote the range in degrees.
+const SLACK: f32 = 0.02;
+
+/// By address. A model without a register has one less. Drive mode 0: neither turned round (the rig's `direction` does
+/// that), nor timed, nor on by a goal. Startup 0: limp at power-up, until somebody arms it. Status level 2, all is
+/// answered: the level that a servo has after each power-on, and it costs nothing, for the bus writes to all at once.
+const DYNAMIXEL: &[(u16, Must)] = &[
+    (dxl::RETURN_DELAY, Must::Be(DYNAMIXEL_DELAY)),
+    (dxl::DRIVE_MODE, Must::Be(0)),
+    (dxl::OPERATING_MODE, Must::Mode),
+    (dxl::TEMPERATURE_LIMIT, Must::Heat),
+    (dxl::MAX_VOLTAGE, Must::Factory),
+    (dxl::MIN_VOLTAGE, Must::Factory),
+    (dxl::PWM_LIMIT, Must::Share(dynamixel_servos::table::FULL_PWM)),
+    (dxl::CURRENT_LIMIT, Must::Current),
+    (dxl::MAX_POSITION, Must::Most),
+    (dxl::MIN_POSITION, Must::Least),
+    (dxl::STARTUP, Must::Be(0)),
+    (dxl::SHUTDOWN, Must::Factory),
+    (dxl::STATUS_LEVEL, Must::Factory),
+    (dxl::POSITION_D, Must::Factory),
+    (dxl::POSITION_I, Must::Factory),
+    (dxl::POSITION_P, Must::Factory),
+    (dxl::FEEDFORWARD_2ND, Must::Factory),
+    (dxl::FEEDFORWARD_1ST, Must::Factory),
+];
+
+/// By address. The highest supply differs by type: it is left alone.
+const STS: &[(u8, Must)] = &[
+    (feetech::RETURN_DELAY, Must::Be(0)),
+    (feetech::MIN_POSITION, Must::Least),
+    (feetech::MAX_POSITION, Must::Most),
+    (feetech::MAX_TEMPERATURE, Must::Heat),
+    (feetech::MIN_VOLTAGE, Must::Factory),
+    (feetech::MAX_TORQUE, Must::Share(1000)),
+    (feetech::UNLOADING, Must::Be(STS_UNLOADING)),
+    (feetech::POSITION_P, Must::Factory),
+    (feetech::POSITION_D, Must::Factory),
+    (feetech::POSITION_I, Must::Factory),
+    (feetech::OPERATING_MODE, Must::Mode),
+    (feetech::TORQUE_LIMIT, Must::Share(1000)),
+];
+
+/// By address. What the factory sets in an SCS is not known, and it has no register for its mode.
+const SCS: &[(u8, Must)] = &[
+    (feetech::RETURN_DELAY, Must::Be(0)),
+    (feetech::MIN_POSITION, Must::Least),
+    (feetech::MAX_POSITION, Must::Most),
+    (feetech::MAX_TEMPERATURE, Must::Heat),
+    (feetech::MAX_TORQUE, Must::Share(1000)),
+];
+
+/// What a Dynamixel must hold, by address: mode, return delay, status level, limits, shutdown, gains.
+///
+/// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
+pub fn dynamixel(
+    table: dynamixel_servos::table::Table,
+    demand: Demand,
+) -> impl Iterator<Item = Setting> + Clone {
+    let mode = match demand.mode {
+        Mode::Current => 0,
+        Mode::Position => 3,
+        Mode::CurrentPosition => 5,
+        Mode::Pwm => 16,
+    };
+    // A servo that measures current is limited there.
+    let share = if table.model.current.is_some() { 1.0 } else { demand.share() };
+    DYNAMIXEL.iter().filter_map(move |(address, must)| {
+        let item = table.at(*address).filter(|item| item.address == *address)?;
+        Some(demand.setting(item, *must, mode, share))
+    })
+}
+
+/// What a Feetech must hold, by address, as [`dynamixel`] has it.
+pub fn feetech(
+    family: feetech_servos::Family,
+    demand: Demand,
+) -> impl Iterator<Item = Setting> + Clone {
+    let mode = match demand.mode {
+        Mode::Position => 0,
+        Mode::Pwm => 2,
+        Mode::CurrentPosition | Mode::Current => NO_MODE,
+    };
+    let list = match family {
+        feetech_servos::Family::Sts => STS,
+        feetech_servos::Family::Scs => SCS,
+    };
+    list.iter().filter_map(move |(address, must)| {
+        Some(demand.setting(family.at(*address)?, *must, mode, demand.share()))
+    })
+}
+
+impl Demand {
+    /// What part of its torque is asked for.
+    fn share(&self) -> f32 {
+        (self.torque_nm / self.stall_nm).clamp(0.0, 1.0)
+    }
+
+    /// A number beyond a register's range is held at the end.
+    fn setting(&self, item: Item, must: Must, mode: i32, share: f32) -> Setting {
+        let scale = item.unit.scale;
+        let whole = |value: f32| round(value, [0, i32::MAX]);
+        let raw = match must {
+            Must::Be(raw) => raw,
+            Must::Factory => item.initial,
+            Must::Mode => mode,
+            Must::Heat => whole(self.shutdown_c / scale),
+            Must::Current if self.share() < 1.0 => {
+                whole((self.torque_nm + self.friction_nm) / self.torque_constant_nm_a / scale)
+            }
+            Must::Current => item.initial,
+            Must::Share(full) => whole(f32::from(full) * share),
+            // Rounded inwards.
+            Must::Least => whole(self.range_rad[0] / scale + (0.5 - SLACK)),
+            Must::Most => whole(self.range_rad[1] / scale - (0.5 - SLACK)),
+        };
+        let raw = match item.range {
+            Range::Between(least, most) if raw != NO_MODE => raw.max(least).min(most),
+            _ => raw,
+        };
+        Setting { item, raw }
+    }
+}
