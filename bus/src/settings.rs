@@ -179,13 +179,12 @@ impl Demand {
         let whole = |value: f32| round(value, [0, i32::MAX]);
         let raw = match must {
             Must::Be(raw) => raw,
-            Must::Factory => item.initial,
             Must::Mode => mode,
             Must::Heat => whole(self.shutdown_c / scale),
             Must::Current if self.share() < 1.0 => {
                 whole((self.torque_nm + self.friction_nm) / self.torque_constant_nm_a / scale)
             }
-            Must::Current => item.initial,
+            Must::Factory | Must::Current => item.initial,
             Must::Share(full) => whole(f32::from(full) * share),
             // Rounded inwards.
             Must::Least => whole(self.range_rad[0] / scale + (0.5 - SLACK)),

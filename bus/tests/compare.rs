@@ -142,7 +142,9 @@ fn every_register_of_a_feetech_is_compared() {
         let set = |device: &mut feetech::Device<'_>, setting: &Setting, raw| {
             device.set(u8::try_from(setting.item.address).unwrap(), raw);
         };
-        settings.iter().for_each(|setting| set(&mut device, setting, setting.raw));
+        for setting in &settings {
+            set(&mut device, setting, setting.raw);
+        }
         assert_eq!(compare(&mut bus, &mut device, DEMAND), Compared::Same, "{name}");
         for setting in &settings {
             set(&mut device, setting, wrong(setting));

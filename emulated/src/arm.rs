@@ -5,8 +5,8 @@ use sinew_bus::dynamixel::{self, table::MODELS};
 use sinew_bus::feetech::{self, Family};
 use sinew_bus::settings::Demand;
 use sinew_bus::{
-    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, Schedule, ServoBus,
-    Timing,
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, Schedule,
+    ServoBus, Timing,
 };
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};

@@ -66,12 +66,7 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
     for (kind, missing) in [
         (
             "XL330-M288-T",
-            &[
-                "Return Delay Time",
-                "Current Limit",
-                "Max Position Limit",
-                "Min Position Limit",
-            ][..],
+            &["Return Delay Time", "Current Limit", "Max Position Limit", "Min Position Limit"][..],
         ),
         (
             "XL430-W250-T",

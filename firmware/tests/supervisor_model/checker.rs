@@ -49,7 +49,7 @@ struct Watched {
 pub(crate) fn check(
     events: &Events,
     step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>),
-) -> Result<Counts, Violation> {
+) -> Result<Counts, Box<Violation>> {
     let mut found = HashSet::from([Watched::default()]);
     let mut waiting = VecDeque::from([Watched::default()]);
     let mut steps = 0;
@@ -59,13 +59,13 @@ pub(crate) fn check(
             steps += 1;
             let watched = from.after(&event, to, answer);
             if let Some(rule) = broken(&from, &event, &watched, answer) {
-                return Err(Violation { rule, from, event, to, answer });
+                return Err(Box::new(Violation { rule, from, event, to, answer }));
             }
             if answer.is_some_and(|answer| answer.is_err()) {
                 let silent = step(from.mode, &Event { command: None, ..event }).0;
                 if silent != to {
                     let rule = "a refused command changes nothing";
-                    return Err(Violation { rule, from, event, to, answer });
+                    return Err(Box::new(Violation { rule, from, event, to, answer }));
                 }
             }
             if watched != from && found.insert(watched) {

@@ -214,8 +214,13 @@ impl Args {
     /// The bytes of the show: read, or baked of a clip.
     fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);
-        let read = std::fs::read(path).ok();
-        let Some(bytes) = read.filter(|bytes| Show::open(bytes).is_ok()) else {
+        let read = std::fs::read(path);
+        if let Err(error) = &read
+            && path.extension().is_some_and(|extension| extension == "show")
+        {
+            bail!("{}: {error}", path.display());
+        }
+        let Some(bytes) = read.ok().filter(|bytes| Show::open(bytes).is_ok()) else {
             ensure!(
                 path.extension().is_none_or(|extension| extension != "show"),
                 "{}: is no show of `sinew bake`",

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use comfy_table::{CellAlignment, Table, presets};
-use sinew_sim::command::note;
+use comfy_table::Table;
+use sinew_sim::command::{self, note};
 use sinew_sim::verify::{Kind, Report, Tally, verify_folder};
 
 /// Recompute golden files with the core, and print its errors and their limits.
@@ -48,17 +48,11 @@ pub(super) fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn table(report: &Report) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(["file", "quantity", "cases", "largest error", "relative", "limit", ""]);
+    let header = ["file", "quantity", "cases", "largest error", "relative", "limit", ""];
+    let mut table = command::table(header, 2..=5);
     for (file, tallies) in &report.files {
         for tally in tallies {
             table.add_row(row(file, tally));
-        }
-    }
-    for column in [2, 3, 4, 5] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
         }
     }
     table

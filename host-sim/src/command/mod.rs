@@ -3,9 +3,11 @@
 mod exit;
 mod measure;
 mod output;
+mod table;
 mod threads;
 
 pub use exit::exit_code;
 pub use measure::MeasureArgs;
 pub use output::{note, print, with_progress};
+pub use table::table;
 pub use threads::ThreadArgs;

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{CellAlignment, Table, presets};
 use sinew_retarget::feasibility::{Excess, Fit, Limits, Report};
 use sinew_rig::Mechanism;
 
 use super::words;
+use crate::command;
 
 /// What a motion asks of each joint, beside its limits, and where it exceeds them. Joints that do not move, and have no
 /// load, are left out.
@@ -16,12 +16,11 @@ pub fn feasibility(
     report: &Report,
     rounding: [f64; 2],
 ) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header([
+    let header = [
         "joint", "from", "to", "range", "speed", "of", "accel.", "of", "torque", "of", "RMS",
         "for long",
-    ]);
+    ];
+    let mut table = command::table(header, 1..header.len());
     for (freedom, peaks) in limits.freedoms.iter().zip(&report.peaks) {
         if peaks.speed < 1e-6 && peaks.effort < 1e-9 {
             continue;
@@ -50,11 +49,6 @@ pub fn feasibility(
             format!("{:.3}", peaks.effort_rms),
             freedom.heat.map(|heat| limit(heat.continuous, 3)).unwrap_or_default(),
         ]);
-    }
-    for column in 1..12 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     let mut out = format!(
         "Angles in deg, ways in mm; speeds in rad/s or m/s; accelerations per s; torques in N m, forces in N, with rotors \

@@ -115,7 +115,7 @@ pub(super) fn drives(
 pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
     let kind = &part.own.kind;
     let model = rig.servo_model(&kind.name);
-    let stall_a = model.map_or(stall_a(&part.own), |model| model.stall_current_a.value);
+    let stall_a = model.as_ref().map_or(stall_a(&part.own), |model| model.stall_current_a.value);
     let stall_a = single(stall_a);
     let stall_nm = model.map_or(kind.torque_constant_nm_a * f64::from(stall_a), |model| {
         model.stall_torque_nm.value

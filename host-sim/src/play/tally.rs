@@ -1,12 +1,13 @@
 //! What a performance came to: following errors, currents, temperatures, by joint and by drive.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use sinew_firmware::supervisor::{FaultSet, Feed, Source};
 use sinew_servo_sim::load::Plant;
 
 use super::parts::Parts;
 use super::servo_part::Drive;
 use super::stand::Stand;
+use crate::command::table;
 
 /// Sums of one freedom, while the show runs.
 #[derive(Debug, Clone, Copy, Default)]
@@ -123,8 +124,8 @@ impl Tally {
     }
 
     fn by_drive(&self, parts: &Parts) -> String {
-        let mut table =
-            aligned(["drive", "method", "joints", "mean", "largest", "of joint", "at s"], 2);
+        let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
+        let mut table = table(header, 2..header.len());
         let all = [Some(Drive::Current), Some(Drive::Position), None];
         let found = all.map(|drive| (drive, self.errors(parts, drive)));
         let is_mixed = found[..2].iter().all(|(_, errors)| errors.is_some());
@@ -147,20 +148,18 @@ impl Tally {
     }
 
     fn by_joint(&self, parts: &Parts) -> String {
-        let mut table = aligned(
-            [
-                "joint",
-                "drive",
-                "mean",
-                "largest",
-                "at s",
-                "effort N m",
-                "current A",
-                "celsius",
-                "limited",
-            ],
-            2,
-        );
+        let header = [
+            "joint",
+            "drive",
+            "mean",
+            "largest",
+            "at s",
+            "effort N m",
+            "current A",
+            "celsius",
+            "limited",
+        ];
+        let mut table = table(header, 2..header.len());
         for (freedom, sums) in self.freedoms.iter().enumerate() {
             let Some(drive) = parts.drives[freedom] else { continue };
             let shown = |x: f64| {
@@ -182,19 +181,6 @@ impl Tally {
         }
         lines(&table)
     }
-}
-
-/// A table of text columns, then numbers.
-pub(super) fn aligned<const N: usize>(header: [&str; N], text_columns: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(header);
-    for column in text_columns..N {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
 }
 
 /// A table as lines without blanks at their ends.

@@ -65,7 +65,7 @@ impl<'a> Words<'a> {
         html! {
             (summary) ", tracked by a simulated " (self.figure()) " with "
             (methods)
-            " ways of measuring state error"
+            (if methods == 1 { " way" } else { " ways" }) " of measuring state error"
             @if self.rig.is_none() {
                 ", and compared with Notman, Carlisle & Manning, "
                 cite { "Methods for Measuring State Error for Control of Animated Human Figures" } " (2011)"

@@ -1,5 +1,5 @@
-//! A browser without a screen, by its DevTools protocol: commands and events as JSON, on one WebSocket. Crates that have
-//! the whole protocol are generated code that compiles for a minute; a dozen methods are used here.
+//! A browser without a screen, by the protocol of its developer tools: commands and events as JSON, on one WebSocket.
+//! Crates that have the whole protocol are generated code that compiles for a minute; a dozen methods are used here.
 
 use std::io::{self, BufRead as _, BufReader};
 use std::net::TcpStream;
@@ -57,15 +57,15 @@ impl Browser {
         let (socket, _) = tungstenite::client(&url, stream).unwrap();
         let mut browser =
             Self { process, socket, session: String::new(), commands: 0, events: Vec::new() };
-        let tab = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let tab = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": tab["targetId"], "flatten": true });
-        let session = browser.call("Target.attachToTarget", attach);
-        browser.session = session["sessionId"].as_str().expect("a session").to_owned();
+        let session = browser.call("Target.attachToTarget", &attach);
+        session["sessionId"].as_str().expect("a session").clone_into(&mut browser.session);
         browser
     }
 
     /// Calls a method, and gives its result.
-    pub(crate) fn call(&mut self, method: &str, parameters: Value) -> Value {
+    pub(crate) fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.commands += 1;
         let mut command = json!({ "id": self.commands, "method": method, "params": parameters });
         if !self.session.is_empty() {

@@ -39,16 +39,16 @@ pub(crate) struct Page {
 impl Page {
     fn open(mut browser: Browser, url: &str) -> Self {
         for domain in ["Log", "Runtime", "Network", "Page"] {
-            browser.call(&format!("{domain}.enable"), json!({}));
+            browser.call(&format!("{domain}.enable"), &json!({}));
         }
-        browser.call("Page.navigate", json!({ "url": url }));
+        browser.call("Page.navigate", &json!({ "url": url }));
         browser.wait_for("Page.loadEventFired");
         let page = Self { browser: RefCell::new(browser) };
         page.settle();
         page
     }
 
-    fn call(&self, method: &str, parameters: Value) -> Value {
+    fn call(&self, method: &str, parameters: &Value) -> Value {
         self.browser.borrow_mut().call(method, parameters)
     }
 
@@ -56,7 +56,7 @@ impl Page {
     fn evaluate(&self, expression: &str) -> Value {
         let asked =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
-        let mut answer = self.call("Runtime.evaluate", asked);
+        let mut answer = self.call("Runtime.evaluate", &asked);
         let exception = &answer["exceptionDetails"];
         assert!(exception.is_null(), "{expression}: {exception}");
         answer["result"]["value"].take()
@@ -85,13 +85,13 @@ impl Page {
     pub(crate) fn resize(&self, width: u32, height: u32) {
         let metrics =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
-        self.call("Emulation.setDeviceMetricsOverride", metrics);
+        self.call("Emulation.setDeviceMetricsOverride", &metrics);
         self.settle();
     }
 
     pub(crate) fn emulate(&self, media: &str, scheme: &str) {
         let feature = json!({ "name": "prefers-color-scheme", "value": scheme });
-        self.call("Emulation.setEmulatedMedia", json!({ "media": media, "features": [feature] }));
+        self.call("Emulation.setEmulatedMedia", &json!({ "media": media, "features": [feature] }));
         self.settle();
     }
 
@@ -119,14 +119,14 @@ impl Page {
             if kind == "keyDown" {
                 event["text"] = json!(text);
             }
-            self.call("Input.dispatchKeyEvent", event);
+            self.call("Input.dispatchKeyEvent", &event);
         }
         self.settle();
     }
 
     /// The page as a PDF.
     pub(crate) fn pdf(&self) -> Vec<u8> {
-        let printed = self.call("Page.printToPDF", json!({}));
+        let printed = self.call("Page.printToPDF", &json!({}));
         BASE64_STANDARD.decode(printed["data"].as_str().unwrap()).unwrap()
     }
 

@@ -175,8 +175,8 @@ fn refusal(r: &mut Random) -> Refusal {
         _ => Refusal::RegisterDiffers {
             servo: r.bits() as u16,
             address: r.bits() as u16,
-            found: r.bits() as i32,
-            expected: r.bits() as i32,
+            found: r.bits().cast_signed(),
+            expected: r.bits().cast_signed(),
         },
     }
 }

@@ -112,7 +112,10 @@ pub(crate) fn run() -> Result<()> {
 
 /// Links the image of faults, and fails if one of them is not found.
 pub(crate) fn self_test() -> Result<()> {
-    ensure!(!build(FAULTY)?, "the image of faults links without a panic handler, with a panic in it");
+    ensure!(
+        !build(FAULTY)?,
+        "the image of faults links without a panic handler, with a panic in it"
+    );
     let path = FAULTY.path();
     let elf = Elf::load(&path)?;
     let mut findings = rules::findings(&elf);

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use sinew_rig::review::{Loop, Review, Severity};
-use sinew_sim::command::print;
+use sinew_sim::command::{print, table};
 use sinew_sim::rig::review;
 
 use super::read;
@@ -130,7 +130,7 @@ fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> Strin
 
 /// The bodies, each under its parent.
 fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
-    let mut table = table(["body", "joint", "type", "kg"]);
+    let mut table = table(["body", "joint", "type", "kg"], [3]);
     let mut depths: Vec<usize> = Vec::new();
     for link in &mechanism.bodies {
         let depth = link.parent.and_then(|parent| depths.get(parent)).map_or(0, |depth| depth + 1);
@@ -142,7 +142,6 @@ fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
             format!("{:.4}", link.mass_kg),
         ]);
     }
-    right(&mut table, &[3]);
     table
 }
 
@@ -159,18 +158,21 @@ fn kind(joint: sinew_rig::mechanism::Freedom) -> &'static str {
 }
 
 fn joints(review: &Review) -> Table {
-    let mut table = table([
-        "joint",
-        "gravity",
-        "holds",
-        "stall",
-        "unit",
-        "speed",
-        "inertia",
-        "rotor",
-        "stiffness",
-        "step mm",
-    ]);
+    let mut table = table(
+        [
+            "joint",
+            "gravity",
+            "holds",
+            "stall",
+            "unit",
+            "speed",
+            "inertia",
+            "rotor",
+            "stiffness",
+            "step mm",
+        ],
+        [1, 2, 3, 5, 6, 7, 8, 9],
+    );
     for freedom in &review.by_freedom {
         let servo = freedom.servo.as_ref();
         let limit = freedom.effort_limit.map(|limit| format!("{limit:.3}*"));
@@ -190,21 +192,5 @@ fn joints(review: &Review) -> Table {
             freedom.resolution_mm.map(|mm| format!("{mm:.2}")).unwrap_or_default(),
         ]);
     }
-    right(&mut table, &[1, 2, 3, 5, 6, 7, 8, 9]);
     table
-}
-
-fn table<const N: usize>(header: [&str; N]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(header);
-    table
-}
-
-fn right(table: &mut Table, columns: &[usize]) {
-    for column in columns {
-        if let Some(column) = table.column_mut(*column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
 }

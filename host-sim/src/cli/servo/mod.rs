@@ -11,7 +11,6 @@ mod watch;
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
-use comfy_table::{CellAlignment, Table, presets};
 use line::LineArgs;
 
 /// Bus servos: find them, give them ids, set them up, calibrate and watch them.
@@ -69,17 +68,4 @@ enum Format {
     Words,
     /// One JSON object.
     Json,
-}
-
-/// A table without lines, numbers to the right.
-fn table<const N: usize>(header: [&str; N], right: &[usize]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(header);
-    for column in right {
-        if let Some(column) = table.column_mut(*column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
 }

@@ -4,9 +4,9 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_service::registers::{self, Number, Reading};
-use sinew_sim::command::print;
+use sinew_sim::command::{print, table};
 
-use super::{Format, LineArgs, table};
+use super::{Format, LineArgs};
 
 /// Read registers by name, in degrees, A, V, %; the raw number beside. All of them without a name.
 #[derive(Debug, clap::Args)]
@@ -44,7 +44,7 @@ pub(super) fn read(line: &LineArgs, args: &ReadArgs) -> anyhow::Result<ExitCode>
 }
 
 fn words(readings: &[Reading]) -> String {
-    let mut table = table(["address", "register", "value", "raw", "kept"], &[0, 2, 3]);
+    let mut table = table(["address", "register", "value", "raw", "kept"], [0, 2, 3]);
     for reading in readings {
         table.add_row([
             reading.address.to_string(),

@@ -8,10 +8,10 @@ use sinew_service::compare::{self, Difference};
 use sinew_service::desired::{Mode, desired};
 use sinew_service::rig_servo::{RigServo, of_bus};
 use sinew_service::{ServiceError, Servo};
-use sinew_sim::command::{note, print};
+use sinew_sim::command::{note, print, table};
 
 use super::line::PortClient;
-use super::{Format, LineArgs, table};
+use super::{Format, LineArgs};
 use crate::cli::rig::read;
 
 /// The rig, and what its servos are to control.
@@ -154,7 +154,7 @@ pub(super) fn diff(line: &LineArgs, args: &DiffArgs) -> anyhow::Result<ExitCode>
 }
 
 fn words(compared: &[Compared]) -> String {
-    let mut table = table(["servo", "id", "register", "has", "should", "kept"], &[1, 3, 4]);
+    let mut table = table(["servo", "id", "register", "has", "should", "kept"], [1, 3, 4]);
     let mut count = 0;
     for servo in compared {
         for difference in &servo.differences {

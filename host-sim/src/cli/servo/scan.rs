@@ -3,9 +3,9 @@
 use std::process::ExitCode;
 
 use sinew_service::{Found, ScanEvent, ScanSettings, scan};
-use sinew_sim::command::{note, print};
+use sinew_sim::command::{note, print, table};
 
-use super::{Format, LineArgs, table};
+use super::{Format, LineArgs};
 
 /// Look for servos at all rates of both protocols, or of those that are told.
 ///
@@ -67,7 +67,7 @@ fn words(found: &[Found]) -> String {
                 it: is its direction set?\n"
             .to_owned();
     }
-    let mut table = table(["id", "model", "firmware", "protocol", "baud"], &[0, 4]);
+    let mut table = table(["id", "model", "firmware", "protocol", "baud"], [0, 4]);
     for servo in found {
         let model =
             servo.model.map_or_else(|| format!("? ({})", servo.model_number), str::to_owned);

@@ -10,11 +10,11 @@ use anyhow::bail;
 use sinew_service::rig_servo::of_bus;
 use sinew_service::watch::{State, look};
 use sinew_service::{ScanSettings, ServiceError, Servo, scan};
-use sinew_sim::command::{note, print};
+use sinew_sim::command::{note, print, table};
 
+use super::LineArgs;
 use super::line::PortClient;
 use super::rig::find_rate;
-use super::{LineArgs, table};
 use crate::cli::rig::read;
 
 /// Watch servos: position, speed, current or load, supply, heat, errors.
@@ -130,7 +130,7 @@ type Look<'a> = (&'a String, &'a Servo, Result<State, ServiceError>);
 
 fn page(states: &[Look<'_>]) -> String {
     let header = ["servo", "id", "position", "speed", "effort", "supply", "heat", ""];
-    let mut table = table(header, &[1, 2, 3, 4, 5, 6]);
+    let mut table = table(header, [1, 2, 3, 4, 5, 6]);
     for (name, servo, state) in states {
         table.add_row(cells(name, servo, state));
     }
