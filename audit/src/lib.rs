@@ -1,5 +1,5 @@
-//! What the images of `cargo xtask audit` share: values that the compiler knows nothing of, and a panic handler that does
-//! not exist.
+//! What the images of `cargo xtask audit` share: values that the compiler knows nothing of, and a panic handler that
+//! does not exist.
 
 #![no_std]
 

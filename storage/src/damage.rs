@@ -1,4 +1,5 @@
-//! What a log has lost: newer settings, or a newer rig, than those that are whole. Whoever reads the older ones must know.
+//! What a log has lost: newer settings, or a newer rig, than those that are whole. Whoever reads the older ones must
+//! know.
 //!
 //! A record was sealed, and its CRC is wrong; or a head is none, with more behind it than a cut leaves. A compaction
 //! drops both, and leaves a note in their place: a record without payload, whose schema is the item's kind.

@@ -135,8 +135,8 @@ pub(crate) fn least_reserve<F: NorFlash>() -> u32 {
     Record::room::<F>(FAULT_LEN).saturating_mul(KEPT)
 }
 
-/// Room for the first fault, for the last ones, for as many new ones, and for notes: that they were cleared, and what is
-/// damaged.
+/// Room for the first fault, for the last ones, for as many new ones, and for notes: that they were cleared, and what
+/// is damaged.
 pub(crate) fn room_for_all<F: NorFlash>() -> u32 {
     let one = Record::room::<F>(FAULT_LEN);
     let faults = one.saturating_mul(KEPT.saturating_mul(2).saturating_add(1));

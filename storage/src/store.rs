@@ -15,8 +15,8 @@ use crate::upload::Upload;
 
 /// All that a board keeps, in a flash `F`.
 ///
-/// Reading costs a pass over what is read, and its CRC. Nothing but faults, and that they were cleared, is written without
-/// [`Disarmed`].
+/// Reading costs a pass over what is read, and its CRC. Nothing but faults, and that they were cleared, is written
+/// without [`Disarmed`].
 #[derive(Debug)]
 pub struct Store<F> {
     pub(crate) flash: F,
@@ -108,9 +108,9 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Rig)
     }
 
-    /// Whether newer settings, or a newer rig, were there than [`Self::settings`] or [`Self::rig`] reads, and are damaged.
-    /// So it stays, over every power cut, until the next whole ones. Of the rare seal that power failed in nobody can
-    /// tell it from damage: it counts, too. O(log).
+    /// Whether newer settings, or a newer rig, were there than [`Self::settings`] or [`Self::rig`] reads, and are
+    /// damaged. So it stays, over every power cut, until the next whole ones. Of the rare seal that power failed in
+    /// nobody can tell it from damage: it counts, too. O(log).
     ///
     /// # Errors
     /// [`Error::Flash`].

@@ -119,7 +119,7 @@ pub(crate) fn faults() {
 }
 
 fn faults_of<const GRANULE: usize>() {
-    let Some((mut store, disarmed)) = store::<GRANULE>() else { return };
+    let Some((mut store, _)) = store::<GRANULE>() else { return };
     let fault = Fault { run: 1, time_us: 1, number: 1, part: None, state: 1, times: 1 };
     black_box(store.record_fault(black_box(&fault)).is_ok());
     if let Ok(faults) = store.faults() {

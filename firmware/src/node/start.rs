@@ -46,7 +46,8 @@ pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
     store.tidy(&disarmed)?;
     let log = fault_log(&mut store)?;
 
-    // Older ones that are whole are read, so that a host can ask; they do not count unless somebody stands for them anew.
+    // Older ones that are whole are read, so that a host can ask; they do not count unless somebody stands for them
+    // anew.
     let mut is_bad =
         was_lost || store.is_damaged(Kind::Settings)? || store.is_damaged(Kind::Rig)?;
     let mut rig = None;

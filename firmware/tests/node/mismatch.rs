@@ -76,8 +76,8 @@ fn a_rig_that_flash_has_lost_refuses_motion() {
     assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
 }
 
-/// The newest settings are damaged, those of before are whole: they are not taken in silence, at no start, until somebody
-/// stands for settings anew; also for the same ones.
+/// The newest settings are damaged, those of before are whole: they are not taken in silence, at no start, until
+/// somebody stands for settings anew; also for the same ones.
 #[test]
 fn older_settings_do_not_count_where_newer_ones_are_damaged() {
     let mut world = ready();
