@@ -7,7 +7,7 @@ use super::Row;
 const HEAD: &str = "# Simulated servos
 
 What is published of servos against what the simulated ones do, over their bus. `cargo run -p sinew-servo-sim --example
-step > docs/simulated-servos.md` writes this page; a test compares.
+published > docs/simulated-servos.md` writes this page; a test compares.
 
 *Fitted*: the servo's numbers were chosen to meet this figure; it tells nothing new. Nothing was chosen by the others.
 *Within*: what the test allows, with the reason in the source. *Shown only*: the figure is known not to fit, or comes
