@@ -57,6 +57,7 @@ impl Random {
     }
 
     /// Uniform in `[0, 1)`, on a grid of 2^-53.
+    #[inline]
     pub fn unit(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
         (self.0.next_u64() >> 11) as f64 * STEP
@@ -77,12 +78,13 @@ impl Random {
 
     /// Normally distributed components with mean 0 and standard deviation 1 (Box and Muller 1958).
     pub fn normal3(&mut self) -> DVec3 {
-        let mut normal = || {
-            // `1 - unit` is in (0, 1]: the logarithm is finite.
-            let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.unit()));
-            radius * libm::cos(core::f64::consts::TAU * self.unit())
-        };
-        DVec3::new(normal(), normal(), normal())
+        DVec3::new(self.normal(), self.normal(), self.normal())
+    }
+
+    fn normal(&mut self) -> f64 {
+        // `1 - unit` is in (0, 1]: the logarithm is finite.
+        let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.unit()));
+        radius * libm::cos(core::f64::consts::TAU * self.unit())
     }
 
     /// Shuffles in place (Fisher and Yates).

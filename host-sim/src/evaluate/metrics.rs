@@ -147,6 +147,7 @@ impl WeightedTotals {
 }
 
 /// Angle in [0, π] of the rotation that takes one orientation to the other.
+#[inline]
 pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
     let turn = a * b.conjugate();
     2.0 * libm::atan2(turn.xyz().length(), turn.w.abs())

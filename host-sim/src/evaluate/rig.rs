@@ -121,6 +121,7 @@ impl Rig {
 }
 
 /// Position of a joint's body in its parent's frame in m, as far as the joint lets it move.
+#[inline]
 fn position_m(link: &Link, parent: &Pose, body: &Pose) -> DVec3 {
     match link.joint {
         Freedom::Prismatic(axis) => {
