@@ -11,6 +11,7 @@ macro_rules! targets {
             #[test]
             fn $name() {
                 corpus::streams().iter().for_each(|bytes| decoders::$name(bytes));
+                #[cfg(feature = "bolero")]
                 bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
             }
         )*
