@@ -3,7 +3,8 @@
 
 /// Bounds of a reading, and how far it can move from one to the next.
 ///
-/// A reading outside of its range is never believed. One that jumps is believed if the next one confirms it.
+/// A reading outside of its range is never believed. One that jumps is believed if the next one confirms it: if that
+/// is as near to it as the servo turns from one to the other.
 ///
 /// ```
 /// use sinew_bus::Plausible;
@@ -19,7 +20,8 @@ pub struct Plausible {
     most: i32,
     step: u32,
     last: Option<i32>,
-    doubtful: Option<i32>,
+    /// What was not believed, and how many readings were due then.
+    doubtful: Option<(i32, u32)>,
 }
 
 impl Plausible {
@@ -34,10 +36,12 @@ impl Plausible {
         if !(self.least..=self.most).contains(&reading) {
             return None;
         }
-        let reach = self.step.saturating_mul(steps);
-        let near = |other: Option<i32>| other.is_some_and(|other| other.abs_diff(reading) <= reach);
-        let believed = self.last.is_none() || near(self.last) || near(self.doubtful);
-        self.doubtful = (!believed).then_some(reading);
+        let near = |other: i32, steps: u32| {
+            other.abs_diff(reading) <= self.step.saturating_mul(steps.max(1))
+        };
+        let believed = self.last.is_none_or(|last| near(last, steps))
+            || self.doubtful.is_some_and(|(other, then)| near(other, steps.saturating_sub(then)));
+        self.doubtful = (!believed).then_some((reading, steps));
         if believed {
             self.last = Some(reading);
         }

@@ -1,12 +1,10 @@
-//! Byte streams that are or were interesting, through all decoders: `corpus/streams.hex`, one in a line.
+//! The corpus, through all decoders.
 
+#[path = "corpus/mod.rs"]
+mod corpus;
 mod decoders;
 
-fn streams() -> Vec<Vec<u8>> {
-    let lines = include_str!("corpus/streams.hex").lines().filter(|line| !line.starts_with('#'));
-    let byte = |text| u8::from_str_radix(text, 16).unwrap();
-    lines.map(|line| line.split_whitespace().map(byte).collect()).collect()
-}
+use corpus::streams;
 
 fn decode(bytes: &[u8]) {
     for (_, decode) in decoders::DECODERS {

@@ -8,6 +8,7 @@ mod docs;
 mod elf;
 mod features;
 mod firmware;
+mod fuzz;
 mod image;
 mod node;
 mod package;

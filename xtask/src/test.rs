@@ -7,7 +7,7 @@ use sinew_image::BOARDS;
 
 use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, docs, features, firmware, node, package, parity, setup, step,
+    arm, audit, budget, clients, docs, features, firmware, fuzz, node, package, parity, setup, step,
 };
 
 pub(crate) fn run() -> Result<()> {
@@ -35,6 +35,7 @@ pub(crate) fn run() -> Result<()> {
     audit::self_test()?;
     audit::run()?;
     clients::run()?;
+    fuzz::run()?;
     let machines = parity::build()?;
     let image = node::build()?;
     let mut tests = step::cargo();

@@ -1,15 +1,36 @@
-//! A target for each decoder.
+//! A target for each decoder: it takes the corpus, then what bolero thinks of.
 
+#[path = "../../tests/corpus/mod.rs"]
+mod corpus;
 #[path = "../../tests/decoders/mod.rs"]
 mod decoders;
 
 macro_rules! targets {
-    ($($name:ident),*) => {$(
+    ($($name:ident),*) => {
+        $(
+            #[test]
+            fn $name() {
+                corpus::streams().iter().for_each(|bytes| decoders::$name(bytes));
+                #[cfg(feature = "bolero")]
+                bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
+            }
+        )*
+
         #[test]
-        fn $name() {
-            bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
+        fn every_decoder_has_a_target() {
+            assert_eq!(decoders::DECODERS.map(|(name, _)| name), [$(stringify!($name)),*]);
         }
-    )*};
+    };
 }
 
-targets!(dynamixel_controller, dynamixel_servo, feetech_controller, feetech_servo, pca9685_chip);
+targets!(
+    dynamixel_stream,
+    dynamixel_controller,
+    dynamixel_servo,
+    fast_answer,
+    feetech_stream,
+    feetech_controller,
+    sts_servo,
+    scs_servo,
+    pca9685_chip
+);

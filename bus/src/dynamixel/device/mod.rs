@@ -106,6 +106,8 @@ impl<const N: usize> BusDevice for Device<'_, N> {
         let mut input = bytes;
         while let Some(packet) = self.parser.next(&mut input) {
             self.servo.take(&packet);
+            // What came whole behind damage is answered, not the damage.
+            self.parser.take_damaged();
         }
         let damaged = self.parser.take_damaged();
         if damaged.is_some_and(|(id, instruction)| id == self.servo.id() && instruction != STATUS) {
