@@ -168,7 +168,9 @@ impl Wire for Dynamixel {
         let mut said = Vec::new();
         let parts = servos.enumerate().map(|(place, servo)| {
             let mut turn = FastTurn::new(all.clone().take(place), all.clone());
-            said.iter().for_each(|byte| turn.hear(*byte));
+            for byte in &said {
+                turn.hear(*byte);
+            }
             let data = motion(readings[*servo]);
             let status = Status { id: id(*servo), error: StatusError::NONE, data: &data };
             let mut out = [0; 64];

@@ -32,8 +32,10 @@ fn answer(spoil: impl Fn(usize, &mut [u8])) -> Vec<u8> {
     said
 }
 
-/// What of a servo's part is wrong.
-const SPOILT: [(&str, fn(&mut [u8])); 4] = [
+/// What is wrong with a servo's part, and how it comes about.
+type Spoil = (&'static str, fn(&mut [u8]));
+
+const SPOILT: [Spoil; 4] = [
     ("CRC, low byte", |part| part[PART_LEN - 2] ^= 1),
     ("CRC, high byte", |part| part[PART_LEN - 1] ^= 0x80),
     ("a byte of the position", |part| part[8] ^= 4),

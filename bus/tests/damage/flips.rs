@@ -11,7 +11,7 @@ const POSITION: std::ops::Range<usize> = 5..7;
 const MOST: usize = 8;
 
 /// Ways to flip so many bits that change the sum by so much.
-type Ways = [[f64; 256]; MOST + 1];
+type Ways = Vec<[f64; 256]>;
 
 /// The probability that one to eight flips of random bits of a reply, each number as likely, leave its sum right and
 /// change nothing in front of the status, weighted by how often the position that comes of it would be believed.
@@ -56,7 +56,7 @@ fn choices(bits: usize, count: usize) -> f64 {
 }
 
 fn ways_of_position(bytes: [u8; 2], weight: impl Fn([u8; 2]) -> f64) -> Ways {
-    let mut ways = [[0.0; 256]; MOST + 1];
+    let mut ways = vec![[0.0; 256]; MOST + 1];
     for change in 1..=u16::MAX {
         let [a, b] = change.to_le_bytes();
         let changed = [bytes[0] ^ a, bytes[1] ^ b];
@@ -71,7 +71,7 @@ fn ways_of_position(bytes: [u8; 2], weight: impl Fn([u8; 2]) -> f64) -> Ways {
 }
 
 fn ways_of_others(reply: &[u8]) -> Ways {
-    let mut ways = [[0.0; 256]; MOST + 1];
+    let mut ways = vec![[0.0; 256]; MOST + 1];
     ways[0][0] = 1.0;
     for (at, byte) in reply.iter().enumerate().skip(ADDRESS) {
         if POSITION.contains(&at) {

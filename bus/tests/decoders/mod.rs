@@ -105,7 +105,9 @@ fn contents(found: Vec<reference::Found>) -> Vec<(u8, u8, Vec<u8>)> {
 
 /// What is decoded is written as the same bytes again, and what is believed is within bounds.
 pub(crate) fn dynamixel_controller(bytes: &[u8]) {
-    dynamixel_streams(bytes).iter().for_each(|stream| hear_dynamixel(stream));
+    for stream in dynamixel_streams(bytes) {
+        hear_dynamixel(&stream);
+    }
 }
 
 fn hear_dynamixel(bytes: &[u8]) {
@@ -150,7 +152,9 @@ fn hear_dynamixel(bytes: &[u8]) {
 
 /// Whatever a servo has heard, it answers a ping afterwards.
 pub(crate) fn dynamixel_servo(bytes: &[u8]) {
-    dynamixel_streams(bytes).iter().for_each(|stream| tell_dynamixel(stream));
+    for stream in dynamixel_streams(bytes) {
+        tell_dynamixel(&stream);
+    }
 }
 
 fn tell_dynamixel(bytes: &[u8]) {
@@ -182,7 +186,9 @@ pub(crate) fn fast_answer(bytes: &[u8]) {
     let mut stream = Vec::new();
     for (place, (id, length)) in servos.iter().enumerate() {
         let mut turn = FastTurn::new(lengths.clone().take(place), lengths.clone());
-        stream.iter().for_each(|byte| turn.hear(*byte));
+        for byte in &stream {
+            turn.hear(*byte);
+        }
         let data: Vec<_> = (0..*length).map(|at| rest.get(at).copied().unwrap_or(*id)).collect();
         let mut out = [0; 64];
         let error = StatusError::from_byte(*id);
@@ -211,7 +217,9 @@ pub(crate) fn fast_answer(bytes: &[u8]) {
 
 /// What is decoded is written as the same bytes again, and what is believed is within bounds.
 pub(crate) fn feetech_controller(bytes: &[u8]) {
-    feetech_streams(bytes).iter().for_each(|stream| hear_feetech(stream));
+    for stream in feetech_streams(bytes) {
+        hear_feetech(&stream);
+    }
 }
 
 fn hear_feetech(bytes: &[u8]) {
@@ -242,12 +250,16 @@ fn hear_feetech(bytes: &[u8]) {
 
 /// Whatever a servo has heard, it answers a ping afterwards; but for an id that nobody can call.
 pub(crate) fn sts_servo(bytes: &[u8]) {
-    feetech_streams(bytes).iter().for_each(|stream| tell_feetech("STS3215", stream));
+    for stream in feetech_streams(bytes) {
+        tell_feetech("STS3215", &stream);
+    }
 }
 
 /// The same of the family whose numbers have the high byte first.
 pub(crate) fn scs_servo(bytes: &[u8]) {
-    feetech_streams(bytes).iter().for_each(|stream| tell_feetech("SCS0009", stream));
+    for stream in feetech_streams(bytes) {
+        tell_feetech("SCS0009", &stream);
+    }
 }
 
 fn tell_feetech(model: &str, bytes: &[u8]) {
