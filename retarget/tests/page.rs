@@ -1,5 +1,5 @@
-//! `docs/retargeting.md` against the scores that `cargo xtask retargeting` has written, and these against what they must
-//! be.
+//! `docs/retargeting.md` against the scores that `cargo xtask retargeting` has written, and these against what they
+//! must be.
 
 use std::collections::BTreeMap;
 

@@ -51,8 +51,8 @@ pub enum LoopError {
     },
     /// The base is elsewhere at the end.
     #[error(
-        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at {speed:.2} \
-         m/s, and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a base that does \
+        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at {speed:.2} m/s, \
+         and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a base that does \
          not travel"
     )]
     Travels {
