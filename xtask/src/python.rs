@@ -40,8 +40,8 @@ impl Venv {
         let mut pip = Command::new(self.folder.join("bin/pip"));
         pip.args(["--disable-pip-version-check", "--quiet"]).args(arguments);
         step::run("pip", &mut pip).context(
-            "the packages come from PyPI (https://pypi.org), which cannot be reached or does not have them: nothing has \
-             been tried",
+            "the packages come from PyPI (https://pypi.org), which cannot be reached or does not have them: \
+             nothing has been tried",
         )
     }
 

@@ -48,8 +48,8 @@ pub(crate) fn run(accept: bool) -> Result<()> {
         changed.map_or_else(String::new, |(found, known)| format!("\n  {known}\n  {found}"));
     ensure!(
         found == known,
-        "{SCORES} is not what was scored: `cargo xtask retargeting --accept` writes it anew. First line, and what it would \
-         be:{first}"
+        "{SCORES} is not what was scored: `cargo xtask retargeting --accept` writes it anew. First line, and \
+         what it would be:{first}"
     );
     Ok(())
 }

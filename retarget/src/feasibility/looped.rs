@@ -51,9 +51,9 @@ pub enum LoopError {
     },
     /// The base is elsewhere at the end.
     #[error(
-        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at {speed:.2} m/s, \
-         and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a base that does \
-         not travel"
+        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at \
+         {speed:.2} m/s, and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a \
+         base that does not travel"
     )]
     Travels {
         /// The base's joint.
@@ -77,8 +77,8 @@ pub enum LoopError {
     },
     /// The blend exceeds a limit that the motion itself keeps to.
     #[error(
-        "`{joint}`: to meet its beginning within {blend_s:.2} s its {} becomes {}, and its limit is {}: a longer blend, or \
-         a fit",
+        "`{joint}`: to meet its beginning within {blend_s:.2} s its {} becomes {}, and its limit is {}: a longer \
+         blend, or a fit",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)
@@ -315,9 +315,9 @@ mod tests {
             let [p0, v0, a0] = jet(rows, [0, 1, 2]);
             let [p1, v1, a1] = jet(rows, [last, last - 1, last - 2]);
             let [q1, w1, b1] = jet(&given.rows, [last, last - 1, last - 2]);
-            // The third derivative of what was added. A parabola from one side misses a third of it in its speed, all of
-            // it in its acceleration; the fourth one, a tenth of it a row, is the rest. To make quaternions unit again
-            // changes them by as much.
+            // The third derivative of what was added. A parabola from one side misses a third of it in its speed, all
+            // of it in its acceleration; the fourth one, a tenth of it a row, is the rest. To make quaternions unit
+            // again changes them by as much.
             let [p, v, a] = [p0 - q1, (v0 + w1) * span, (a0 - b1) * span * span];
             let third = (60.0 * p.abs() + 36.0 * v.abs() + 9.0 * a.abs()) / span.powi(3);
             let most = if (4..8).contains(&k) { third } else { 2.0 * third };
