@@ -22,7 +22,7 @@ pub(crate) fn read(handle: usize, mut bytes: &mut [u8]) -> Result<(), &'static s
     while !bytes.is_empty() {
         let left = read_some(handle, bytes);
         let come = bytes.len().checked_sub(left).filter(|come| *come > 0);
-        bytes = come.and_then(|come| bytes.get_mut(come..)).ok_or("the run ends too early")?;
+        bytes = come.and_then(|come| bytes.get_mut(come..)).ok_or("the request ends too early")?;
     }
     Ok(())
 }

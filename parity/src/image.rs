@@ -1,12 +1,12 @@
-//! A run of [`sinew_parity::run`] on QEMU's `mps2-an386`, with or without its floating-point unit: as it is
+//! A request of [`sinew_parity::answer`] on QEMU's `mps2-an386`, with or without its floating-point unit: as it is
 //! compiled. Standard input and output are the host's, by semihosting.
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln};
-use sinew_parity::run;
+use sinew_parity::answer;
 use static_cell::ConstStaticCell;
 
-use crate::{CAPACITY, LONGEST_SHOW, files};
+use crate::{CAPACITY, COORDINATES, LONGEST_SHOW, files};
 
 #[entry]
 fn main() -> ! {
@@ -26,7 +26,7 @@ fn perform() -> Result<(), &'static str> {
     static SHOW: ConstStaticCell<[u8; LONGEST_SHOW]> = ConstStaticCell::new([0; LONGEST_SHOW]);
     let input = files::open(c"/dev/stdin", files::READ)?;
     let output = files::open(c"/dev/stdout", files::WRITE)?;
-    run::perform::<CAPACITY>(
+    answer::<CAPACITY, COORDINATES>(
         SHOW.take(),
         |bytes| files::read(input, bytes),
         |bytes| files::write(output, bytes),

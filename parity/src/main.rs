@@ -1,5 +1,5 @@
-//! The program that each machine runs to be compared: a run of [`sinew_parity::run`] on standard input, the answer on
-//! standard output.
+//! The program that each machine runs to be compared: a request of [`sinew_parity::answer`] on standard input, the
+//! answer on standard output.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -12,6 +12,9 @@ mod image;
 
 /// Bodies of the figure.
 const CAPACITY: usize = 18;
+
+/// Coordinates of the largest show that is decoded.
+const COORDINATES: usize = 20;
 
 /// Bytes of the longest show.
 const LONGEST_SHOW: usize = 3 << 20;

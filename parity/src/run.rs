@@ -1,9 +1,7 @@
 //! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
 //!
 //! A run is a show, a method, and the joints' poses as they were measured in each tick; the machine answers with what
-//! it computed on the way to its torques. The evaluation writes down both as it goes. A program reads one run from
-//! its standard input and writes the answer to its standard output: `host.rs` on a host, `image.rs` on an emulated
-//! board.
+//! it computed on the way to its torques. The evaluation writes down both as it goes.
 //!
 //! # Format of a run
 //! All numbers little-endian; `f32` as IEEE 754.

@@ -1,4 +1,5 @@
-//! Runs of the built-in evaluation as [`sinew_parity::run`] makes them on any machine, and where two answers differ.
+//! Runs of the built-in evaluation as [`sinew_parity::run`] makes them on any machine, and where two answers differ;
+//! what any machine answers.
 
 use std::fmt;
 use std::fs::File;
@@ -6,10 +7,14 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
-use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, perform, pose_bytes, tick_bytes};
+use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
+use sinew_parity::{RUN, answer};
 use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
 use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
+
+/// Coordinates of the largest show that is decoded.
+const COORDINATES: usize = 20;
 
 /// A run of the evaluation: a clip, tracked by a figure of a scale with a method.
 #[derive(Debug, Clone)]
@@ -47,6 +52,7 @@ impl Run {
 
         let show = show::bake(motion, &model, usize::MAX).unwrap();
         let mut bytes = Vec::new();
+        bytes.extend(RUN.to_le_bytes());
         for count in [index.expect("a method to compare"), ticks, show.len()] {
             bytes.extend(u32::try_from(count).unwrap().to_le_bytes());
         }
@@ -67,33 +73,32 @@ impl Run {
 
     /// What this very program computes of the recorded run: the bytes of its answer.
     pub fn here(&self) -> Vec<u8> {
-        let (mut run, mut answer) = (self.bytes.as_slice(), Vec::new());
-        let read = |bytes: &mut [u8]| {
-            let taken = run.split_off(..bytes.len()).ok_or("the run ends too early")?;
-            bytes.copy_from_slice(taken);
-            Ok(())
-        };
-        let write = |bytes: &[u8]| {
-            answer.extend_from_slice(bytes);
-            Ok(())
-        };
-        perform::<BODY_COUNT>(&mut vec![0; self.bytes.len()], read, write).unwrap();
-        answer
+        here(&self.bytes)
     }
 
     /// What a machine computes: the bytes of its answer.
     pub fn on(&self, machine: &Machine) -> Vec<u8> {
-        let mut file = tempfile::NamedTempFile::new().unwrap();
-        file.write_all(&self.bytes).unwrap();
-        let output = machine
-            .command()
-            .stdin(File::open(file.path()).unwrap())
-            .output()
-            .unwrap_or_else(|error| panic!("{machine} cannot be started: {error}"));
-        let problem = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{machine}, {self}: {problem}");
-        output.stdout
+        machine.answer(&self.bytes).unwrap_or_else(|problem| panic!("{machine}, {self}: {problem}"))
     }
+}
+
+/// What this very program answers to a request.
+///
+/// # Panics
+/// If something is wrong with the request.
+pub fn here(mut request: &[u8]) -> Vec<u8> {
+    let (mut out, mut buffer) = (Vec::new(), vec![0; request.len()]);
+    let read = |bytes: &mut [u8]| {
+        let taken = request.split_off(..bytes.len()).ok_or("the request ends too early")?;
+        bytes.copy_from_slice(taken);
+        Ok(())
+    };
+    let write = |bytes: &[u8]| {
+        out.extend_from_slice(bytes);
+        Ok(())
+    };
+    answer::<BODY_COUNT, COORDINATES>(&mut buffer, read, write).unwrap();
+    out
 }
 
 impl fmt::Display for Run {
@@ -102,7 +107,7 @@ impl fmt::Display for Run {
     }
 }
 
-/// What runs a program of [`sinew_parity::run`].
+/// What runs the program of [`sinew_parity`].
 #[derive(Debug, Clone)]
 pub struct Machine {
     /// What to call it.
@@ -114,6 +119,19 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// What its program answers to a request of [`sinew_parity::answer`].
+    ///
+    /// # Errors
+    /// What it says instead.
+    pub fn answer(&self, request: &[u8]) -> Result<Vec<u8>, String> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(request).unwrap();
+        let output = self.command().stdin(File::open(file.path()).unwrap()).output();
+        let output = output.map_err(|error| format!("it cannot be started: {error}"))?;
+        let is_done = output.status.success();
+        is_done.then_some(output.stdout).ok_or(String::from_utf8_lossy(&output.stderr).into_owned())
+    }
+
     fn command(&self) -> Command {
         if !self.emulated {
             return Command::new(&self.program);

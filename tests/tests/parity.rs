@@ -3,16 +3,24 @@
 //! The evaluation writes down what its own tracker gets and computes; its runs are made again here and on each other
 //! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other
 //! machines' programs. Emulators are slow: the former gives them a third of the runs, the latter all.
+//!
+//! And recorded shows of ten minutes, decoded.
+
+#[path = "../../show/examples/size/performance.rs"]
+mod performance;
 
 use std::env;
+use std::path::Path;
 
 use rayon::prelude::*;
+use sinew_parity::DECODE;
 use sinew_parity::run::NUMBERS;
+use sinew_show::write::{Settings as ShowSettings, write};
 use sinew_sim::builtin;
 use sinew_sim::evaluate::MethodName;
 use sinew_sim::figure::{BODIES, FigureMotion};
 use sinew_sim::pipeline::{Settings, prepare};
-use sinew_tests::parity::{Difference, Machine, Run};
+use sinew_tests::parity::{Difference, Machine, Run, here};
 
 const SCALES: [f64; 2] = [1.0, 1.1];
 
@@ -26,6 +34,9 @@ const SHARE: usize = 3;
 /// The environment variable that gives all runs to all machines with an FPU.
 const ALL: &str = "SINEW_PARITY_ALL";
 
+/// Ticks a second at which recorded shows are decoded: not their samples, so that all of a span is come by.
+const DECODE_HZ: u32 = 125;
+
 /// The most differences that are shown.
 const MESSAGES: usize = 12;
 
@@ -37,6 +48,16 @@ fn machine(name: &'static str, variable: &str, emulated: bool) -> Option<Machine
     (!program.is_empty()).then(|| Machine { name, program: program.into(), emulated })
 }
 
+/// All machines but the slowest.
+fn machines() -> Vec<Machine> {
+    let machines = [
+        machine("this host, release", "SINEW_PARITY_RELEASE", false),
+        machine("32-bit x86", "SINEW_PARITY_I686", false),
+        machine("Cortex-M4F", "SINEW_PARITY_M4F", true),
+    ];
+    machines.into_iter().flatten().collect()
+}
+
 fn motions() -> Vec<FigureMotion> {
     let prepared = |clip| prepare(clip, &Settings::default()).unwrap().0;
     builtin::clips().into_iter().map(prepared).collect()
@@ -45,14 +66,7 @@ fn motions() -> Vec<FigureMotion> {
 #[test]
 #[ignore = "needs programs that `cargo xtask parity` builds"]
 fn every_machine_computes_the_same_bits() {
-    let machines: Vec<_> = [
-        machine("this host, release", "SINEW_PARITY_RELEASE", false),
-        machine("32-bit x86", "SINEW_PARITY_I686", false),
-        machine("Cortex-M4F", "SINEW_PARITY_M4F", true),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let machines = machines();
     // Slow: each figure and method once, and so each clip at least once.
     let soft_float = machine("Cortex-M4 without FPU", "SINEW_PARITY_M4", true);
     let soft_float = soft_float.as_slice();
@@ -114,6 +128,38 @@ fn every_machine_computes_the_same_bits() {
         names(&machines),
         names(soft_float)
     );
+}
+
+/// 10 minutes of the 20 joint angles that move most in recorded fights, and in walks: bytes and largest error are those
+/// of the page, and every bit that each machine decodes is the same.
+#[test]
+#[ignore = "needs SINEW_DATA, and programs that `cargo xtask parity` builds"]
+fn recorded_shows_are_decoded_to_the_same_bits() {
+    let cmu = Path::new(&env::var_os("SINEW_DATA").expect("SINEW_DATA")).join("cmu");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/show-format.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let machines = machines();
+    ["fight", "walk"].into_par_iter().for_each(|class| {
+        let q = performance::performance(&cmu, class).unwrap();
+        let written = write(&performance::motion(&q), &ShowSettings::default()).unwrap();
+        let (len, largest_deg) = (written.bytes.len(), written.angles.largest.to_degrees());
+        let row = format!("| {class} | 0.25° | {len} | {largest_deg:.4}° |");
+        assert!(page.contains(&row), "docs/show-format.md has not: {row}");
+        let mut request = DECODE.to_le_bytes().to_vec();
+        request.extend(DECODE_HZ.to_le_bytes());
+        request.extend(u32::try_from(len).unwrap().to_le_bytes());
+        request.extend(&written.bytes);
+        let wanted = here(&request);
+        let (seconds, rest) = wanted.as_chunks::<8>();
+        assert!(seconds.len() >= 600 && rest.is_empty(), "{class}: {} seconds", seconds.len());
+        machines.par_iter().for_each(|machine| {
+            let found = machine.answer(&request);
+            let found = found.unwrap_or_else(|problem| panic!("{machine}, {class}: {problem}"));
+            assert_eq!(found.len(), wanted.len(), "{machine}, {class}: bytes of the answer");
+            let second = seconds.iter().zip(found.as_chunks().0).position(|(a, b)| a != b);
+            assert_eq!(second, None, "{machine}, {class}: the first second with other bits");
+        });
+    });
 }
 
 #[test]

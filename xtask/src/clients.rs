@@ -9,7 +9,8 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 
-use crate::{setup, step};
+use crate::python::Venv;
+use crate::step;
 
 /// What pip installs together. The versions that were tried.
 const PACKAGES: [&str; 7] = [
@@ -30,7 +31,6 @@ const LEROBOT: &str = "lerobot==0.4.4";
 const EXCHANGES: &str = "1000";
 
 pub(crate) fn run() -> Result<()> {
-    setup::python()?;
     let clients = Clients::install()?;
     // With a test beside them, they are built of the very crates that the tests are: nothing is built twice.
     let mut build = step::cargo();
@@ -48,7 +48,7 @@ pub(crate) fn run() -> Result<()> {
 
 /// Where everything is.
 struct Clients {
-    folder: PathBuf,
+    venv: Venv,
     scripts: PathBuf,
     programs: PathBuf,
 }
@@ -57,56 +57,31 @@ impl Clients {
     /// Installs what is not there. A list of what was installed tells whether it is the same.
     fn install() -> Result<Self> {
         let own = std::env::current_exe()?;
-        let clients = Self {
-            folder: step::root().join("target/clients"),
+        let list = [&PACKAGES[..], &FEETECH_SDKS, &[LEROBOT]].concat().join("\n");
+        let venv = Venv::install("clients", &PACKAGES, &list, |venv| {
+            for sdk in FEETECH_SDKS {
+                venv.pip(&["install", "--no-deps", "--target", &package(venv, sdk), sdk])?;
+            }
+            let lerobot = package(venv, LEROBOT);
+            let apart = ["install", "--no-deps", "--ignore-requires-python", "--target", &lerobot];
+            venv.pip(&[&apart[..], &[LEROBOT]].concat())
+        })?;
+        Ok(Self {
+            venv,
             scripts: step::root().join("bus/tests/clients"),
             // Where cargo has put this program, it puts the others.
             programs: own.parent().context("xtask lies in a folder")?.to_owned(),
-        };
-        let list = [&PACKAGES[..], &FEETECH_SDKS, &[LEROBOT]].concat().join("\n");
-        let installed = clients.folder.join("installed");
-        if std::fs::read_to_string(&installed).is_ok_and(|found| found == list) {
-            return Ok(clients);
-        }
-        let _ = std::fs::remove_dir_all(&clients.folder);
-        step::run(
-            "Python for real clients",
-            step::command("python3").args(["-m", "venv"]).arg(&clients.folder),
-        )?;
-        let pip = |arguments: &[&str]| {
-            let mut pip = Command::new(clients.folder.join("bin/pip"));
-            pip.args(["--disable-pip-version-check", "--quiet"]).args(arguments);
-            step::run("pip for real clients", &mut pip).context(
-                "the programs that talk to our servos come from PyPI (https://pypi.org), which cannot be reached \
-                 or does not have them: nothing has been tried",
-            )
-        };
-        pip(&[&["install"][..], &PACKAGES].concat())?;
-        for sdk in FEETECH_SDKS {
-            pip(&["install", "--no-deps", "--target", &clients.package(sdk), sdk])?;
-        }
-        let lerobot = clients.package(LEROBOT);
-        pip(&["install", "--no-deps", "--ignore-requires-python", "--target", &lerobot, LEROBOT])?;
-        std::fs::write(installed, list)?;
-        Ok(clients)
-    }
-
-    /// The folder of a package of its own.
-    fn package(&self, package: &str) -> String {
-        let name = package.split("==").next().unwrap_or(package);
-        self.folder.join("packages").join(name).display().to_string()
+        })
     }
 
     fn python(&self, script: &str) -> Command {
-        let mut python = Command::new(self.folder.join("bin/python"));
-        python.arg(self.scripts.join(script));
-        python
+        self.venv.python(&self.scripts.join(script))
     }
 
     /// Our control tables against those inside dynamixel-sdk.
     fn compare_tables(&self) -> Result<()> {
         let ours = step::output(&mut Command::new(self.programs.join("examples/tables")));
-        let tables = self.folder.join("tables.tsv");
+        let tables = self.venv.folder.join("tables.tsv");
         std::fs::write(&tables, ours.context("the example `tables` of sinew-bus fails")?)?;
         step::run("control tables", self.python("tables.py").stdin(File::open(tables)?))
     }
@@ -115,7 +90,7 @@ impl Clients {
         let servos = ["xl330", "1,2,3,11,12,13"];
         self.talk("dynamixel-sdk", servos, "dynamixel.py", &[], None)?;
         self.talk("rustypot, Dynamixel", servos, "rustypot_bus.py", &["dxl"], None)?;
-        let lerobot = self.package(LEROBOT);
+        let lerobot = package(&self.venv, LEROBOT);
         self.talk("lerobot, Dynamixel", servos, "lerobot_bus.py", &["dxl", &lerobot], None)
     }
 
@@ -128,7 +103,7 @@ impl Clients {
         }
         let servos = ["sts3215", "1,2,3"];
         self.talk("rustypot, STS", servos, "rustypot_bus.py", &["sts"], None)?;
-        let (lerobot, sdk) = (self.package(LEROBOT), Some(FEETECH_SDKS[0]));
+        let (lerobot, sdk) = (package(&self.venv, LEROBOT), Some(FEETECH_SDKS[0]));
         self.talk("lerobot, STS", servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
         self.talk("feetech-cli", servos, "feetech_cli_bus.py", &[], None)
     }
@@ -142,25 +117,31 @@ impl Clients {
         arguments: &[&str],
         sdk: Option<&str>,
     ) -> Result<()> {
-        let link = self.folder.join("port").display().to_string();
+        let link = self.venv.folder.join("port").display().to_string();
         let mut servos = Command::new(self.programs.join("sinew"));
         servos.args(["servos", "--kind", kind, "--ids", ids, "--pty", &link]);
         let _servos = Server::start("sinew servos", servos, &link)?;
         let mut client = self.python(script);
         client.args([&link, EXCHANGES]).args(arguments);
-        client.envs(sdk.map(|sdk| ("PYTHONPATH", self.package(sdk))));
+        client.envs(sdk.map(|sdk| ("PYTHONPATH", package(&self.venv, sdk))));
         step::run(title, &mut client)
     }
 
     /// Our side of a rig against feetech-cli's own servos.
     fn be_talked_to(&self) -> Result<()> {
-        let link = self.folder.join("device").display().to_string();
+        let link = self.venv.folder.join("device").display().to_string();
         let mut device = self.python("device.py");
         device.args([&link, "1,2,3"]);
         let _device = Server::start("feetech-cli's servos", device, &link)?;
         let mut master = Command::new(self.programs.join("examples/master"));
         step::run("our side, feetech-cli's servos", master.args(["sts", &link, "1,2,3", EXCHANGES]))
     }
+}
+
+/// The folder of a package of its own.
+fn package(venv: &Venv, package: &str) -> String {
+    let name = package.split("==").next().unwrap_or(package);
+    venv.folder.join("packages").join(name).display().to_string()
 }
 
 /// A program that serves a port until this is dropped.

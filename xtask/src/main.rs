@@ -13,6 +13,8 @@ mod image;
 mod node;
 mod package;
 mod parity;
+mod python;
+mod retargeting;
 mod semver;
 mod setup;
 mod step;
@@ -41,6 +43,9 @@ Commands:
             of its bus and its line, and all that it commands, with the same in process
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
+  retargeting
+            Puts clips on robots, scores them beside GMR's, and compares with docs/retargeting.csv; with --accept,
+            writes it
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
@@ -51,6 +56,8 @@ Commands:
 Environment:
   SINEW_ARM   The compiler for boards: `rustup` or `debian`. Default: rustup's, if it has the target
   SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
+  SINEW_REFERENCE
+              A folder with the script, robots and results that `retargeting` needs
   SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
@@ -84,6 +91,8 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["parity"] => Box::new(parity::run),
         ["node"] => Box::new(node::run),
         ["clients"] => Box::new(clients::run),
+        ["retargeting"] => Box::new(|| retargeting::run(false)),
+        ["retargeting", "--accept"] => Box::new(|| retargeting::run(true)),
         ["semver", revision] => {
             let revision = (*revision).to_owned();
             Box::new(move || semver::run(&revision))

@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_mocap::files::ClipFile;
-use sinew_retarget::feasibility::{Fit, RigMotion, check};
+use sinew_retarget::feasibility::{Fit, RigMotion, check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 use sinew_sim::command::{note, print};
 use sinew_sim::figure::{BodyModel, mapping};
 use sinew_sim::performance::{
-    Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, feasibility, rig_hash,
+    BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, feasibility, led,
+    rig_hash,
 };
 use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::report::feasibility::Page;
@@ -60,6 +61,16 @@ pub(super) struct Args {
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code, requires = "rig")]
     time_code: Option<TimeCode>,
 
+    /// Make a loop, which a board plays round after round: the end of the motion is led to its beginning, so that
+    /// position, speed and acceleration go on. Refused where that exceeds a limit, and where a base that travels would
+    /// have to hurry back.
+    #[arg(long = "loop", requires = "rig")]
+    is_loop: bool,
+
+    /// How long before its end a loop leaves the clip, s.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
+    blend: f64,
+
     /// Factor on the figure's dimensions, 0.1 to 10. The clip keeps its own.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
@@ -96,10 +107,12 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
         ("mapping", args.mapping.as_deref()),
     ];
     distinct(&written, &read)?;
-    let rig = args.on_rig.rig(rig, ON_STAND)?;
+    let mut on_rig = args.on_rig.clone();
+    on_rig.blend_s = args.is_loop.then_some(args.blend);
+    let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
-    let mut performed = args.on_rig.perform(&rig, clip, mapping, args.seconds, ON_STAND)?;
+    let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, ON_STAND)?;
     let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
@@ -107,7 +120,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     }
     let (mechanism, limits, given) = (&rig.mechanism, &performed.limits, &performed.taken.motion);
     let of = |motion: &RigMotion, cues, course| {
-        let marks = Marks { cues, time_code: args.time_code, course };
+        let marks = Marks { cues, time_code: args.time_code, course, is_loop: args.is_loop };
         bake(mechanism, motion, hash, &marks, &settings)
     };
     // Cues out of the clip are refused before the work.
@@ -121,7 +134,11 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
         Some(fit) => {
             let of_fit = |fit: &Fit| {
                 let course = args.time_code.map(|code| course(fit, code)).unwrap_or_default();
-                of(&fit.motion, performed.cues(Some(fit), &args.cue).unwrap_or_default(), course)
+                let cues = performed.cues(Some(fit), &args.cue).unwrap_or_default();
+                // A fit knows nothing of loops: what it did to one end and not to the other is little, and is mended.
+                let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
+                let closed = on_rig.blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
+                of(closed.as_ref().map_or(&fit.motion, |looped| &looped.motion), cues, course)
             };
             let (fit, baked, report) = bake_within(mechanism, limits, given, fit, of_fit)?;
             performed.fit = Some(fit);
@@ -172,11 +189,13 @@ fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> Stri
         format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")
     };
     let cues: String = args.cue.iter().map(cue).collect();
+    let looped =
+        performed.looped.as_ref().map_or_else(String::new, |looped| led(&rig.mechanism, looped));
     let code = clock(&baked.written.bytes);
     let minutes = |kb: usize| format!("{:.1} min in {kb} kB", baked.minutes_in(1000 * kb));
     format!(
         "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
-         RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{cues}{code}",
+         RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
         args.out.display(),
         performed.name,
         rig.description.name,

@@ -6,7 +6,9 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_mocap::files::ClipFile;
 use sinew_retarget::exchange::{blender, servos};
-use sinew_retarget::feasibility::{Fit, FitSettings, Limits, RigMotion, fit};
+use sinew_retarget::feasibility::{
+    Fit, FitSettings, Limits, LoopError, Looped, RigMotion, fit, looped,
+};
 use sinew_retarget::mapping::Mapping;
 use sinew_retarget::rig::RigMatch;
 use sinew_retarget::{Landmark, Side};
@@ -51,6 +53,10 @@ pub(super) struct OnRig {
     /// must be.
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
+
+    /// How long before its end the motion is led to its beginning, s: it shall be a loop.
+    #[arg(skip)]
+    pub(super) blend_s: Option<f64>,
 }
 
 /// What a command does where its options say nothing.
@@ -76,6 +82,8 @@ pub(super) struct Performed {
     pub(super) start_s: f64,
     pub(super) taken: TakenOver,
     pub(super) limits: Limits,
+    /// What was done for a loop; its motion is in `taken`.
+    pub(super) looped: Option<Looped>,
     pub(super) fit: Option<Fit>,
 }
 
@@ -218,22 +226,35 @@ impl OnRig {
         self.fitted(rig, name, clip.start_s, taken)
     }
 
-    /// The motion beside the rig's limits, and within them if that is asked for.
+    /// The motion as a loop if that is asked for, beside the rig's limits, and within them if that is.
     fn fitted(
         &self,
         rig: &Loaded,
         name: &str,
         start_s: f64,
-        taken: TakenOver,
+        mut taken: TakenOver,
     ) -> anyhow::Result<Performed> {
-        let servos = Servos::of(&rig.description, &rig.mechanism)?;
-        let limits = Limits::of(&rig.mechanism, &servos);
+        let mechanism = &rig.mechanism;
+        let limits = Limits::of(mechanism, &Servos::of(&rig.description, mechanism)?);
+        let on_rig = || format!("{name} on {}", rig.description.name);
+        let led = |blend_s| -> Result<Looped, LoopError> {
+            let looped = looped(mechanism, &taken.motion, blend_s)?;
+            // A fit brings all of it within the limits.
+            if !self.fit {
+                looped.check(mechanism, &limits, &taken.motion)?;
+            }
+            Ok(looped)
+        };
+        let looped = self.blend_s.map(led).transpose().with_context(on_rig)?;
+        if let Some(looped) = &looped {
+            taken.motion.clone_from(&looped.motion);
+        }
         let fit = self
             .fit
-            .then(|| fit(&rig.mechanism, &limits, &taken.motion, FitSettings::default()))
+            .then(|| fit(mechanism, &limits, &taken.motion, FitSettings::default()))
             .transpose()
-            .with_context(|| format!("{name} on {}", rig.description.name))?;
-        Ok(Performed { name: name.to_owned(), start_s, taken, limits, fit })
+            .with_context(on_rig)?;
+        Ok(Performed { name: name.to_owned(), start_s, taken, limits, looped, fit })
     }
 }
 

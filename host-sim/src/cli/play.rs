@@ -29,6 +29,8 @@ use super::performance::{ON_STAND, OnRig};
 use live::Live;
 use stop::Stop;
 
+/// Rounds of a loop that nobody watches.
+const ROUNDS: u32 = 2;
 /// A controller with all its capacities is built on the stack.
 const STACK_BYTES: usize = 256 << 20;
 
@@ -89,6 +91,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<PathBuf>,
 
+    /// So many rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    rounds: Option<u32>,
+
     /// Only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
@@ -146,11 +152,17 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let mut recorder = args.recorder(&rig, &parts)?;
     let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
-    let mut live = Live::new(f64::from(Show::open(&bytes)?.duration_s()));
+    let show = Show::open(&bytes)?;
+    let rounds = args.rounds(&show, is_real_time)?;
+    let round_ticks = f64::from(show.duration_s()) * f64::from(parts.rate_hz);
+    let is_over = |tally: &Tally| {
+        rounds.is_some_and(|rounds| tally.ticks() as f64 >= f64::from(rounds) * round_ticks)
+    };
+    let mut live = Live::new(&show);
     let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
     let start = Instant::now();
     let ended = loop {
-        let ended = director.tick(&mut stand, stop.times() > 0);
+        let ended = director.tick(&mut stand, stop.times() > 0 || is_over(&tally));
         tally.note(&stand);
         if let Some(recorder) = &mut recorder {
             recorder.note(&stand).with_context(of_record)?;
@@ -242,6 +254,16 @@ impl Args {
             parts.take_shows_of(bare);
         }
         Ok(bytes)
+    }
+
+    /// After how many rounds a loop is stopped; none of a show that ends by itself, or of one that goes on.
+    fn rounds(&self, show: &Show<'_>, is_real_time: bool) -> anyhow::Result<Option<u32>> {
+        ensure!(
+            show.is_loop() || self.rounds.is_none(),
+            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            self.show
+        );
+        Ok(self.rounds.or((show.is_loop() && !is_real_time).then_some(ROUNDS)))
     }
 
     fn recorder(&self, rig: &Loaded, parts: &Parts) -> anyhow::Result<Option<Recorder>> {

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
-    CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, Performance, Report,
-    RigMotion, check, fit,
+    CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
+    Report, RigMotion, check, fit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
@@ -41,13 +41,16 @@ pub enum BakeError {
     /// The motion cannot be brought within the rig's limits.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// The fitted motion cannot be led to its beginning.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
     /// The show cannot be looked at.
     #[error(transparent)]
     Check(#[from] CheckError),
     /// What a show rounds leads beyond a limit, however often the motion is fitted.
     #[error(
         "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --error, or more room in \
-         rig.toml, helps",
+         rig.toml, helps, and a longer --blend of a loop",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)
@@ -94,6 +97,8 @@ pub struct Marks {
     pub time_code: Option<TimeCode>,
     /// Rows of the motion and of the one that it was slowed down from: see [`course`].
     pub course: Vec<(u32, u32)>,
+    /// Whether the show goes round: the last row of its motion is the first again.
+    pub is_loop: bool,
 }
 
 /// How a fit goes through the given motion, for the time code to follow: pairs of their rows, between which the error
@@ -140,16 +145,19 @@ pub fn bake(
 ) -> Result<Baked, BakeError> {
     let joints: Vec<Joint> =
         mechanism.bodies.iter().map(|link| Joint::from(link.joint.kind())).collect();
-    let q: Vec<f64> = motion.rows.iter().flatten().copied().collect();
+    // Behind the last sample of a loop comes the first.
+    let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
+    let q: Vec<f64> = rows.iter().flatten().copied().collect();
     let rate = rate(motion.dt_s)?;
+    let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
     let cues: Vec<(u32, &str)> =
-        marks.cues.iter().map(|(row, name)| (*row, name.as_str())).collect();
+        marks.cues.iter().map(|(row, name)| ((*row).min(last), name.as_str())).collect();
     let time_code = marks.time_code;
     let show = Motion {
         joints: &joints,
         q: &q,
         rate,
-        is_loop: false,
+        is_loop: marks.is_loop,
         rig,
         cues: &cues,
         time_code,

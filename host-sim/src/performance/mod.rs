@@ -13,5 +13,5 @@ pub(crate) mod words;
 pub use bake::{BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
 pub use rig_clip::RigClip;
-pub use table::{feasibility, fitted};
+pub use table::{feasibility, fitted, led};
 pub use take_over::{TakeOverError, TakenOver, take_over};

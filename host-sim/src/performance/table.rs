@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use sinew_retarget::feasibility::{Excess, Fit, Limits, Report};
+use sinew_retarget::feasibility::{Excess, Fit, Limits, Looped, Report};
 use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
 
 use super::words;
 use crate::command;
@@ -140,4 +141,15 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
         out.push_str("nothing had to be changed\n");
     }
     out
+}
+
+/// What was done for a loop.
+pub fn led(mechanism: &Mechanism, looped: &Looped) -> String {
+    let (body, change) = looped.most;
+    let link = &mechanism.bodies[body];
+    let change = words::change(matches!(link.joint, Freedom::Prismatic(_)), change);
+    format!(
+        "loop: the last {:.2} s of the clip are led to where it begins; changed the most: {}, by {change}\n",
+        looped.blend_s, link.joint_name
+    )
 }

@@ -99,7 +99,7 @@ fn urdf(speed: f64, effort: f64) -> String {
     text + "</robot>\n"
 }
 
-fn toy(folder: &Path, speed: f64, effort: f64) -> String {
+pub(crate) fn toy(folder: &Path, speed: f64, effort: f64) -> String {
     let file = path(folder, "toy.urdf");
     std::fs::write(&file, urdf(speed, effort)).unwrap();
     file

@@ -11,12 +11,14 @@ const H_S: f64 = 4e-3;
 /// What differences of that step leave, as a share, beside the roundings: the third derivative over 24 h².
 const ROOM: f64 = 0.01;
 
-/// Refuses a show that exceeds a limit at any of 500 instants a second.
+/// Refuses a show that exceeds a limit at any of 500 instants a second; of a loop also over its seam.
 pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
     let show = Show::open(bytes).unwrap();
     let mut player = Player::<256>::new(show).unwrap();
     let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
-    let end_s = f64::from(show.duration_s());
+    // Behind its end a loop goes on.
+    let behind_s = if show.is_loop() { 0.1 } else { 0.0 };
+    let end_s = f64::from(show.duration_s()) + behind_s;
     let mut at = |time_s: f64| -> Vec<f64> {
         let (mut q, mut qd, mut qdd) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
         let position = show.position_at_us(super::whole_us(time_s));

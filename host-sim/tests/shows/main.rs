@@ -3,6 +3,7 @@
 mod face;
 mod humanoid;
 mod independent;
+mod loops;
 #[cfg(unix)]
 mod play;
 mod servos;

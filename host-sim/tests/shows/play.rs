@@ -12,6 +12,11 @@ use super::{done, path, refused};
 
 /// A desk arm, and a show of it: its first bend swings by 60 deg with a forearm.
 fn arm(folder: &Path) -> [String; 2] {
+    arm_with(folder, &[])
+}
+
+/// The same, with more options of its bake.
+fn arm_with(folder: &Path, options: &[&str]) -> [String; 2] {
     let [rig, map, show] = ["arm.toml", "map.toml", "arm.show"].map(|name| path(folder, name));
     done(&["rig", "new", "--arm", "3", "-o", &rig]);
     let joint = &super::mechanism(&rig).bodies[2].joint_name;
@@ -21,7 +26,7 @@ fn arm(folder: &Path) -> [String; 2] {
     );
     std::fs::write(&map, curve).unwrap();
     let bake = ["bake", "punches_01", "--rig", &rig, "--mapping", &map, "--seconds", "4", "--fit"];
-    done(&[&bake[..], &["-o", &show]].concat());
+    done(&[&bake[..], &["-o", &show], options].concat());
     [rig, show]
 }
 
@@ -59,6 +64,27 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         assert!(mean > 0.0 && mean <= bound_deg && largest < 15.0, "{table}");
         assert_eq!(hash(&table), hash(&done(&play)[0]));
     }
+}
+
+#[test]
+fn a_loop_is_played_round_after_round() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = arm_with(folder.path(), &["--loop"]);
+    let bytes = std::fs::read(&show).unwrap();
+    let round_s = f64::from(sinew_show::Show::open(&bytes).unwrap().duration_s());
+    for (options, rounds) in [(&[][..], 2.0), (&["--rounds", "3"], 3.0)] {
+        let [table, _] = done(&[&["play", &show, "--rig", &rig][..], options].concat());
+        assert!(table.contains("faults: none"), "{table}");
+        let ran_s = table.split("the show ran, ").nth(1).unwrap().split(' ').next().unwrap();
+        let ran_s: f64 = ran_s.parse().unwrap();
+        // It is printed to 10 ms, and the command to stop acts within a tick or two of 2 ms.
+        assert!((ran_s - rounds * round_s).abs() < 0.01, "{ran_s} of {rounds} times {round_s}");
+        // As in one that ends: nothing jumps at the seam.
+        assert!(errors(&table, "current")[1] < 15.0, "{table}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, once] = arm(folder.path());
+    refused(&["play", &once, "--rig", &rig, "--rounds", "3"], "is no loop");
 }
 
 /// Starts a play in real time, and waits until its show runs. What it notes goes on.

@@ -6,6 +6,7 @@
 //! - [`check`] says where a [`Performance`] exceeds [`Limits`], when, and by how much.
 //! - [`Efforts`] are the torques that it takes.
 //! - [`fit`](fit()) smooths, slows down and draws towards home until nothing is exceeded, and says what it did.
+//! - [`looped`](looped()) leads the end of a motion to its beginning.
 //!
 //! Collisions and balance are out of scope.
 
@@ -14,6 +15,7 @@ mod curve;
 mod efforts;
 mod fit;
 mod limits;
+mod looped;
 mod low_pass;
 mod motion;
 #[cfg(test)]
@@ -24,4 +26,5 @@ pub use curve::{Curve, Instant, Performance};
 pub use efforts::Efforts;
 pub use fit::{Fit, FitError, FitSettings, Lowered, Smoothed, fit};
 pub use limits::{FreedomLimits, Heat, Limits};
+pub use looped::{LoopError, Looped, looped};
 pub use motion::{MotionError, RigMotion};

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_firmware::supervisor::State;
 use sinew_servo_sim::load::Plant;
+use sinew_show::Show;
 use sinew_sim::command::note;
 use sinew_sim::play::{Parts, Stand};
 
@@ -19,15 +20,17 @@ pub(super) struct Live {
     state: Option<State>,
     shown: Instant,
     show_s: f64,
+    is_loop: bool,
     ran: u64,
 }
 
 impl Live {
-    /// Of a show of so many seconds.
-    pub(super) fn new(show_s: f64) -> Self {
+    /// Of a show.
+    pub(super) fn new(show: &Show<'_>) -> Self {
         let style = ProgressStyle::with_template("{msg}").expect("the template is sound");
         let bar = ProgressBar::new_spinner().with_style(style);
-        Self { bar, state: None, shown: Instant::now(), show_s, ran: 0 }
+        let (show_s, is_loop) = (f64::from(show.duration_s()), show.is_loop());
+        Self { bar, state: None, shown: Instant::now(), show_s, is_loop, ran: 0 }
     }
 
     /// After a tick.
@@ -58,7 +61,9 @@ impl Live {
 
     fn lines<P: Plant>(&self, stand: &Stand<'_, P>) -> String {
         let (report, parts) = (stand.report(), stand.parts);
-        let played_s = (self.ran as f64 / f64::from(parts.rate_hz)).min(self.show_s);
+        let played_s = self.ran as f64 / f64::from(parts.rate_hz);
+        let played_s =
+            if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) };
         let error = report.following.map_or_else(String::new, |error| {
             let [mean, most] = [error.mean_rad, error.most_rad].map(f32::to_degrees);
             format!(", error {mean:.2} deg in the mean, {most:.2} at most")

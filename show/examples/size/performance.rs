@@ -1,7 +1,4 @@
-//! How small a show is at which error: 10 minutes of the 20 joint angles that move most in each of CMU's fights, and of
-//! its walks, low-passed at 6 Hz.
-//!
-//! `SINEW_DATA=.../data cargo run --release -p sinew-show --example size`
+//! 10 minutes of the 20 joint angles that move most in each recording of a class.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -11,45 +8,23 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Clip, filter::LowPass, flips, format, gaps};
-use sinew_show::write::{Motion, Settings, Written, write};
-use sinew_show::{Joint, Player, Position, Rate, Show};
+use sinew_show::write::Motion;
+use sinew_show::{Joint, Rate};
 
-const CHANNELS: usize = 20;
-const RATE: Rate = Rate { samples: 120, seconds: 1 };
+pub(crate) const CHANNELS: usize = 20;
+pub(crate) const RATE: Rate = Rate { samples: 120, seconds: 1 };
 const RATE_HZ: f64 = 120.0;
-const SECONDS: f64 = 600.0;
+pub(crate) const SECONDS: f64 = 600.0;
 /// From the end of a clip to the beginning of the next one. It counts as bytes, not as time.
 const BETWEEN_S: f64 = 0.5;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Some(data) = std::env::var_os("SINEW_DATA") else {
-        return Err("set SINEW_DATA to the folder of recordings".into());
-    };
-    let cmu = Path::new(&data).join("cmu");
-    let bounds: Vec<f64> = std::env::args().skip(1).map(|a| a.parse()).collect::<Result<_, _>>()?;
-    let bounds = if bounds.is_empty() { vec![0.05, 0.1, 0.25, 0.5, 1.0] } else { bounds };
-    println!(
-        "motion   bound_deg        bytes  largest_deg  rms_deg  acc_rms_rad_s2  of_rad_s2  knots_per_s  write_s  \
-         ns_a_frame"
-    );
-    for class in ["fight", "walk"] {
-        let q = performance(&cmu, class)?;
-        for bound in &bounds {
-            row(class, &q, *bound)?;
-        }
-    }
-    Ok(())
-}
-
-fn row(class: &str, q: &[f64], bound_deg: f64) -> Result<(), Box<dyn Error>> {
-    let settings = Settings { angle_rad: bound_deg.to_radians(), ..Settings::default() };
-    let motion = Motion {
+/// The samples of a [`performance`] as the motion of a rig of hinges.
+pub(crate) fn motion(q: &[f64]) -> Motion<'_> {
+    Motion {
         joints: &[Joint::Revolute; CHANNELS],
         q,
         rate: RATE,
@@ -58,48 +33,11 @@ fn row(class: &str, q: &[f64], bound_deg: f64) -> Result<(), Box<dyn Error>> {
         cues: &[],
         time_code: None,
         course: &[],
-    };
-    let begun = Instant::now();
-    let Written { bytes, angles, knots, .. } = write(&motion, &settings)?;
-    let write_s = begun.elapsed().as_secs_f64();
-    let mut player = Player::<CHANNELS>::new(Show::open(&bytes)?)?;
-    let samples = q.len() / CHANNELS;
-    // Against central differences of the samples.
-    let (mut squares, mut all) = (0.0, 0.0);
-    let [mut p, mut v, mut a] = [[0.0; CHANNELS]; 3];
-    for sample in 1..samples - 1 {
-        player.state_at(Position::from_samples(u32::try_from(sample)?), &mut p, &mut v, &mut a)?;
-        for (c, a) in a.iter().enumerate() {
-            let at = |k: usize| q[k * CHANNELS + c];
-            let wanted = (at(sample - 1) - 2.0 * at(sample) + at(sample + 1)) * RATE_HZ * RATE_HZ;
-            squares += (wanted - f64::from(*a)).powi(2);
-            all += wanted.powi(2);
-        }
     }
-    let count = (CHANNELS * (samples - 2)) as f64;
-    // 500 ticks a second.
-    let pace = player.show().pace(0.002);
-    let ticks = u32::try_from(samples)? / 120 * 500;
-    let begun = Instant::now();
-    for tick in 0..ticks {
-        player.state_at(pace.position(tick), &mut p, &mut v, &mut a)?;
-        black_box((&p, &v, &a));
-    }
-    let ns = begun.elapsed().as_secs_f64() * 1e9 / f64::from(ticks);
-    println!(
-        "{class:8} {bound_deg:9} {:12} {:12.4} {:8.4} {:15.2} {:10.2} {:12.1} {write_s:8.1} {ns:13.0}",
-        bytes.len(),
-        angles.largest.to_degrees(),
-        angles.rms.to_degrees(),
-        (squares / count).sqrt(),
-        (all / count).sqrt(),
-        knots as f64 / SECONDS,
-    );
-    Ok(())
 }
 
 /// Samples of 20 joint angles: all clips of a class, one behind the other, until they are long enough.
-fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+pub(crate) fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn Error>> {
     let mut clips = Vec::new();
     for line in std::fs::read_to_string(cmu.join("index.csv"))?.lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();

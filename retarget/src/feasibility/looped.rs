@@ -1,0 +1,371 @@
+//! A motion whose end meets its beginning.
+
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+use thiserror::Error;
+
+use super::check::{CheckError, Excess, Kind, check};
+use super::curve::{Curve, align_quaternions};
+use super::limits::{FreedomLimits, Limits};
+use super::motion::{MotionError, RigMotion};
+
+/// Rows that tell the speed and the acceleration at an end: a parabola goes through them.
+const END_ROWS: usize = 3;
+/// A quaternion that becomes shorter than this, squared, turns more than three times as fast as its numbers.
+const SHORTEST_SQUARED: f64 = 0.1;
+/// How often a second the blend is looked at.
+const CHECK_HZ: f64 = 200.0;
+
+/// A motion that can be played round after round.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Looped {
+    /// The motion. Its last row is its first one.
+    pub motion: RigMotion,
+    /// How long before its end it leaves the given one, s.
+    pub blend_s: f64,
+    /// The body whose joint was changed the most, and by how much: rad or m. A driven base is left out.
+    pub most: (usize, f64),
+}
+
+/// Why a motion is no loop.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LoopError {
+    /// The motion is none of the rig.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// The rig or an instant was refused.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    /// The blend is not within the motion.
+    #[error(
+        "the blend into the beginning: expected from {least_s:.3} s to the {most_s:.3} s that the motion lasts, found \
+         {found_s:.3} s"
+    )]
+    Blend {
+        /// What was asked for, s.
+        found_s: f64,
+        /// The shortest, s: as many rows as tell the acceleration.
+        least_s: f64,
+        /// The longest, s.
+        most_s: f64,
+    },
+    /// The base is elsewhere at the end.
+    #[error(
+        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at \
+         {speed:.2} m/s, and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a \
+         base that does not travel"
+    )]
+    Travels {
+        /// The base's joint.
+        joint: String,
+        /// How far, m.
+        way_m: f64,
+        /// The blend, s.
+        blend_s: f64,
+        /// Speed of the way back, m/s.
+        speed: f64,
+        /// The motion's own, m/s.
+        fastest: f64,
+    },
+    /// A ball joint would turn by nearly half a turn or more.
+    #[error(
+        "`{joint}`: its end is too far turned from its beginning, or turns too fast: a shorter blend helps"
+    )]
+    Turns {
+        /// The joint.
+        joint: String,
+    },
+    /// The blend exceeds a limit that the motion itself keeps to.
+    #[error(
+        "`{joint}`: to meet its beginning within {blend_s:.2} s its {} becomes {}, and its limit is {}: a longer \
+         blend, or a fit",
+        kind.name(),
+        kind.shown(*slides, *value),
+        kind.shown(*slides, *limit)
+    )]
+    Beyond {
+        /// The freedom.
+        joint: String,
+        /// Whether it slides.
+        slides: bool,
+        /// Of what.
+        kind: Kind,
+        /// What it would be.
+        value: f64,
+        /// The limit.
+        limit: f64,
+        /// The blend, s.
+        blend_s: f64,
+    },
+}
+
+/// Leads the last `blend_s` of a motion to its first row: a quintic is added to each coordinate, so that position,
+/// speed and acceleration are those of the beginning. All before stays as it is, and so does the duration. A ball joint
+/// goes the shorter way round. O(rows).
+///
+/// # Errors
+/// [`LoopError`] if the motion is none of the rig or shorter than the blend, a base would have to hurry back, or a ball
+/// joint has no direct way.
+pub fn looped(
+    mechanism: &Mechanism,
+    motion: &RigMotion,
+    blend_s: f64,
+) -> Result<Looped, LoopError> {
+    motion.check(mechanism)?;
+    let dt_s = motion.dt_s;
+    let (least_s, most_s) = (END_ROWS as f64 * dt_s, motion.duration_s());
+    // Written so that NaN is refused; half a row, for the rounding of both.
+    if !(least_s - 0.5 * dt_s..=most_s + 0.5 * dt_s).contains(&blend_s) {
+        return Err(LoopError::Blend { found_s: blend_s, least_s, most_s });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the rows")]
+    let span = ((blend_s / dt_s).round() as usize).min(motion.rows.len() - 1);
+    let ranges = mechanism.coordinate_ranges();
+    let mut rows = motion.rows.clone();
+    align_quaternions(&ranges, &mut rows);
+    let last = rows.len() - 1;
+    let begin = &rows[..END_ROWS];
+    let end: Vec<&Vec<f64>> = rows[last + 1 - END_ROWS..].iter().rev().collect();
+    let mut steps: Vec<[f64; 3]> = (0..begin[0].len())
+        .map(|k| {
+            let [p0, v0, a0] = parabola([begin[0][k], begin[1][k], begin[2][k]]);
+            // Backwards in time: its speed has the other sign.
+            let [p1, v1, a1] = parabola([end[0][k], end[1][k], end[2][k]]);
+            let rows = span as f64;
+            [p0 - p1, (v0 + v1) * rows, (a0 - a1) * rows * rows]
+        })
+        .collect();
+    for (link, range) in mechanism.bodies.iter().zip(&ranges).filter(|(_, range)| range.len() >= 4)
+    {
+        let turn = range.start..range.start + 4;
+        let along: f64 = turn.clone().map(|k| rows[0][k] * rows[last][k]).sum();
+        if along < 0.0 {
+            // The same rotation by the other sign of the beginning.
+            for k in turn {
+                let [p0, v0, a0] = parabola([rows[0][k], rows[1][k], rows[2][k]]);
+                let rows = span as f64;
+                let step = &mut steps[k];
+                *step = [
+                    step[0] - 2.0 * p0,
+                    step[1] - 2.0 * v0 * rows,
+                    step[2] - 2.0 * a0 * rows * rows,
+                ];
+            }
+        }
+        if link.joint == Freedom::Free {
+            let joint = &link.joint_name;
+            check_travel(joint, &motion.rows, range.start + 4..range.end, [dt_s, span as f64])?;
+        }
+    }
+    let mut most = (0, 0.0);
+    for row in last + 1 - span..=last {
+        let share = (row + span - last) as f64 / span as f64;
+        let given = std::mem::take(&mut rows[row]);
+        let mut now: Vec<f64> =
+            given.iter().zip(&steps).map(|(x, step)| x + added(*step, share)).collect();
+        for (body, (link, range)) in mechanism.bodies.iter().zip(&ranges).enumerate() {
+            let change = if range.len() >= 4 {
+                let turn = &mut now[range.start..range.start + 4];
+                let squared: f64 = turn.iter().map(|x| x * x).sum();
+                // Written so that NaN is refused.
+                if !(squared >= SHORTEST_SQUARED) {
+                    return Err(LoopError::Turns { joint: link.joint_name.clone() });
+                }
+                turn.iter_mut().for_each(|x| *x /= libm::sqrt(squared));
+                let along: f64 = turn.iter().zip(&given[range.clone()]).map(|(a, b)| a * b).sum();
+                2.0 * libm::acos(along.abs().min(1.0))
+            } else {
+                range.clone().map(|k| (now[k] - given[k]).abs()).fold(0.0, f64::max)
+            };
+            if link.joint != Freedom::Free && change > most.1 {
+                most = (body, change);
+            }
+        }
+        rows[row] = now;
+    }
+    // It is that row already, but for its last bits and the sign of quaternions.
+    rows[last] = rows[0].clone();
+    Ok(Looped { motion: RigMotion { dt_s, rows }, blend_s: span as f64 * dt_s, most })
+}
+
+impl Looped {
+    /// Refuses a blend that exceeds a limit more than the given motion does anywhere. Heat is of the whole motion, and
+    /// not looked at. O(rows · bodies).
+    ///
+    /// # Errors
+    /// [`LoopError::Beyond`] names the first.
+    pub fn check(
+        &self,
+        mechanism: &Mechanism,
+        limits: &Limits,
+        given: &RigMotion,
+    ) -> Result<(), LoopError> {
+        let excesses = |motion| -> Result<Vec<Excess>, LoopError> {
+            Ok(check(mechanism, limits, &Curve::new(mechanism, motion)?, CHECK_HZ)?.excesses)
+        };
+        let before = excesses(given)?;
+        let beyond = |excess: &Excess| (excess.value - excess.limit).abs();
+        let from_s = self.motion.duration_s() - self.blend_s;
+        for excess in excesses(&self.motion)? {
+            let Excess { freedom, kind, to_s, value, limit, .. } = excess;
+            let was = before.iter().filter(|was| (was.freedom, was.kind) == (freedom, kind));
+            let is_new = was.fold(0.0, |most, was| f64::max(most, beyond(was))) < beyond(&excess);
+            if is_new && to_s >= from_s && kind != Kind::Heat {
+                let FreedomLimits { name, slides, .. } = &limits.freedoms[freedom];
+                let (joint, slides, blend_s) = (name.clone(), *slides, self.blend_s);
+                return Err(LoopError::Beyond { joint, slides, kind, value, limit, blend_s });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a base that would have to go back faster than it ever goes. `timing`: s from row to row, rows of the blend.
+fn check_travel(
+    joint: &str,
+    rows: &[Vec<f64>],
+    place: std::ops::Range<usize>,
+    [dt_s, span]: [f64; 2],
+) -> Result<(), LoopError> {
+    let way = |from: &[f64], to: &[f64]| {
+        libm::sqrt(place.clone().map(|k| (to[k] - from[k]).powi(2)).sum())
+    };
+    let fastest = rows.windows(2).map(|pair| way(&pair[0], &pair[1]) / dt_s).fold(0.0, f64::max);
+    let (way_m, blend_s) = (way(&rows[0], &rows[rows.len() - 1]), span * dt_s);
+    // The quintic from rest to rest is so much faster in its middle than in the mean.
+    let speed = 1.875 * way_m / blend_s;
+    if speed > fastest {
+        let joint = joint.to_owned();
+        return Err(LoopError::Travels { joint, way_m, blend_s, speed, fastest });
+    }
+    Ok(())
+}
+
+/// Position, speed and acceleration at the first of three rows, per row.
+fn parabola([a, b, c]: [f64; 3]) -> [f64; 3] {
+    [a, (4.0 * b - 3.0 * a - c) / 2.0, a - 2.0 * b + c]
+}
+
+/// The quintic from nothing, at rest, to a step of position, speed and acceleration, at a share of its time.
+fn added([p, v, a]: [f64; 3], share: f64) -> f64 {
+    let x = share;
+    let of_p = 10.0 + x * (6.0 * x - 15.0);
+    let of_v = -4.0 + x * (7.0 - 3.0 * x);
+    let of_a = 0.5 * (1.0 - x) * (1.0 - x);
+    x * x * x * (p * of_p + v * of_v + a * of_a)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+    use sinew_rig::mechanism::Link;
+    use sinew_rig::review::Servos;
+
+    use super::*;
+
+    const DT_S: f64 = 0.01;
+    const BLEND_S: f64 = 0.8;
+
+    /// A base that is driven, a hinge and a ball.
+    fn rig() -> Mechanism {
+        let hinge = Link {
+            joint_name: "hinge".into(),
+            ranges: vec![[-2.0, 2.0]],
+            speed: 3.0,
+            ..Link::on(Some(0), Freedom::Revolute(DVec3::Z), DVec3::ZERO)
+        };
+        let ball = Link {
+            joint_name: "ball".into(),
+            ..Link::on(Some(1), Freedom::Spherical, DVec3::ZERO)
+        };
+        let base = Link::on(None, Freedom::Free, DVec3::ZERO);
+        Mechanism { bodies: vec![base, hinge, ball], linked: vec![] }
+    }
+
+    /// Two seconds in which nothing comes back to where it was. `turns_rad_s`: how fast the ball turns.
+    fn motion(turns_rad_s: f64) -> RigMotion {
+        let row = |row: i32| {
+            let t = DT_S * f64::from(row);
+            let base = DQuat::from_rotation_y(0.2 * libm::sin(t));
+            let ball =
+                DQuat::from_rotation_x(turns_rad_s * t) * DQuat::from_rotation_z(0.3 * t * t);
+            let mut q = base.to_array().to_vec();
+            q.extend([0.03 * libm::sin(3.0 * t), 0.9, 0.0]);
+            q.push(0.3 * t + 0.5 * libm::sin(2.0 * t));
+            q.extend(ball.to_array());
+            q
+        };
+        RigMotion { dt_s: DT_S, rows: (0..=200).map(row).collect() }
+    }
+
+    #[test]
+    fn a_loop_goes_on_in_position_speed_and_acceleration() {
+        let (rig, given) = (rig(), motion(0.6));
+        let looped = looped(&rig, &given, BLEND_S).unwrap();
+        let rows = &looped.motion.rows;
+        assert_eq!((rows.len(), rows.first()), (given.rows.len(), rows.last()));
+        // All before the blend is what was given.
+        assert_eq!(rows[..=120], given.rows[..=120]);
+        assert!((looped.blend_s - BLEND_S).abs() < 1e-12);
+        // Backwards from the end it is the parabola of the beginning.
+        let last = rows.len() - 1;
+        let span = BLEND_S / DT_S;
+        for k in 0..rows[0].len() {
+            let jet = |rows: &[Vec<f64>], at: [usize; 3]| parabola(at.map(|row| rows[row][k]));
+            let [p0, v0, a0] = jet(rows, [0, 1, 2]);
+            let [p1, v1, a1] = jet(rows, [last, last - 1, last - 2]);
+            let [q1, w1, b1] = jet(&given.rows, [last, last - 1, last - 2]);
+            // The third derivative of what was added. A parabola from one side misses a third of it in its speed, all
+            // of it in its acceleration; the fourth one, a tenth of it a row, is the rest. To make quaternions unit
+            // again changes them by as much.
+            let [p, v, a] = [p0 - q1, (v0 + w1) * span, (a0 - b1) * span * span];
+            let third = (60.0 * p.abs() + 36.0 * v.abs() + 9.0 * a.abs()) / span.powi(3);
+            let most = if (4..8).contains(&k) { third } else { 2.0 * third };
+            assert!((p0 - p1).abs() < 1e-12, "{k}");
+            assert!((v0 + v1).abs() <= 0.5 * most + 1e-12, "{k}: {v0} {v1} {most}");
+            assert!((a0 - a1).abs() <= 1.5 * most + 1e-12, "{k}: {a0} {a1} {most}");
+        }
+        assert_eq!(looped.most.0, 2);
+    }
+
+    #[test]
+    fn what_is_no_loop_is_refused_in_words() {
+        let (rig, given) = (rig(), motion(0.6));
+        for blend_s in [0.01, 2.1, f64::NAN, -1.0] {
+            let told = looped(&rig, &given, blend_s).unwrap_err().to_string();
+            assert!(told.contains("from 0.030 s to the 2.000 s"), "{told}");
+        }
+        let mut walks = given.clone();
+        for (row, q) in walks.rows.iter_mut().enumerate() {
+            q[4] = 0.01 * row as f64;
+        }
+        let told = looped(&rig, &walks, BLEND_S).unwrap_err().to_string();
+        assert!(
+            told.contains("2.00 m from where it begins") && told.contains("1.00 m/s"),
+            "{told}"
+        );
+        // By way of three quarters to half a turn: what leads back is against the middle of it.
+        let mut turned = given.clone();
+        for (row, q) in turned.rows.iter_mut().enumerate() {
+            let x = row as f64 / 200.0;
+            let there = x * x * x * (10.0 + x * (6.0 * x - 15.0)) + 64.0 * (x * (1.0 - x)).powi(3);
+            q[8..]
+                .copy_from_slice(&DQuat::from_rotation_x(std::f64::consts::PI * there).to_array());
+        }
+        let turned = looped(&rig, &turned, 2.0).unwrap_err();
+        assert_eq!(turned, LoopError::Turns { joint: "ball".into() });
+
+        // 1.98 rad in 0.2 s is 19 rad/s; in 1.8 s it goes against the motion, and the sum is less than 3.
+        let limits = Limits::of(&rig, &Servos::default());
+        let mut fast = given.clone();
+        for (row, q) in fast.rows.iter_mut().enumerate() {
+            q[7] = 0.99 * libm::sin(0.005 * std::f64::consts::PI * (row as f64 - 100.0));
+        }
+        let of = |blend_s| {
+            looped(&rig, &fast, blend_s).and_then(|looped| looped.check(&rig, &limits, &fast))
+        };
+        let told = of(0.2).unwrap_err().to_string();
+        assert!(told.contains("`hinge`") && told.contains("its limit is 3.000 rad/s"), "{told}");
+        assert_eq!(of(1.8), Ok(()));
+    }
+}

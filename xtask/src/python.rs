@@ -1,0 +1,54 @@
+//! Virtual environments of Python, for programs that we did not write.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+
+use crate::{setup, step};
+
+/// A virtual environment under `target`.
+pub(crate) struct Venv {
+    pub(crate) folder: PathBuf,
+}
+
+impl Venv {
+    /// Makes one with what pip installs together, or finds it: `list` tells whether it is the same. `more` installs
+    /// what must lie apart.
+    pub(crate) fn install(
+        name: &str,
+        packages: &[&str],
+        list: &str,
+        more: impl FnOnce(&Self) -> Result<()>,
+    ) -> Result<Self> {
+        let venv = Self { folder: step::root().join("target").join(name) };
+        let installed = venv.folder.join("installed");
+        if std::fs::read_to_string(&installed).is_ok_and(|found| found == list) {
+            return Ok(venv);
+        }
+        setup::python()?;
+        let _ = std::fs::remove_dir_all(&venv.folder);
+        let title = format!("Python for {name}");
+        step::run(&title, step::command("python3").args(["-m", "venv"]).arg(&venv.folder))?;
+        venv.pip(&[&["install"][..], packages].concat())?;
+        more(&venv)?;
+        std::fs::write(installed, list)?;
+        Ok(venv)
+    }
+
+    pub(crate) fn pip(&self, arguments: &[&str]) -> Result<()> {
+        let mut pip = Command::new(self.folder.join("bin/pip"));
+        pip.args(["--disable-pip-version-check", "--quiet"]).args(arguments);
+        step::run("pip", &mut pip).context(
+            "the packages come from PyPI (https://pypi.org), which cannot be reached or does not have them: \
+             nothing has been tried",
+        )
+    }
+
+    /// Its Python, with a script.
+    pub(crate) fn python(&self, script: &Path) -> Command {
+        let mut python = Command::new(self.folder.join("bin/python"));
+        python.arg(script);
+        python
+    }
+}
