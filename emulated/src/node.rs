@@ -86,7 +86,7 @@ fn until_restart(
     let chip = Chip(&flash);
     let mut lent = Lent(lent);
     let parts = arm::parts(kind);
-    let defaults = NodeSettings::new(parts.settings);
+    let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let found = start::<_, CAPACITY, CAPACITY, CAPACITY>(
         chip,
         TABLE,

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use sinew_firmware::supervisor::{
-    Command, Fault, FaultLog, FaultSet, Feed, Feeds, Findings, Inputs, LOGGED, Operator, Outcome,
-    Refused, RegisterDiffers, Registers, Settings, Source, State, Supervisor,
+    Command, Fault, FaultLog, FaultSet, Feed, Feeds, Findings, Inputs, LOGGED, Moving, Operator,
+    Outcome, Refused, RegisterDiffers, Registers, Settings, Source, State, Supervisor,
 };
 
 const TICK_US: u64 = 10_000;
@@ -109,6 +109,13 @@ fn arming_says_what_is_missing() {
     assert_eq!(
         differs.to_string(),
         "servo 2: Operating Mode (11) is 3, it must be 0: `sinew servo apply` sets it"
+    );
+    let moving = refused(|inputs| {
+        inputs.moving = Some(Moving { freedom: 2, mrad_s: 1250, most_mrad_s: 349 });
+    });
+    assert_eq!(
+        moving.to_string(),
+        "the rig is moving: joint 2 at 1.250 rad/s, at most 0.349; wait until it rests"
     );
     let hot = refused(|inputs| inputs.findings.note(Fault::HotMeasured));
     assert_eq!(hot, Refused::Fault(Fault::HotMeasured));
@@ -236,8 +243,7 @@ fn faults_are_cleared_when_they_are_gone() {
     let needs = Some(Err(Refused::NeedsUpload(Fault::ShowBad)));
     assert_eq!(rig.command(Command::ClearFaults).answer, needs);
     assert_eq!(rig.command(Command::Play(Feed::Live)).answer, Some(Ok(State::Playing)));
-    rig.inputs.uploaded = FaultSet::OF_SETTINGS;
-    assert!(rig.tick().latched.contains(Fault::ShowBad), "good settings mend no show");
+    assert!(rig.tick().latched.contains(Fault::ShowBad));
     rig.inputs.uploaded = FaultSet::OF_SHOW;
     assert!(rig.tick().latched.is_empty());
     rig.inputs.uploaded = FaultSet::EMPTY;
@@ -297,7 +303,7 @@ prop_compose! {
         fault in prop::option::weighted(0.15, prop::sample::select(Fault::ALL.to_vec())),
         [heard, measured, stop_tested, show, live, jog] in prop::array::uniform6(prop::bool::weighted(0.9)),
         [uploaded, is_there, is_slow] in prop::array::uniform3(prop::bool::weighted(0.3)),
-        unread in prop::bool::weighted(0.1),
+        [unread, moves] in prop::array::uniform2(prop::bool::weighted(0.1)),
     ) -> (Inputs, u64, usize) {
         let mut findings = Findings::default();
         if let Some(fault) = fault {
@@ -308,7 +314,7 @@ prop_compose! {
         let uploaded = if uploaded { FaultSet::OF_SHOW } else { FaultSet::EMPTY };
         let inputs = Inputs {
             now_us: 0, heard, command, findings, uploaded, measured, registers, stop_tested, feeds,
-            is_there,
+            is_there, moving: moves.then_some(Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 }),
         };
         if is_slow { (inputs, step_us, 1) } else { (inputs, TICK_US, ticks) }
     }

@@ -122,12 +122,6 @@ fn sizes() {
         approver: "A. N. Other".try_into().expect("it is short"),
     };
     let block = |len| Block { offset: 65_536, bytes: vec![7; len].into_iter().collect() };
-    let service = |len| Service {
-        bus: 0,
-        reply_len: 20,
-        wait_ms: 10,
-        bytes: vec![7; len].into_iter().collect(),
-    };
     let mut rows = vec![
         ("Hello".to_owned(), frame(&HELLO).len()),
         ("Welcome".to_owned(), frame(&WELCOME).len()),
@@ -155,10 +149,6 @@ fn sizes() {
     rows.push((
         "block of 256 bytes".to_owned(),
         frame(&command(1000, Command::UploadBlock(block(256)))).len(),
-    ));
-    rows.push((
-        "service, 14 bytes for servos".to_owned(),
-        frame(&command(1000, Command::Service(service(14)))).len(),
     ));
     let mut table = String::from("| message | bytes |\n|---|---:|\n");
     for (name, len) in rows {

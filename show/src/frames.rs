@@ -10,11 +10,13 @@ use crate::show::Show;
 /// The frames of a show of at most `C` coordinates, one a tick.
 ///
 /// Before the first frame and behind the last one of a show without a loop, the rig rests in that frame: speeds and
-/// accelerations are zero there. A show that does not begin at rest is entered by a [`Blend`](crate::Blend).
+/// accelerations are zero there. A show that does not begin at rest is entered by a [run-in](Self::run_in), or from
+/// elsewhere by a [`Blend`](crate::Blend).
 #[derive(Debug, Clone)]
 pub struct ShowFrames<'a, const C: usize> {
     player: Player<'a, C>,
     pace: Pace,
+    dt_s: f32,
     freedoms: usize,
     q: [f32; C],
     qd: [f32; C],
@@ -33,6 +35,7 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
         let mut frames = Self {
             player: Player::new(show)?,
             pace: show.pace(dt_s),
+            dt_s,
             freedoms: show.degrees_of_freedom(),
             q: [0.0; C],
             qd: [0.0; C],
@@ -53,6 +56,30 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
         self.pace.position(u32::try_from(index).unwrap_or(0))
     }
 
+    /// Where the show is in a tick of a [run-in](Self::run_in).
+    pub fn run_in_position(&self, tick: u32, of: u32) -> Position {
+        let share = share(tick, of);
+        // The integral of a rate from 0 to 1, smooth at both ends: 3 s² - 2 s³.
+        let ticks = of as f32 * share * share * share * (1.0 - 0.5 * share);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to of / 2")]
+        let whole = ticks as u32;
+        self.pace.position_within(whole, ticks - whole as f32)
+    }
+
+    /// A frame of a run-in: from standing in the first frame, the show gains its pace within `of` ticks, and is at frame
+    /// `of / 2` then, to go on there if `of` is even. Each pose is one of the show's, no joint is faster than there, and
+    /// what the pace adds to its acceleration is at most 1.5 times its speed over the time of the run-in.
+    pub fn run_in(&mut self, tick: u32, of: u32) -> Frame<'_> {
+        self.read(self.run_in_position(tick, of));
+        let share = share(tick, of);
+        let rate = share * share * (3.0 - 2.0 * share);
+        let change = 6.0 * share * (1.0 - share) / (of.max(1) as f32 * self.dt_s);
+        for (qd, qdd) in self.qd.iter_mut().zip(&mut self.qdd) {
+            (*qd, *qdd) = (*qd * rate, *qdd * rate * rate + *qd * change);
+        }
+        self.coordinates(self.run_in_position(tick, of))
+    }
+
     /// Why the last frame stands still in the middle of the show: memory that was whole has changed since.
     pub fn fault(&self) -> Option<ShowError> {
         self.fault
@@ -66,15 +93,12 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
     fn rest(&mut self) {
         (self.qd, self.qdd) = ([0.0; C], [0.0; C]);
     }
-}
 
-impl<const C: usize> FrameSource for ShowFrames<'_, C> {
-    fn frame(&mut self, index: i32) -> Frame<'_> {
-        let position = self.position(index);
-        self.read(position);
+    /// What was read at a position; the rig rests where the show has ended, or cannot be read.
+    fn coordinates(&mut self, position: Position) -> Frame<'_> {
         let show = self.player.show();
         let end = Position::from_samples(show.length());
-        if index < 0 || self.fault.is_some() || (position > end && !show.is_loop()) {
+        if self.fault.is_some() || (position > end && !show.is_loop()) {
             self.rest();
         }
         let coordinates = self.player.show().channel_count();
@@ -84,4 +108,20 @@ impl<const C: usize> FrameSource for ShowFrames<'_, C> {
             qdd: self.qdd.get(..self.freedoms).unwrap_or_default(),
         }
     }
+}
+
+impl<const C: usize> FrameSource for ShowFrames<'_, C> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        let position = self.position(index);
+        self.read(position);
+        if index < 0 {
+            self.rest();
+        }
+        self.coordinates(position)
+    }
+}
+
+/// What part of so many ticks has gone, 0 to 1.
+fn share(tick: u32, of: u32) -> f32 {
+    tick.min(of) as f32 / of.max(1) as f32
 }

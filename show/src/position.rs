@@ -82,4 +82,16 @@ impl Pace {
     pub const fn position(self, ticks: u32) -> Position {
         Position(self.0.saturating_mul(ticks as u64))
     }
+
+    /// The same after a part of a tick more, 0 to 1, to 2⁻²⁴ of a tick.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it saturates, and a part of a tick is no longer than it"
+    )]
+    pub(crate) fn position_within(self, ticks: u32, part: f32) -> Position {
+        let part = u128::from((part.min(1.0) * 16_777_216.0) as u32);
+        let more = (u128::from(self.0).wrapping_mul(part) >> 24) as u64;
+        Position(self.position(ticks).0.saturating_add(more))
+    }
 }

@@ -77,7 +77,8 @@ impl Shared<Letters> for Locked {
 #[inline(never)]
 pub(crate) fn nodes() {
     let board = BoardTable { slots: slice(), ..BoardTable::NUCLEO_F446RE };
-    let defaults = NodeSettings::new(black_box(ControllerSettings::default()));
+    let Some(schedule) = black_box(None::<Schedule>) else { return };
+    let defaults = NodeSettings::new(black_box(ControllerSettings::default()), schedule);
     let why = causes(black_box(true), black_box(true), black_box(true));
     let flash: Flash<4> = Flash;
     let found =
@@ -90,7 +91,6 @@ pub(crate) fn nodes() {
     ));
     // Of a rig that stays: what was found is moved into a static on a board.
     let Some(rig) = black_box(None) else { return };
-    let Some(schedule) = black_box(None::<Schedule>) else { return };
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     let Some(ToHost::Welcome(Welcome { about, .. })) = black_box(None) else { return };
     let servos = slice::<ServoSetup>();

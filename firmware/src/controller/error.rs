@@ -35,13 +35,6 @@ pub enum ControllerError {
         /// A tick, µs.
         tick_us: u32,
     },
-    /// A servo is read less often than its readings get old.
-    ReadTooSeldom {
-        /// How often, Hz.
-        read_hz: f32,
-        /// How old a reading may be, s.
-        stale_s: f32,
-    },
     /// A rest pose is not one number for each coordinate, or not of numbers.
     Rest {
         /// Coordinates of the rig.
@@ -82,11 +75,6 @@ impl fmt::Display for ControllerError {
                 f,
                 "a tick has {tick_us} us; the bus takes {bus_us} us and the board {compute_us} us: choose a lower \
                  rate or a faster bus"
-            ),
-            Self::ReadTooSeldom { read_hz, stale_s } => write!(
-                f,
-                "each servo is read {read_hz} times a second, and a reading is old after {stale_s} s: choose a faster \
-                 bus, or allow older readings"
             ),
             Self::Rest { expected, found } => write!(
                 f,

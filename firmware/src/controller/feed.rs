@@ -6,7 +6,7 @@ use sinew_show::{Position, Show, ShowError, ShowFrames};
 
 use super::path::Path;
 use super::pose::Pose;
-use crate::supervisor::{Fault, FaultSet, Feed, Feeds, Permission, Source, State};
+use crate::supervisor::{Fault, FaultSet, Feed, Feeds, Permission, Settings, Source, State};
 
 /// A live stream, behind its jitter buffer.
 pub trait LiveSource {
@@ -32,12 +32,33 @@ pub struct Jog {
     pub speed: f32,
 }
 
+/// How a show begins that is faster than a rig may be from standing still.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SoftStart {
+    /// The fastest joint from standing still, rad/s.
+    rad_s: f32,
+    /// How long such a show takes to gain its pace, ticks; even.
+    ticks: u32,
+}
+
+impl SoftStart {
+    /// At the supervisor's soft speed, in the time of its blends.
+    pub(super) fn new(settings: &Settings, dt_s: f32) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+        let half = (0.5 * settings.blend_s / dt_s) as u32;
+        Self { rad_s: settings.soft_rad_s, ticks: half.saturating_mul(2) }
+    }
+}
+
 /// All sources, and where each of them is.
 #[derive(Debug)]
 pub(super) struct Sources<'a, const V: usize, const C: usize> {
     show: Option<ShowFrames<'a, C>>,
     /// Ticks that the show has run.
     ticks: u32,
+    /// In so many of them, an even number, a show that starts at speed gains its pace from standing still.
+    run_in: u32,
+    soft: SoftStart,
     /// What is wrong with the show that played, until it was told.
     fault: Option<Fault>,
     /// A good show came.
@@ -52,10 +73,20 @@ pub(super) struct Sources<'a, const V: usize, const C: usize> {
 }
 
 impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
-    pub(super) fn new(rest: &Pose<V, C>) -> Self {
-        let (show, fault, uploaded, has_live) = (None, None, false, false);
-        let (rest, live, goal) = (rest.clone(), rest.clone(), rest.clone());
-        Self { show, ticks: 0, fault, uploaded, changed: false, rest, live, has_live, goal }
+    pub(super) fn new(rest: &Pose<V, C>, soft: SoftStart) -> Self {
+        Self {
+            show: None,
+            ticks: 0,
+            run_in: 0,
+            soft,
+            fault: None,
+            uploaded: false,
+            changed: false,
+            rest: rest.clone(),
+            live: rest.clone(),
+            has_live: false,
+            goal: rest.clone(),
+        }
     }
 
     /// Another show, or none. Of one that is refused nothing is left.
@@ -127,11 +158,23 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     fn at(&self, frames: &ShowFrames<'a, C>) -> Position {
-        frames.position(self.index())
+        if self.ticks < self.run_in {
+            frames.run_in_position(self.ticks, self.run_in)
+        } else {
+            frames.position(self.index())
+        }
     }
 
+    /// The frame behind the run-in, which has taken half of its time from the show.
     fn index(&self) -> i32 {
-        i32::try_from(self.ticks).unwrap_or(i32::MAX)
+        i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
+    }
+
+    /// Whether a joint of the show's first frame is faster than from standing still it may be.
+    fn starts_at_speed(&mut self, path: &Path<V, C>) -> bool {
+        let Some(frames) = &mut self.show else { return false };
+        self.goal.take(frames.frame(0));
+        path.moving(self.goal.qd(), self.soft.rad_s).is_some()
     }
 
     /// A source begins. `here`: where the rig comes to stand; `measured`: where it is.
@@ -156,7 +199,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
         dt_s: f32,
     ) -> &Pose<V, C> {
         match permission.source {
-            Source::Feed(Feed::Show) => self.show_goal(permission.runs),
+            Source::Feed(Feed::Show) => self.show_goal(permission.runs, path),
             Source::Feed(Feed::Live) if self.has_live => self.goal.clone_from(&self.live),
             Source::Feed(Feed::Jog) => {
                 if let Some(Jog { freedom, speed }) = jog {
@@ -171,10 +214,17 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// Before the show runs, the rig rests in its first frame: the frame before that stands there.
-    fn show_goal(&mut self, runs: bool) {
+    fn show_goal(&mut self, runs: bool, path: &Path<V, C>) {
+        if runs && self.ticks == 0 {
+            self.run_in = if self.starts_at_speed(path) { self.soft.ticks } else { 0 };
+        }
         let index = if runs { self.index() } else { -1 };
         let Some(frames) = &mut self.show else { return };
-        self.goal.take(frames.frame(index));
+        self.goal.take(if runs && self.ticks < self.run_in {
+            frames.run_in(self.ticks, self.run_in)
+        } else {
+            frames.frame(index)
+        });
         if frames.fault().is_some() {
             self.fault = Some(Fault::ShowBad);
             self.show = None;

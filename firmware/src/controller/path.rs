@@ -8,6 +8,7 @@ use sinew_rig::drive::Numbers;
 use super::part::{Part, between, number, parts, put, put_three, put_turn, three, turn};
 use super::pose::Pose;
 use crate::drives::follower::Follower;
+use crate::supervisor::Moving;
 
 /// A commanded pose this near to its source is there, rad or m.
 const THERE: f32 = 1e-3;
@@ -109,6 +110,19 @@ impl<const V: usize, const C: usize> Path<V, C> {
             }
             Part::Turn { .. } => None,
         })
+    }
+
+    /// The freedom that moves farthest beyond `most_rad_s` of the fastest shaft of its drive, if any does.
+    pub(super) fn moving(&self, qd: &[f32], most_rad_s: f32) -> Option<Moving> {
+        let (mut farthest, mut found) = (1.0, None);
+        for (freedom, (axis, rad_s)) in self.freedoms.iter().zip(qd).enumerate() {
+            let share = rad_s.abs() * axis.shaft / most_rad_s;
+            if share > farthest {
+                let most = most_rad_s / axis.shaft;
+                (farthest, found) = (share, Some(Moving::new(freedom, *rad_s, most)));
+            }
+        }
+        found
     }
 
     /// Stands in a pose, or where the ranges are next to it.

@@ -23,6 +23,8 @@ pub(super) struct Performance<'a, const B: usize, const V: usize, const S: usize
     rig: &'a BoardRig<B, V, S>,
     tracker: Tracker<B, DELAYS>,
     pub(super) drives: Drives<'a, B, V, S>,
+    /// By freedom: whether its servos take what the tracker makes of an error.
+    corrects: Vec<bool, V>,
     commands: Vec<DofCommand, V>,
     out: Vec<Option<ServoCommand>, S>,
 }
@@ -39,11 +41,25 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         let drives = Drives::new(rig, &of_drives, timing).map_err(ControllerError::Drives)?;
         let tracker = Tracker::new(rig.tree().clone(), &settings.tracker, timing)
             .map_err(ControllerError::Tracker)?;
-        let (mut commands, mut out) = (Vec::new(), Vec::new());
+        let (mut commands, mut out, mut corrects) = (Vec::new(), Vec::new(), Vec::new());
         // Freedoms and servos of a rig are counted: there is room.
         let _ = commands.resize(rig.freedoms().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
-        Ok(Self { rig, tracker, drives, commands, out })
+        let _ = corrects.resize(rig.freedoms().len(), false);
+        for drive in rig.drives() {
+            let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
+            for freedom in &drive.freedoms {
+                if let Some(corrects) = corrects.get_mut(usize::from(*freedom)) {
+                    *corrects = class == Some(Class::Current);
+                }
+            }
+        }
+        Ok(Self { rig, tracker, drives, corrects, commands, out })
+    }
+
+    /// Whether the servos of a freedom take what the tracker makes of an error.
+    pub(super) fn corrects(&self, freedom: usize) -> bool {
+        self.corrects.get(freedom).copied().unwrap_or(false)
     }
 
     /// Begins where the rig is, at rest.
@@ -66,7 +82,7 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         share: impl Fn(usize) -> f32,
         report: &mut [FreedomReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
-        let Self { rig, tracker, drives, commands, out } = self;
+        let Self { rig, tracker, drives, commands, out, .. } = self;
         let measured = Measured::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;

@@ -5,7 +5,7 @@ use sinew_show::Position;
 
 use crate::drives::Limit;
 use crate::supervisor::detect::Concern;
-use crate::supervisor::{Answer, FaultSet, GuardReason, Registers, Source, State};
+use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source, State};
 
 /// What became of a tick: of `V` freedoms and `S` servos at most.
 #[derive(Debug, Clone)]
@@ -26,6 +26,8 @@ pub struct Report<const V: usize, const S: usize> {
     pub latched: FaultSet,
     /// What servos hold in their registers; while torque is on nothing is known of it.
     pub registers: Registers,
+    /// While torque is off, the joint that moves too fast for the rig to be armed.
+    pub moving: Option<Moving>,
     /// How far the rig is from where it should be; none while torque is off.
     pub following: Option<Following>,
     /// By freedom.

@@ -1,11 +1,14 @@
 //! What a controller is made of.
 
+use sinew_bus::Schedule;
 use sinew_bus::settings::{Demand, Mode};
 use sinew_rig::servo::Servo;
 
+use crate::SettingError;
 use crate::drives::DriveSettings;
 use crate::supervisor::detect::{
-    FollowingSettings, HeatSettings, OverrunSettings, Silence, SupplySettings, WindingSettings,
+    Following, FollowingSettings, HeatSettings, Overrun, OverrunSettings, Silence, SupplySettings,
+    WindingSettings,
 };
 use crate::supervisor::{FaultLog, FaultSet, LOGGED, Settings};
 
@@ -51,6 +54,31 @@ impl Default for ControllerSettings {
             compute_us: 500,
             rig_crc: 0,
         }
+    }
+}
+
+impl ControllerSettings {
+    /// What can be said of settings before the rig is known: the one check, at a start and of what a host writes.
+    ///
+    /// # Errors
+    /// [`SettingError`] names the setting, and what it must be; of a reading's age that depends on the bus.
+    pub fn check(&self, schedule: &Schedule) -> Result<(), SettingError> {
+        self.supervisor.check()?;
+        Following::new(self.following, 1e-6 * schedule.tick_us() as f32)?;
+        Overrun::new(self.overrun)?;
+        // Before it is read again, no reading is old. Without reads none is new enough.
+        let least_s = (1.0 / schedule.read_hz()).max(1e-3);
+        SettingError::check("stale_s", self.stale_s, [least_s, 10.0])?;
+        SettingError::check("blind_s", self.blind_s, [0.1, 60.0])?;
+        SettingError::check("beyond_rad", self.beyond_rad, [0.0, 0.5])
+    }
+
+    /// The fastest joint with which a rig is armed, rad/s: the soft speed, since nothing moves faster while it is
+    /// armed; and no faster than that it is off by the following error's limit after that limit's time. Brought to
+    /// rest evenly within twice that time, it is off by no more.
+    pub(super) fn rest_rad_s(&self) -> f32 {
+        let FollowingSettings { most_rad, time_s } = self.following;
+        self.supervisor.soft_rad_s.min(most_rad / time_s)
     }
 }
 

@@ -24,6 +24,8 @@ pub(super) struct Watch<const V: usize, const S: usize> {
     stale_ticks: u32,
     blind_ticks: u32,
     beyond_rad: f32,
+    /// The fastest joint with which a rig is armed, rad/s.
+    pub(super) rest_rad_s: f32,
 }
 
 /// One servo, and what is found of it.
@@ -44,9 +46,6 @@ impl<const V: usize, const S: usize> Watch<V, S> {
         setups: &[ServoSetup],
         dt_s: f32,
     ) -> Result<Self, ControllerError> {
-        SettingError::check("beyond_rad", settings.beyond_rad, [0.0, 0.5])?;
-        SettingError::check("stale_s", settings.stale_s, [1e-3, 10.0])?;
-        SettingError::check("blind_s", settings.blind_s, [0.1, 60.0])?;
         let mut servos = Vec::new();
         for (index, (servo, setup)) in rig.servos().iter().zip(setups).enumerate() {
             let of = |why| ControllerError::Servo { servo: index, why };
@@ -91,6 +90,7 @@ impl<const V: usize, const S: usize> Watch<V, S> {
             stale_ticks: ticks(settings.stale_s),
             blind_ticks: ticks(settings.blind_s),
             beyond_rad: settings.beyond_rad,
+            rest_rad_s: settings.rest_rad_s(),
         })
     }
 

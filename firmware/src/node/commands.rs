@@ -72,7 +72,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Command::BeginUpload(item) => self.begin(&item, mail),
             Command::UploadBlock(block) => self.block(&block, mail),
             Command::EndUpload => self.end(port, mail),
-            // The line of the servos is the loop's.
+            // The supervisor's were given to it.
             _ => Err(Refusal::Unsupported),
         };
         Some(outcome(result))

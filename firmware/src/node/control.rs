@@ -107,7 +107,6 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
             heard: core::mem::take(&mut mail.heard),
             command: self.command(mail),
             found: FaultSet::EMPTY,
-            uploaded: false,
             jog: self.jog.map(|(jog, _)| jog),
         }
     }

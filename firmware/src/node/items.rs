@@ -12,6 +12,7 @@ use super::mail::{Mail, Shared};
 use super::settings::{NodeSettings, SETTINGS_SCHEMA, SettingsError};
 use super::start::RIG_SCHEMA;
 use super::words;
+use crate::SettingError;
 use crate::controller::open_show;
 use crate::supervisor::Fault;
 
@@ -208,6 +209,13 @@ fn read_back<F: NorFlash>(
 fn settings_error(error: SettingsError) -> Refusal {
     match error {
         SettingsError::Key { .. } => Refusal::Unknown,
-        _ => Refusal::Value,
+        SettingsError::Value(SettingError { what, found, least, most }) => {
+            match NodeSettings::key(what) {
+                // The link carries no other numbers.
+                Some(key) if found.is_finite() => Refusal::Setting { key, found, least, most },
+                _ => Refusal::Value,
+            }
+        }
+        SettingsError::Length { .. } => Refusal::Value,
     }
 }

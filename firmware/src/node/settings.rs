@@ -1,12 +1,11 @@
 //! Settings of a node: numbers with a key each, which never changes.
 
 use heapless::Vec;
+use sinew_bus::Schedule;
 use sinew_link::LiveSettings;
 
 use crate::SettingError;
 use crate::controller::ControllerSettings;
-use crate::supervisor::detect::{Following, Overrun};
-use crate::supervisor::{FaultLog, Supervisor};
 
 /// Version of what the content means.
 pub const SETTINGS_SCHEMA: u16 = 1;
@@ -47,6 +46,8 @@ pub struct NodeSettings {
     pub live_delay_s: f32,
     /// Without a new frame for so long, a stream is late, s.
     pub live_stale_s: f32,
+    /// Of the board's bus: what it must bear.
+    schedule: Schedule,
 }
 
 /// Why settings are refused.
@@ -86,11 +87,12 @@ impl From<SettingError> for SettingsError {
 }
 
 impl NodeSettings {
-    /// The board's own, before any was stored.
-    pub fn new(controller: ControllerSettings) -> Self {
+    /// The board's own, before any was stored, for its bus.
+    pub fn new(controller: ControllerSettings, schedule: Schedule) -> Self {
         let LiveSettings { delay_us, stale_us, .. } = LiveSettings::DEFAULT;
         let seconds = |us: u32| us as f32 * 1e-6;
-        Self { controller, live_delay_s: seconds(delay_us), live_stale_s: seconds(stale_us) }
+        let (live_delay_s, live_stale_s) = (seconds(delay_us), seconds(stale_us));
+        Self { controller, live_delay_s, live_stale_s, schedule }
     }
 
     /// A setting by its key.
@@ -155,6 +157,11 @@ impl NodeSettings {
         }
     }
 
+    /// The key of a setting by its name.
+    pub(super) fn key(name: &str) -> Option<u16> {
+        (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key)
+    }
+
     fn field(&mut self, key: u16) -> Option<&mut f32> {
         let ControllerSettings { supervisor, following, stale_s, blind_s, beyond_rad, .. } =
             &mut self.controller;
@@ -180,15 +187,9 @@ impl NodeSettings {
         })
     }
 
-    /// That a controller takes them.
+    /// That the next start takes them.
     fn check(&self) -> Result<(), SettingError> {
-        let settings = &self.controller;
-        Supervisor::new(settings.supervisor, 0, FaultLog::default())?;
-        Following::new(settings.following, 0.002)?;
-        Overrun::new(settings.overrun)?;
-        SettingError::check("stale_s", settings.stale_s, [1e-3, 10.0])?;
-        SettingError::check("blind_s", settings.blind_s, [0.1, 60.0])?;
-        SettingError::check("beyond_rad", settings.beyond_rad, [0.0, 0.5])?;
+        self.controller.check(&self.schedule)?;
         SettingError::check("live_delay_s", self.live_delay_s, [0.0, 2.0])?;
         SettingError::check("live_stale_s", self.live_stale_s, [0.01, 2.0])
     }

@@ -9,7 +9,7 @@ use sinew_show::ShowError;
 use sinew_storage::{Approver, CapacityError, Descriptor, Error, Hash, Kind};
 
 use crate::supervisor::{
-    self, Fault, FaultRecord, Feed, Operator, Refused, RegisterDiffers, State,
+    self, Fault, FaultRecord, Feed, Moving, Operator, Refused, RegisterDiffers, State,
 };
 
 pub(super) fn state(state: State) -> message::State {
@@ -67,6 +67,9 @@ pub(super) fn refused(why: Refused) -> Refusal {
             Refusal::RegisterDiffers { servo, address, found, expected }
         }
         Refused::StopUntested => Refusal::StopUntested,
+        Refused::Moving(Moving { freedom, mrad_s, most_mrad_s }) => {
+            Refusal::Moving { dof: freedom, mrad_s, most_mrad_s }
+        }
         Refused::FeedSilent(Feed::Show) => Refusal::FeedSilent(message::Feed::Show),
         Refused::FeedSilent(Feed::Live) => Refusal::FeedSilent(message::Feed::Live),
         Refused::FeedSilent(Feed::Jog) => Refusal::FeedSilent(message::Feed::Jog),

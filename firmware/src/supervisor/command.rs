@@ -2,13 +2,13 @@
 
 use core::fmt;
 
-use super::{Fault, Feed, Operator, RegisterDiffers, State};
+use super::{Fault, Feed, Moving, Operator, RegisterDiffers, State};
 
 /// What people ask of the supervisor. Each gets an [`Answer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Torque on, at the measured pose. From limp alone.
+    /// Torque on, at the measured pose. From limp alone, and from rest.
     Arm,
     /// Lowered, then limp. Never refused.
     Disarm,
@@ -51,6 +51,8 @@ pub enum Refused {
     RegisterDiffers(RegisterDiffers),
     /// The way to stop was not tested since the rig became limp.
     StopUntested,
+    /// It still moves by itself.
+    Moving(Moving),
     /// The feed gives no poses.
     FeedSilent(Feed),
     /// A fault is there, or latched.
@@ -81,6 +83,9 @@ impl fmt::Display for Refused {
             Self::StopUntested => f.write_str(
                 "the way to stop was not tested since the rig became limp: test it first",
             ),
+            Self::Moving(moving) => {
+                write!(f, "the rig is moving: {moving}; wait until it rests")
+            }
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
             Self::Fault(fault) => write!(f, "{fault}: mend it and clear it first"),
             Self::StillThere(fault) => write!(f, "{fault} is still there: nothing was cleared"),

@@ -1,6 +1,6 @@
 //! What a tick brings to a mode.
 
-use super::{Command, FaultSet, Feed, Registers};
+use super::{Command, FaultSet, Feed, Moving, Registers};
 
 /// What a tick brings. Clocks come as what they say about the state before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -11,7 +11,7 @@ pub struct Event {
     pub command: Option<Command>,
     /// Faults whose condition is there.
     pub present: FaultSet,
-    /// What a good upload has mended: [`FaultSet::OF_SETTINGS`], [`FaultSet::OF_SHOW`].
+    /// What a good upload has mended: [`FaultSet::OF_SHOW`]. Good settings, or a good rig, count after a restart.
     pub uploaded: FaultSet,
     /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
     pub measured: bool,
@@ -19,6 +19,8 @@ pub struct Event {
     pub registers: Registers,
     /// The way to stop was tested since the rig became limp.
     pub stop_tested: bool,
+    /// A joint that moves too fast to be armed.
+    pub moving: Option<Moving>,
     /// Which feeds give poses.
     pub feeds: Feeds,
     /// The enabling button is held.

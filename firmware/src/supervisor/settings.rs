@@ -54,7 +54,7 @@ impl Default for Settings {
 
 impl Settings {
     /// Refuses what cannot be; NaN, too.
-    pub(super) fn check(&self) -> Result<(), SettingError> {
+    pub(crate) fn check(&self) -> Result<(), SettingError> {
         let least_rad_s = 0.1 * DEG;
         SettingError::check("link_hold_s", self.link_hold_s, [0.01, 2.0])?;
         SettingError::check("link_limp_s", self.link_limp_s, [self.link_hold_s + 0.01, 60.0])?;

@@ -2,7 +2,9 @@
 
 use super::fault::{FaultLog, FaultRecord, Findings, reacting};
 use super::permission::Permission;
-use super::{Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Registers, Settings, State};
+use super::{
+    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Moving, Registers, Settings, State,
+};
 use crate::SettingError;
 
 /// How many of the last faults are kept.
@@ -21,7 +23,7 @@ pub struct Inputs {
     pub command: Option<Command>,
     /// What detectors found. Those of the link are the supervisor's own.
     pub findings: Findings,
-    /// What a good upload has mended: [`FaultSet::OF_SETTINGS`], [`FaultSet::OF_SHOW`].
+    /// What a good upload has mended: [`FaultSet::OF_SHOW`]. Good settings, or a good rig, count after a restart.
     pub uploaded: FaultSet,
     /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
     pub measured: bool,
@@ -29,6 +31,8 @@ pub struct Inputs {
     pub registers: Registers,
     /// The way to stop was tested since the rig became limp.
     pub stop_tested: bool,
+    /// A joint that moves too fast to be armed. Asked for by arming alone.
+    pub moving: Option<Moving>,
     /// Which feeds give poses.
     pub feeds: Feeds,
     /// What is commanded is at the source of the last [`Permission`].
@@ -161,6 +165,7 @@ impl Supervisor {
             measured: inputs.measured,
             registers: inputs.registers,
             stop_tested: inputs.stop_tested,
+            moving: inputs.moving,
             feeds: inputs.feeds,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),
             arrived: inputs.is_there && over(clocks.source, settings.blend_s),

@@ -159,6 +159,9 @@ impl Mode {
         if !event.stop_tested {
             return Err(Refused::StopUntested);
         }
+        if let Some(moving) = event.moving {
+            return Err(Refused::Moving(moving));
+        }
         self.enter(State::Arming, present)?;
         self.is_soft = true;
         Ok(())

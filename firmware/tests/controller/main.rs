@@ -7,8 +7,10 @@
 )]
 
 mod anything;
+mod arming;
 mod matrix;
 mod play;
 mod registers;
+mod run_in;
 mod stand;
 mod swing;

@@ -60,7 +60,7 @@ fn stand_in(state: State, fault: Fault) -> Stand {
         }
         State::Limp | State::Off => {}
         _ => {
-            stand.tick(Some(Command::Arm));
+            assert_eq!(stand.ask_to_arm(), None);
             if state != State::Arming {
                 stand.until(State::Holding, 2.0);
             }
@@ -121,8 +121,6 @@ fn plant(stand: &mut Stand, fault: Fault, on: bool) {
         Fault::Overrun => stand.is_late = on,
         Fault::SettingsBad | Fault::EStop => {
             stand.found = if on { FaultSet::of(fault) } else { FaultSet::EMPTY };
-            // What was bad is uploaded again.
-            stand.uploaded = !on && fault == Fault::SettingsBad;
         }
         Fault::ShowBad if on => assert!(stand.controller.load_show(Some(&[0; 40])).is_err()),
         Fault::ShowForeign if on => {
@@ -256,6 +254,10 @@ fn clear(stand: &mut Stand, fault: Fault) {
                 return;
             }
         }
+    } else if fault == Fault::SettingsBad {
+        // By the start that an upload leads to: see `node/mismatch.rs`.
+        stand.tick(Some(Command::ClearFaults));
+        assert!(stand.controller.report().latched.contains(fault), "{fault}");
     } else {
         stand.tick(None);
         assert!(!stand.controller.report().latched.contains(fault), "{fault}");

@@ -65,7 +65,10 @@ pub(crate) fn perform(kind: Kind) -> Seen {
         assert!(stand.servos_on() == 0 && stand.sent_off());
     }
     assert_eq!(stand.state(), State::Limp);
-    look(&mut stand, Some(Command::Arm));
+    // It has fallen, and swings on.
+    while stand.controller.report().answer != Some(Ok(State::Arming)) {
+        look(&mut stand, Some(Command::Arm));
+    }
     assert_eq!((stand.state(), stand.servos_on()), (State::Arming, SERVOS));
     for _ in 0..stand.ticks_of(1.1) {
         look(&mut stand, None);
@@ -133,8 +136,7 @@ fn the_same_bytes_twice() {
 fn holding() -> Stand {
     let mut stand = Stand::new(Kind::Current, Start::default());
     stand.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
-    stand.run(1.0);
-    stand.tick(Some(Command::Arm));
+    stand.arm();
     stand.until(State::Holding, 2.0);
     stand
 }

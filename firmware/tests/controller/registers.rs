@@ -11,8 +11,7 @@ const WHO: usize = 2;
 const KINDS: [(Kind, u16); 2] = [(Kind::Current, 11), (Kind::Position, 33)];
 
 fn refused(stand: &mut Stand) -> Option<Refused> {
-    stand.tick(Some(Command::Arm));
-    stand.controller.report().answer.unwrap().err()
+    stand.ask_to_arm()
 }
 
 /// Ticks until all registers of all servos are compared; with half a second to get there.
@@ -109,8 +108,7 @@ fn registers_are_read_while_torque_is_off_alone_one_question_a_tick() {
             seen.extend(asked);
         }
         assert!(seen.iter().any(|from| (*from..*from + 10).contains(&mode)), "{seen:?}");
-        stand.tick(Some(Command::Arm));
-        assert_eq!(stand.state(), State::Arming);
+        assert_eq!((refused(&mut stand), stand.state()), (None, State::Arming));
         for _ in 0..stand.ticks_of(2.0) {
             assert!(!reads(&stand).iter().any(is_register), "{kind:?}");
             assert_eq!(stand.controller.report().overruns, 0);
@@ -187,14 +185,22 @@ fn a_bad_line_only_delays() {
         let ticks = [&mut good, &mut bad].map(|stand| {
             (0..stand.ticks_of(4.0))
                 .find(|_| {
-                    stand.tick(Some(Command::Arm));
+                    stand.tick(None);
                     let report = stand.controller.report();
                     assert!(!matches!(report.registers, Registers::Differ(_)), "{report:?}");
-                    report.answer == Some(Ok(State::Arming))
+                    report.registers == Registers::Same
                 })
                 .unwrap()
         });
-        println!("{kind:?}: armed after {} ticks, on a bad line after {}", ticks[0], ticks[1]);
+        // Both are armed then, at rest, with a reading of each servo.
+        for mut stand in [good, bad] {
+            let is_armed = (0..stand.ticks_of(10.0)).any(|_| {
+                stand.tick(Some(Command::Arm));
+                stand.state() == State::Arming
+            });
+            assert!(is_armed, "{:?}", stand.controller.report());
+        }
+        println!("{kind:?}: compared after {} ticks, on a bad line after {}", ticks[0], ticks[1]);
         assert!(ticks[1] > ticks[0]);
     }
 }

@@ -14,7 +14,7 @@ pub(crate) use sinew_emulated::arm::{Kind, Parts, SERVOS, parts as setup};
 use sinew_firmware::controller::{
     Complete, Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
 };
-use sinew_firmware::supervisor::{Command, FaultSet, State};
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
 use sinew_servo_sim::bench::Bench;
@@ -188,7 +188,6 @@ pub(crate) struct Stand {
     pub(crate) found: FaultSet,
     pub(crate) jog: Option<Jog>,
     pub(crate) is_late: bool,
-    pub(crate) uploaded: bool,
     pub(crate) hash: u64,
     /// What went out in the last tick.
     pub(crate) sent: Vec<u8>,
@@ -214,7 +213,6 @@ impl Stand {
             found: FaultSet::EMPTY,
             jog: None,
             is_late: false,
-            uploaded: false,
             hash: HASH_BEGIN,
             sent: Vec::new(),
             ended: Err(Incomplete::NotFinite),
@@ -229,7 +227,6 @@ impl Stand {
             heard: self.heard,
             command,
             found: self.found,
-            uploaded: std::mem::take(&mut self.uploaded),
             jog: self.jog,
         };
         self.ticks += 1;
@@ -243,6 +240,24 @@ impl Stand {
         self.ended = controller.end(begun, exchanged, took_us);
         let left_us = ((end_s - bench.time_s()) * 1e6).max(0.0);
         bench.run_us(left_us.round() as u32);
+    }
+
+    /// Asks to be armed until the rig rests, for a minute at most: why it is refused, if it is.
+    pub(crate) fn ask_to_arm(&mut self) -> Option<Refused> {
+        for _ in 0..self.ticks_of(60.0) {
+            self.tick(Some(Command::Arm));
+            let refused = self.controller.report().answer.unwrap().err();
+            if !matches!(refused, Some(Refused::Moving(_))) {
+                return refused;
+            }
+        }
+        panic!("it does not come to rest");
+    }
+
+    /// Arms, when all is known and the rig rests.
+    pub(crate) fn arm(&mut self) {
+        self.run(1.0);
+        assert_eq!((self.ask_to_arm(), self.state()), (None, State::Arming));
     }
 
     pub(crate) fn run(&mut self, seconds: f64) {

@@ -8,14 +8,13 @@ use std::{env, panic, thread};
 use sinew_emulated::message::{Bytes, End, LINE_AT_ONCE, OfLoop, ToHost, ToNode};
 use sinew_emulated::node::{self, FLASH_LEN};
 use sinew_firmware::controller::Wire;
-use sinew_firmware::node::NodeSettings;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
 
 use crate::hardware::Servos;
-use crate::stand::{HASH_BEGIN, Kind, SERVOS, hash_of, setup};
-use crate::stored::{item, rig, show};
-use crate::whole::BAD;
+use crate::line::BAD;
+use crate::stand::{HASH_BEGIN, Kind, SERVOS, hash_of};
+use crate::stored::{item, rig, settings, show};
 use crate::world::World;
 
 /// The image's path.
@@ -169,7 +168,7 @@ fn performance(mut world: World) -> Run {
     let (bytes, crc) = rig(kind);
     world.upload(&item(ItemKind::Rig, &bytes, 0), &bytes);
     world.connect();
-    let settings = NodeSettings::new(setup(kind).settings).with(6, 8.0).unwrap().bytes();
+    let settings = settings(kind).with(6, 8.0).unwrap().bytes();
     world.upload(&item(ItemKind::Settings, &settings, crc), &settings);
     world.connect();
     let show = show(kind, 4, false);
@@ -178,7 +177,7 @@ fn performance(mut world: World) -> Run {
     world.ask(Command::SetTelemetry(TelemetrySetting { rate_hz: 20.0, parts: Parts::ALL }));
     world.until(State::Limp, 2.0);
     for is_stopped in [false, true] {
-        world.ask(Command::Arm);
+        world.arm();
         world.until(State::Holding, 3.0);
         assert_eq!(world.servos_on(), SERVOS);
         world.ask(Command::Play(Feed::Show));

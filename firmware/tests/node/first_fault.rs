@@ -13,7 +13,7 @@ const KIND: Kind = Kind::Current;
 fn holding() -> World {
     let mut world = World::ready(KIND, Trouble::default(), 29, &show(KIND, 1, false));
     world.run(2.0);
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world
 }

@@ -18,7 +18,7 @@ fn telemetry(rate_hz: f32) -> Command {
 fn an_emergency_stop_is_heard_while_nobody_reads() {
     let mut world = World::ready(KIND, Trouble::default(), 37, &show(KIND, 1, false));
     world.run(2.0);
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world.ask(telemetry(100.0));
     world.host.reads = false;

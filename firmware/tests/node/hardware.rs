@@ -26,7 +26,11 @@ pub(crate) struct Chip {
 
 impl Chip {
     pub(crate) fn new() -> Self {
-        Self { flash: Rc::new(RefCell::new(MockFlash::new(&TABLE))), lent: Rc::default() }
+        Self::of(MockFlash::new(&TABLE))
+    }
+
+    pub(crate) fn of(flash: MockFlash) -> Self {
+        Self { flash: Rc::new(RefCell::new(flash)), lent: Rc::default() }
     }
 
     fn check(&self, from: u32, to: u32) {

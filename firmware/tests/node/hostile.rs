@@ -1,9 +1,11 @@
 //! A host that says anything, in every state, over a line that spoils it.
 
+use std::collections::VecDeque;
+
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
     Block, Command, Feed, Hello, Item, Kind as ItemKind, LiveFrame, Numbered, Operator, Parts,
-    Place, Service, Stream, TelemetrySetting, ToController, Value, Version,
+    Place, Stream, TelemetrySetting, ToController, Value, Version,
 };
 
 use crate::line::{Trouble, random};
@@ -13,8 +15,15 @@ use crate::world::World;
 
 const KIND: Kind = Kind::Current;
 
-struct Hostile {
-    random: u64,
+/// Where its choices come from.
+enum Choices {
+    Random(u64),
+    /// Until they are over, and then zero.
+    Bytes(VecDeque<u8>),
+}
+
+pub(crate) struct Hostile {
+    choices: Choices,
     command: u16,
     stream: u16,
     /// Whether it may arm.
@@ -22,15 +31,41 @@ struct Hostile {
 }
 
 impl Hostile {
-    fn below(&mut self, most: u64) -> u64 {
-        random(&mut self.random) % most
+    /// One that says what bytes make of it. `command`, `stream`: numbers that were used before.
+    pub(crate) fn of_bytes(bytes: &[u8], command: u16, stream: u16) -> Self {
+        let choices = Choices::Bytes(bytes.iter().copied().collect());
+        Self { choices, command, stream, arms: true }
+    }
+
+    /// Whether no choice is left.
+    pub(crate) fn is_over(&self) -> bool {
+        matches!(&self.choices, Choices::Bytes(bytes) if bytes.is_empty())
+    }
+
+    fn bits(&mut self) -> u64 {
+        match &mut self.choices {
+            Choices::Random(seed) => random(seed),
+            Choices::Bytes(bytes) => {
+                (0..8).fold(0, |bits, _| bits << 8 | u64::from(bytes.pop_front().unwrap_or(0)))
+            }
+        }
+    }
+
+    pub(crate) fn below(&mut self, most: u64) -> u64 {
+        match &mut self.choices {
+            // Of so few, a byte is enough.
+            Choices::Bytes(bytes) if most <= 256 => {
+                u64::from(bytes.pop_front().unwrap_or(0)) % most
+            }
+            _ => self.bits() % most,
+        }
     }
 
     /// Any finite number: what a frame can carry.
     fn number(&mut self) -> f32 {
         loop {
             let number = match self.below(3) {
-                0 => f32::from_bits(random(&mut self.random) as u32),
+                0 => f32::from_bits(self.bits() as u32),
                 1 => (self.below(2000) as f32 - 1000.0) / 100.0,
                 _ => [0.0, -0.0, f32::MAX, f32::MIN, 1e-40, 1.0][self.below(6) as usize],
             };
@@ -42,7 +77,7 @@ impl Hostile {
 
     fn item(&mut self) -> Item {
         let kinds = [ItemKind::Settings, ItemKind::Rig, ItemKind::Show];
-        let mut any = item(kinds[self.below(3) as usize], b"any", random(&mut self.random) as u32);
+        let mut any = item(kinds[self.below(3) as usize], b"any", self.bits() as u32);
         any.length = [0, 1, 300, 4000, u32::MAX][self.below(5) as usize];
         any.schema = self.below(4) as u16;
         any
@@ -54,7 +89,7 @@ impl Hostile {
         let operator = Operator(self.below(3) as u8);
         let feed = [Feed::Show, Feed::Live, Feed::Jog][self.below(3) as usize];
         let (slot, key) = (self.below(4) as u8, self.below(20) as u16);
-        match self.below(26) {
+        match self.below(25) {
             0 if self.below(400) == 0 => Command::EStop,
             1 | 2 if self.arms => Command::Arm,
             3 if self.below(rare) == 0 => Command::Disarm,
@@ -85,12 +120,6 @@ impl Hostile {
                 Command::UploadBlock(Block { offset, bytes })
             }
             23 => Command::EndUpload,
-            24 => Command::Service(Service {
-                bus: slot,
-                reply_len: 255,
-                wait_ms: u16::MAX,
-                bytes: heapless::Vec::new(),
-            }),
             _ => Command::Hold,
         }
     }
@@ -103,18 +132,18 @@ impl Hostile {
             _ => {
                 let len = if self.below(8) == 0 { self.below(65) } else { 6 };
                 let q = (0..len).map(|_| self.number()).collect();
-                Stream::Live(LiveFrame { sent_us: random(&mut self.random) as u32, q })
+                Stream::Live(LiveFrame { sent_us: self.bits() as u32, q })
             }
         }
     }
 
     /// Any message, mostly of this session and with the next number.
-    fn message(&mut self, session: u16, state: State) -> ToController {
+    pub(crate) fn message(&mut self, session: u16, state: State) -> ToController {
         let session = if self.below(30) == 0 { self.below(1 << 16) as u16 } else { session };
         match self.below(100) {
             0 if self.below(50) == 0 => {
                 let protocol = Version { major: self.below(3) as u8, minor: 0 };
-                ToController::Hello(Hello { protocol, nonce: random(&mut self.random) as u32 })
+                ToController::Hello(Hello { protocol, nonce: self.bits() as u32 })
             }
             0..50 => {
                 self.command =
@@ -131,12 +160,23 @@ impl Hostile {
     }
 }
 
+/// What must hold behind each tick, whatever the host says.
+pub(crate) fn check_outputs(world: &World) {
+    let state = world.state().expect("the rig is not replaced");
+    if state.is_on() {
+        // Goal current (102), mA: what the drives' setting allows.
+        assert!(world.bench.servos().iter().all(|servo| servo.get(102).abs() <= 1200));
+    } else if world.pins.fed > 10 {
+        assert_eq!(world.servos_on(), 0, "{state}");
+    }
+}
+
 /// Talks for so many frames, `each` of them in a tick, and returns in which states it was how many ticks.
 fn talk(frames: u64, each: u64, arms: bool, seed: u64) -> [u32; State::COUNT] {
     let trouble = Trouble { lost: 50, twice: 50, flipped: 50, jitter_us: 5_000 };
     let mut world = World::ready(KIND, trouble, seed, &show(KIND, 4, true));
     (world.host.beats, world.steps) = (false, 4 * each as u32);
-    let mut hostile = Hostile { random: seed, command: 1000, stream: 1000, arms };
+    let mut hostile = Hostile { choices: Choices::Random(seed), command: 1000, stream: 1000, arms };
     let (mut ticks, mut heard) = ([0; State::COUNT], None);
     let begin = world.host.there.frames;
     while world.host.there.frames - begin < frames {
@@ -160,12 +200,7 @@ fn talk(frames: u64, each: u64, arms: bool, seed: u64) -> [u32; State::COUNT] {
         if !arms {
             assert!(!state.is_on() && !world.pins.outputs && world.servos_on() == 0);
         }
-        if state.is_on() {
-            // Goal current (102), mA: what the drives' setting allows.
-            assert!(world.bench.servos().iter().all(|servo| servo.get(102).abs() <= 1200));
-        } else if world.pins.fed > 10 {
-            assert_eq!(world.servos_on(), 0, "{state}");
-        }
+        check_outputs(&world);
     }
     ticks
 }

@@ -18,7 +18,7 @@ fn play(seconds: u64) -> u64 {
     let (_, bus) = world.board.control.as_ref().unwrap();
     let places = (0..SERVOS).map(|servo| bus.feedback(servo).unwrap().position_rad).collect();
     world.ideal = Some(Ideal(places));
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world.ask(Command::Play(Feed::Show));
     let sample = |world: &World| {

@@ -12,6 +12,9 @@ pub(crate) struct Trouble {
     pub(crate) jitter_us: u64,
 }
 
+/// One frame in ten is lost, one in twenty comes twice, one in twenty is damaged, and they pass each other.
+pub(crate) const BAD: Trouble = Trouble { lost: 100, twice: 50, flipped: 50, jitter_us: 10_000 };
+
 /// One direction.
 #[derive(Debug, Default)]
 pub(crate) struct Line {

@@ -31,7 +31,7 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
         // One command after the other, each as soon as it can be.
         let next = match (asked, world.state()) {
             // Limp it falls: it is armed when it has come to rest.
-            (0, Some(State::Limp)) if world.now_us() > begin_us + 2_000_000 => Some(Command::Arm),
+            (0, Some(State::Limp)) if world.now_us() > begin_us + 4_000_000 => Some(Command::Arm),
             (1, Some(State::Holding)) => Some(Command::Play(Feed::Live)),
             _ => None,
         };

@@ -14,6 +14,8 @@ mod stand;
 #[path = "../controller/swing.rs"]
 mod swing;
 
+mod corpus;
+mod decoders;
 mod emulated;
 mod first_fault;
 mod full_line;
@@ -28,6 +30,7 @@ mod mismatch;
 mod people;
 mod power_cut;
 mod registers;
+mod settings;
 mod shows;
 mod silence;
 mod stored;

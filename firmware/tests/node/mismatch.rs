@@ -1,14 +1,13 @@
 //! Rig, settings and show that do not belong together, or are bad: nothing moves.
 
-use sinew_firmware::node::NodeSettings;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
     Applied, Command, Item, Kind as ItemKind, Outcome, Place, Refusal, Value,
 };
 
 use crate::line::Trouble;
-use crate::stand::{Kind, setup};
-use crate::stored::{item, rig, show};
+use crate::stand::Kind;
+use crate::stored::{item, rig, settings, show};
 use crate::world::World;
 
 const KIND: Kind = Kind::Current;
@@ -32,7 +31,7 @@ fn a_show_of_another_rig_is_refused() {
 #[test]
 fn settings_of_the_rig_before_refuse_motion() {
     let mut world = ready();
-    let settings = NodeSettings::new(setup(KIND).settings).bytes();
+    let settings = settings(KIND).bytes();
     let of_old = item(ItemKind::Settings, &settings, rig(KIND).1);
     world.upload(&of_old, &settings);
     world.connect();
@@ -105,7 +104,7 @@ fn older_settings_do_not_count_where_newer_ones_are_damaged() {
         assert_eq!(world.ask(one), Outcome::Refused(Refusal::NeedsUpload(13)));
     }
     // The older ones, bit for bit, with their descriptor.
-    let settings = NodeSettings::new(setup(KIND).settings).with(6, 8.0).unwrap().bytes();
+    let settings = settings(KIND).with(6, 8.0).unwrap().bytes();
     let mut same = item(ItemKind::Settings, &settings, rig(KIND).1);
     same.approver = "host, one setting".try_into().unwrap();
     assert_eq!(world.ask(Command::AskStored(Place::Settings)), stored(&same));

@@ -15,7 +15,7 @@ const KIND: Kind = Kind::Current;
 fn holding() -> World {
     let mut world = World::ready(KIND, Trouble::default(), 13, &show(KIND, 20, true));
     world.run(2.0);
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world
 }

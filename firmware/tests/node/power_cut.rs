@@ -1,6 +1,5 @@
 //! Power fails at every step of flash, with the whole node over it: old or new, never neither.
 
-use sinew_firmware::node::NodeSettings;
 use sinew_link::message::{Applied, Command, FaultReport, Kind as ItemKind, Outcome, Place, Value};
 
 use sinew_storage::Kind as Stored;
@@ -8,8 +7,8 @@ use sinew_storage::Kind as Stored;
 use crate::flash::MockFlash;
 use crate::hardware::TABLE;
 use crate::line::Trouble;
-use crate::stand::{Kind, setup};
-use crate::stored::{item, rig, show};
+use crate::stand::Kind;
+use crate::stored::{item, rig, settings, show};
 use crate::world::World;
 
 const KIND: Kind = Kind::Current;
@@ -74,7 +73,7 @@ fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
             again(&mut world);
             if is_damaged(&mut world) {
                 // A setting alone does not mend settings.
-                let settings = NodeSettings::new(setup(KIND).settings).bytes();
+                let settings = settings(KIND).bytes();
                 world.upload(&item(ItemKind::Settings, &settings, rig(KIND).1), &settings);
             }
             assert!(!is_damaged(&mut world), "cut at {cut}");

@@ -27,7 +27,7 @@ fn the_host_hears_which_register_keeps_a_rig_from_being_armed() {
         world.bench.servos_mut()[4].set(address, expected);
         world.run(1.5);
         let arming = Outcome::Applied(Applied::State(message::State::Arming));
-        assert_eq!(world.ask(Command::Arm), arming, "{kind:?}");
+        assert_eq!(world.arm(), arming, "{kind:?}");
         world.until(State::Holding, 3.0);
         assert_eq!(world.servos_on(), SERVOS);
     }

@@ -49,7 +49,7 @@ fn a_show_stays_while_the_loop_may_read_it() {
 fn a_show_that_plays_is_not_deleted_and_plays_on() {
     let mut world = ready();
     world.run(2.0);
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world.ask(Command::Play(Feed::Show));
     world.run(1.0);

@@ -13,7 +13,7 @@ fn silence(world: &mut World) -> [f64; 3] {
     world.until(State::Limp, 3.0);
     // Let go at its home, the arm falls: it is armed when it hangs.
     world.run(1.0);
-    world.ask(Command::Arm);
+    world.arm();
     world.until(State::Holding, 3.0);
     world.ask(Command::Play(Feed::Show));
     world.run(3.0);

@@ -1,10 +1,10 @@
 //! What a host uploads: the arm's rig, a show, and what they are.
 
-use sinew_firmware::node::{SETTINGS_SCHEMA, SHOW_SCHEMA};
+use sinew_firmware::node::{NodeSettings, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Item, Kind as ItemKind};
 use sinew_storage::Hash;
 
-use crate::stand::{Kind, figure};
+use crate::stand::{Kind, figure, setup};
 use crate::swing::swing;
 
 /// Bytes of the arm's rig, and their CRC.
@@ -14,6 +14,12 @@ pub(crate) fn rig(kind: Kind) -> (Vec<u8>, u32) {
     bytes.truncate(len);
     let crc = u32::from_le_bytes(*bytes.last_chunk().unwrap());
     (bytes, crc)
+}
+
+/// The board's settings.
+pub(crate) fn settings(kind: Kind) -> NodeSettings {
+    let parts = setup(kind);
+    NodeSettings::new(parts.settings, parts.schedule)
 }
 
 /// A show of that rig.

@@ -6,7 +6,7 @@ use sinew_emulated::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{FaultSet, State};
-use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome};
+use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 
@@ -51,7 +51,7 @@ pub(crate) struct World {
 
 fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
     let parts = setup(kind);
-    let defaults = NodeSettings::new(parts.settings.clone());
+    let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let mut room = vec![0; RIG_ROOM];
     let found =
         start::<_, 8, 8, 8>(chip.clone(), TABLE, &defaults, FaultSet::EMPTY, &mut room).ok()?;
@@ -76,7 +76,11 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
 
 impl World {
     pub(crate) fn new(kind: Kind, trouble: Trouble, seed: u64) -> Self {
-        let chip = Chip::new();
+        Self::with(kind, Chip::new(), trouble, seed)
+    }
+
+    /// With this flash.
+    pub(crate) fn with(kind: Kind, chip: Chip, trouble: Trouble, seed: u64) -> Self {
         let board = boot(kind, &chip, first_session(1)).unwrap();
         Self {
             kind,
@@ -256,6 +260,18 @@ impl World {
             }
             outcome = Some(said);
         }
+    }
+
+    /// Arms, as soon as the rig rests.
+    pub(crate) fn arm(&mut self) -> Outcome {
+        for _ in 0..300 {
+            let outcome = self.ask(Command::Arm);
+            if !matches!(outcome, Outcome::Refused(Refusal::Moving { .. })) {
+                return outcome;
+            }
+            self.run(0.1);
+        }
+        panic!("it does not come to rest");
     }
 
     pub(crate) fn servos_on(&self) -> usize {

@@ -123,8 +123,9 @@ fn broken(
                 || (to.mode.state == State::Arming
                     && event.measured
                     && event.registers == Registers::Same
-                    && event.stop_tested),
-            "arming is from valid measurements, of servos set up as the rig asks, with a tested stop",
+                    && event.stop_tested
+                    && event.moving.is_none()),
+            "arming is from rest, measured, of servos set up as the rig asks, with a tested stop",
         ),
         (
             !is_armed_now || !from.is_blamed && worst == Reaction::Note,

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use sinew_firmware::supervisor::{
-    Command, Event, Fault, FaultSet, Feed, Feeds, Operator, Registers, TABLE,
+    Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Registers, TABLE,
 };
 
 /// Faults that the supervisor knows by name: they stand for their kind.
@@ -25,9 +25,6 @@ pub(crate) fn kinds() -> Vec<Fault> {
     kinds
 }
 
-/// Whatever can be uploaded.
-const UPLOADED: FaultSet = FaultSet::OF_SHOW.union(FaultSet::OF_SETTINGS);
-
 /// All events.
 pub(crate) struct Events {
     commands: Vec<Option<Command>>,
@@ -45,13 +42,17 @@ impl Events {
         for present in sets {
             for bits in 0_u32..1 << 10 {
                 let is = |bit: u32| bits >> bit & 1 == 1;
+                // What arming asks for is all there, or one of it is missing.
+                let missing = [bits >> 2 & 1, bits >> 9 & 1];
+                let moving = Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 };
                 situations.push(Event {
                     command: None,
                     present,
-                    uploaded: if is(0) { UPLOADED } else { FaultSet::EMPTY },
+                    uploaded: if is(0) { FaultSet::OF_SHOW } else { FaultSet::EMPTY },
                     measured: is(1),
-                    registers: if is(9) { Registers::Same } else { Registers::Unread },
-                    stop_tested: is(2),
+                    registers: if missing == [1, 0] { Registers::Unread } else { Registers::Same },
+                    stop_tested: missing != [0, 1],
+                    moving: (missing == [1, 1]).then_some(moving),
                     feeds: Feeds { show: is(3), live: is(4), jog: is(5) },
                     enabled: is(6),
                     arrived: is(7),

@@ -167,7 +167,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         if let Some(recorder) = &mut recorder {
             recorder.note(&stand).with_context(of_record)?;
         }
-        live.show(&stand);
+        live.show(&stand, director.waits_for());
         if ended.is_some() || stop.times() > 1 {
             break ended;
         }

@@ -1,6 +1,6 @@
 //! Which commands a performance gets, and when it is over.
 
-use sinew_firmware::supervisor::{Command, FaultSet, Feed, Refused, State};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, Moving, Refused, State};
 use sinew_servo_sim::load::Plant;
 
 use super::stand::Stand;
@@ -36,11 +36,15 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
+    /// What it waits for before it arms.
+    waits_for: Option<Moving>,
 }
 
 impl Default for Director {
     fn default() -> Self {
-        Self { phase: Phase::PowerOn, raised: FaultSet::EMPTY, refused: None, is_stopped: false }
+        let (refused, waits_for) = (None, None);
+        let (phase, raised) = (Phase::PowerOn, FaultSet::EMPTY);
+        Self { phase, raised, refused, is_stopped: false, waits_for }
     }
 }
 
@@ -48,6 +52,11 @@ impl Director {
     /// All faults that came.
     pub fn raised(&self) -> FaultSet {
         self.raised
+    }
+
+    /// The joint that it waits for to rest before it arms the rig.
+    pub fn waits_for(&self) -> Option<Moving> {
+        self.waits_for
     }
 
     /// A tick of a stand. `stop`: somebody wants the rig to stop. Says how it ended, when torque is off for good.
@@ -78,12 +87,14 @@ impl Director {
 
     fn command<P: Plant>(&mut self, stand: &Stand<'_, P>, stop: bool) -> Option<Command> {
         let state = stand.report().state;
+        let is_ready = self.phase == Phase::PowerOn && state == State::Limp && stand.is_known();
+        self.waits_for = stand.report().moving.filter(|_| is_ready);
         if stop && !self.is_stopped {
             (self.is_stopped, self.phase) = (true, Phase::Stopping);
             return Some(Command::Stop);
         }
         match (self.phase, state) {
-            (Phase::PowerOn, State::Limp) if stand.is_known() => Some(Command::Arm),
+            _ if is_ready && self.waits_for.is_none() => Some(Command::Arm),
             // What is missing is in the answer.
             (Phase::PowerOn, State::Limp | State::Off) if stand.time_s() >= READY_S => {
                 Some(Command::Arm)

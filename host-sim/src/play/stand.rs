@@ -142,7 +142,6 @@ impl<'a, P: Plant> Stand<'a, P> {
             heard: true,
             command,
             found: FaultSet::EMPTY,
-            uploaded: false,
             jog: None,
         };
         self.ticks += 1;

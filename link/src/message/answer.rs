@@ -4,6 +4,8 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::finite;
+
 use super::{FaultReport, Feed, Item, Numbered, Operator, State, TelemetrySetting, Value};
 
 /// The answer to the command of the same session and number.
@@ -99,7 +101,7 @@ impl fmt::Display for Limit {
 }
 
 /// Why nothing was done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Refusal {
     /// The session is not the controller's.
     Session,
@@ -173,6 +175,29 @@ pub enum Refusal {
         /// What it must hold.
         expected: i32,
     },
+    /// The rig still moves by itself.
+    Moving {
+        /// The degree of freedom that is farthest beyond what it may.
+        dof: u16,
+        /// How fast it moves, mrad/s or mm/s.
+        mrad_s: u32,
+        /// How fast it may, in the same unit.
+        most_mrad_s: u32,
+    },
+    /// A setting cannot be.
+    Setting {
+        /// Its number.
+        key: u16,
+        /// What it was to be.
+        #[serde(with = "finite")]
+        found: f32,
+        /// The least that it may be.
+        #[serde(with = "finite")]
+        least: f32,
+        /// The most.
+        #[serde(with = "finite")]
+        most: f32,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -224,6 +249,13 @@ impl fmt::Display for Refusal {
                 f,
                 "servo {servo}: its register {address} is {found}, it must be {expected}: `sinew servo apply` sets it"
             ),
+            Self::Moving { dof, mrad_s, most_mrad_s } => write!(
+                f,
+                "the rig is moving: joint {dof} at {mrad_s} mrad/s, at most {most_mrad_s}; wait until it rests"
+            ),
+            Self::Setting { key, found, least, most } => {
+                write!(f, "setting {key} is {found}; it must be a number from {least} to {most}")
+            }
         }
     }
 }

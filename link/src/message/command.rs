@@ -2,7 +2,6 @@
 
 use core::fmt;
 
-use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Block, Item, Place, TelemetrySetting, Value};
@@ -75,8 +74,6 @@ pub enum Command {
     UploadBlock(Block),
     /// The upload is whole: read it back, compare its SHA-256, and use it.
     EndUpload,
-    /// Bytes for servos, while the rig is limp. What they answer comes as [`ServiceReply`].
-    Service(Service),
 }
 
 /// Who gives poses from outside. Each may fall silent, and then the rig holds.
@@ -103,26 +100,3 @@ impl fmt::Display for Feed {
 /// Somebody at a terminal, by a number of the host's choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Operator(pub u8);
-
-/// The most bytes that go to servos, or come back, in one message.
-pub const SERVICE_MAX: usize = 240;
-
-/// Bytes for a bus of servos.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Service {
-    /// Which bus.
-    pub bus: u8,
-    /// How many bytes to wait for.
-    pub reply_len: u8,
-    /// How long to wait for them, ms.
-    pub wait_ms: u16,
-    /// The bytes.
-    pub bytes: Vec<u8, SERVICE_MAX>,
-}
-
-/// What servos answered.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ServiceReply {
-    /// The bytes that came within the time.
-    pub bytes: Vec<u8, SERVICE_MAX>,
-}

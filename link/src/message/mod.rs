@@ -11,7 +11,7 @@ mod stream;
 mod telemetry;
 
 pub use answer::{Answer, Applied, Limit, Outcome, Refusal};
-pub use command::{Command, Feed, Operator, SERVICE_MAX, Service, ServiceReply};
+pub use command::{Command, Feed, Operator};
 pub use fault::{FaultRecord, FaultReport};
 pub use greeting::{About, Capacities, Hello, Misfit, Release, Version, Welcome};
 pub use numbered::Numbered;
@@ -49,6 +49,4 @@ pub enum ToHost {
     Telemetry(Telemetry),
     /// A fault, when it occurs.
     Fault(FaultRecord),
-    /// Bytes of servos, of the command [`Command::Service`] of this session and number.
-    Service(Numbered<ServiceReply>),
 }

@@ -60,7 +60,7 @@ fn version(r: &mut Random) -> Version {
 }
 
 /// How many kinds of commands there are.
-pub(crate) const COMMANDS: usize = 22;
+pub(crate) const COMMANDS: usize = 21;
 
 pub(crate) fn command_of_kind(kind: usize, r: &mut Random) -> Command {
     match kind {
@@ -84,13 +84,7 @@ pub(crate) fn command_of_kind(kind: usize, r: &mut Random) -> Command {
         17 => Command::AskStored(place(r)),
         18 => Command::BeginUpload(item(r)),
         19 => Command::UploadBlock(Block { offset: r.bits(), bytes: r.bytes() }),
-        20 => Command::EndUpload,
-        _ => Command::Service(Service {
-            bus: r.bits() as u8,
-            reply_len: r.bits() as u8,
-            wait_ms: r.bits() as u16,
-            bytes: r.bytes(),
-        }),
+        _ => Command::EndUpload,
     }
 }
 
@@ -147,7 +141,7 @@ fn limit(r: &mut Random) -> Limit {
 }
 
 fn refusal(r: &mut Random) -> Refusal {
-    match r.below(25) {
+    match r.below(27) {
         0 => Refusal::Session,
         1 => Refusal::Late,
         2 => Refusal::Forgotten,
@@ -172,6 +166,13 @@ fn refusal(r: &mut Random) -> Refusal {
         21 => Refusal::Unsupported,
         22 => Refusal::Busy,
         23 => Refusal::RegistersUnread,
+        24 => Refusal::Moving { dof: r.bits() as u16, mrad_s: r.bits(), most_mrad_s: r.bits() },
+        25 => Refusal::Setting {
+            key: r.bits() as u16,
+            found: r.finite(),
+            least: r.finite(),
+            most: r.finite(),
+        },
         _ => Refusal::RegisterDiffers {
             servo: r.bits() as u16,
             address: r.bits() as u16,
@@ -265,7 +266,7 @@ fn about(r: &mut Random) -> About {
 }
 
 pub(crate) fn to_host(r: &mut Random) -> ToHost {
-    match r.below(5) {
+    match r.below(4) {
         0 => {
             let verdict = match r.below(3) {
                 0 => Ok(r.bits() as u8),
@@ -283,10 +284,6 @@ pub(crate) fn to_host(r: &mut Random) -> ToHost {
             let (seq, tick) = (r.bits() as u16, r.bits());
             ToHost::Telemetry(Telemetry { seq, tick, part: part(r) })
         }
-        3 => ToHost::Fault(fault(r)),
-        _ => {
-            let reply = ServiceReply { bytes: r.bytes() };
-            ToHost::Service(numbered(r, reply))
-        }
+        _ => ToHost::Fault(fault(r)),
     }
 }

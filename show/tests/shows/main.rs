@@ -4,4 +4,5 @@ mod attack;
 mod blend;
 mod examples;
 mod round_trip;
+mod run_in;
 mod second_reader;

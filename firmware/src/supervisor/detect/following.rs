@@ -36,8 +36,8 @@ impl Following {
     /// [`SettingError`] names the setting.
     pub fn new(settings: FollowingSettings, dt_s: f32) -> Result<Self, SettingError> {
         check_dt(dt_s)?;
-        SettingError::check("most_rad", settings.most_rad, [1e-3, 10.0])?;
-        SettingError::check("time_s", settings.time_s, [0.0, 10.0])?;
+        SettingError::check("following_most_rad", settings.most_rad, [1e-3, 10.0])?;
+        SettingError::check("following_time_s", settings.time_s, [0.0, 10.0])?;
         Ok(Self { settings, dt_s, ticks: 0 })
     }
 
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn settings_that_cannot_be_are_refused() {
         let most = |most_rad| FollowingSettings { most_rad, ..FollowingSettings::default() };
-        assert_eq!(Following::new(most(f32::NAN), 0.01).unwrap_err().what, "most_rad");
+        assert_eq!(Following::new(most(f32::NAN), 0.01).unwrap_err().what, "following_most_rad");
         assert_eq!(Following::new(most(0.2), f32::NAN).unwrap_err().what, "dt_s");
     }
 }

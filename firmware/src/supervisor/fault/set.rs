@@ -11,9 +11,6 @@ impl FaultSet {
     /// No fault.
     pub const EMPTY: Self = Self(0);
 
-    /// What good settings, or a good rig, mend.
-    pub const OF_SETTINGS: Self = Self::of(Fault::SettingsBad);
-
     /// What a good show mends.
     pub const OF_SHOW: Self = Self::of(Fault::ShowBad).with(Fault::ShowForeign);
 

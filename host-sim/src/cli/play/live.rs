@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew_firmware::supervisor::State;
+use sinew_firmware::supervisor::{Moving, State};
 use sinew_servo_sim::load::Plant;
 use sinew_show::Show;
 use sinew_sim::command::note;
@@ -18,6 +18,7 @@ const EVERY: Duration = Duration::from_millis(100);
 pub(super) struct Live {
     bar: ProgressBar,
     state: Option<State>,
+    has_waited: bool,
     shown: Instant,
     show_s: f64,
     is_loop: bool,
@@ -30,16 +31,26 @@ impl Live {
         let style = ProgressStyle::with_template("{msg}").expect("the template is sound");
         let bar = ProgressBar::new_spinner().with_style(style);
         let (show_s, is_loop) = (f64::from(show.duration_s()), show.is_loop());
-        Self { bar, state: None, shown: Instant::now(), show_s, is_loop, ran: 0 }
+        Self { bar, state: None, has_waited: false, shown: Instant::now(), show_s, is_loop, ran: 0 }
     }
 
-    /// After a tick.
-    pub(super) fn show<P: Plant>(&mut self, stand: &Stand<'_, P>) {
+    /// After a tick. `waits_for`: what moves before the rig is armed.
+    pub(super) fn show<P: Plant>(&mut self, stand: &Stand<'_, P>, waits_for: Option<Moving>) {
         let report = stand.report();
         self.ran += u64::from(stand.permission().runs);
         if self.state != Some(report.state) {
             self.state = Some(report.state);
             self.tell(format_args!("{:7.2} s  {}", stand.time_s(), report.state));
+        }
+        if let Some(moving) = waits_for
+            && !std::mem::replace(&mut self.has_waited, true)
+        {
+            let [now, most] = moving.rad_s();
+            self.tell(format_args!(
+                "{:7.2} s  waits until the rig rests: {} at {now:.2} rad/s, at most {most:.2}",
+                stand.time_s(),
+                stand.parts.names[usize::from(moving.freedom)],
+            ));
         }
         for fault in report.raised.iter() {
             self.tell(format_args!("{:7.2} s  {fault}", stand.time_s()));

@@ -1,0 +1,43 @@
+//! A target for what a host may write, and one for all that it may say, in every state.
+
+#![allow(dead_code, unused_imports, reason = "tests of the node use the rest")]
+
+#[path = "../../tests/node/decoders.rs"]
+mod decoders;
+#[path = "../../tests/node/emulated.rs"]
+mod emulated;
+#[path = "../../../storage/tests/common/flash.rs"]
+mod flash;
+#[path = "../../tests/node/hardware.rs"]
+mod hardware;
+#[path = "../../tests/node/host.rs"]
+mod host;
+#[path = "../../tests/node/hostile.rs"]
+mod hostile;
+#[path = "../../tests/node/ideal.rs"]
+mod ideal;
+#[path = "../../tests/node/line.rs"]
+mod line;
+#[path = "../../tests/controller/stand.rs"]
+mod stand;
+#[path = "../../tests/node/stored.rs"]
+mod stored;
+#[path = "../../tests/controller/swing.rs"]
+mod swing;
+#[path = "../../tests/node/world.rs"]
+mod world;
+
+#[test]
+fn settings() {
+    bolero::check!().for_each(|bytes: &[u8]| {
+        decoders::settings(bytes);
+    });
+}
+
+/// A run takes seconds of the rig's time: give it minutes.
+#[test]
+fn node() {
+    bolero::check!().for_each(|bytes: &[u8]| {
+        decoders::node(bytes);
+    });
+}
