@@ -6,8 +6,9 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use heapless::Vec;
-use sinew_firmware::controller::{Complete, Wire};
+use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Port, Safety, Shared};
+use sinew_firmware::watchdog::Complete;
 
 use crate::message::{Bytes, End, ToHost, ToNode};
 use crate::node::LINE_IN_STEP;

@@ -7,6 +7,7 @@
 //! - [`supervisor`]: may anything move, how fast, and what happens on a fault;
 //! - [`controller`]: the loop that joins all of it, one tick a call;
 //! - [`node`]: the whole of a board: the loop above, link and storage below it;
+//! - [`watchdog`]: the hardware watchdog, which a whole tick alone feeds;
 //! - [`indicator`]: the status light.
 //!
 //! # Features
@@ -29,5 +30,6 @@ pub mod node;
 mod setting;
 pub mod show;
 pub mod supervisor;
+pub mod watchdog;
 
 pub use setting::SettingError;

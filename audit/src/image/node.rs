@@ -5,10 +5,11 @@ use core::hint::black_box;
 use core::ops::Range;
 
 use sinew_bus::{Schedule, pca9685};
-use sinew_firmware::controller::{Complete, Controller, ControllerSettings, ServoSetup};
+use sinew_firmware::controller::{Controller, ControllerSettings, ServoSetup};
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, causes, start,
 };
+use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{ToHost, Welcome};
 use sinew_storage::BoardTable;
 
@@ -30,7 +31,10 @@ impl Safety for Board {
         black_box(on);
     }
     fn feed(&mut self, tick: Complete) {
-        black_box(&tick);
+        Watchdog::new(|| {
+            black_box(1);
+        })
+        .feed(tick);
     }
 }
 

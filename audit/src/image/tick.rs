@@ -9,6 +9,7 @@ use sinew_core::{Transform, Workspace, Wrench};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::indicator;
 use sinew_firmware::show::Show;
+use sinew_firmware::watchdog::Complete;
 use sinew_parity::replay::{Replay, TorqueHash};
 use sinew_parity::run;
 
@@ -106,6 +107,7 @@ pub(crate) fn replay() {
     let mut hash = TorqueHash::default();
     if let Ok(tick) = replay.step(black_box(1)) {
         hash.update(tick.torques());
+        black_box(&Complete::from(tick));
     }
     black_box(hash.value());
 }

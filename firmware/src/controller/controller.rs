@@ -23,6 +23,7 @@ use crate::supervisor::{
     Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Registers,
     Source, State, Supervisor,
 };
+use crate::watchdog::Complete;
 
 /// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
 const SWITCH: (u32, u32) = (14, 2);
@@ -48,11 +49,6 @@ pub struct Inputs {
 pub struct Begun {
     result: Result<(), Incomplete>,
 }
-
-/// A tick was whole and valid: what feeds the watchdog. Nothing else makes one.
-#[derive(Debug)]
-#[must_use = "it feeds the watchdog"]
-pub struct Complete(());
 
 /// The loop of a rig of at most `B` bodies, `V` freedoms, `S` servos and `C` coordinates. All memory is in here: put it
 /// in a static.
@@ -269,7 +265,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         if self.permission.torque || result.is_ok() {
             self.stop_test.sent(!self.permission.torque);
         }
-        result.map(|()| Complete(()))
+        result.map(|()| Complete::new())
     }
 
     /// What became of the last tick.

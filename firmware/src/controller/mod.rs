@@ -13,8 +13,8 @@
 //! 1. [`Controller::begin`] looks at what the servos said in the tick before, decides, and gives commands to the bus.
 //!    A fault that it finds acts here: torque off is in the packets of this very tick.
 //! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
-//! 3. [`Controller::end`] says whether the tick was whole. Only then there is a [`Complete`], and a board feeds its
-//!    watchdog with nothing else.
+//! 3. [`Controller::end`] says whether the tick was whole. Only then there is a [`Complete`](crate::watchdog::Complete),
+//!    and a board feeds its watchdog with nothing else.
 //!
 //! As long as torque is not permitted, torque off goes out to all servos in every tick: one lost packet changes
 //! nothing. Torque on goes out in every tick of arming, behind a first goal where the servo was measured.
@@ -59,7 +59,7 @@ mod stop_test;
 mod watch;
 mod wire;
 
-pub use controller::{Begun, Complete, Controller, Inputs};
+pub use controller::{Begun, Controller, Inputs};
 pub use error::{ControllerError, Incomplete};
 pub use feed::{Jog, LiveSource, open_show};
 pub use report::{Following, FreedomReport, Report, ServoReport};

@@ -3,8 +3,8 @@
 
 use core::ops::Range;
 
-use crate::controller::Complete;
 use crate::supervisor::FaultSet;
+use crate::watchdog::Complete;
 
 /// The board as the loop sees it. All methods come back at once.
 pub trait Safety {
@@ -19,7 +19,7 @@ pub trait Safety {
     /// processor does not drive it.
     fn enable_outputs(&mut self, on: bool);
 
-    /// Feeds the hardware watchdog. Nothing else may feed it, and it is started before the first tick.
+    /// Feeds the hardware watchdog, a [`Watchdog`](crate::watchdog::Watchdog) that is started before the first tick.
     fn feed(&mut self, tick: Complete);
 
     /// Bytes of the stack that were never used; 0 if that is not known.

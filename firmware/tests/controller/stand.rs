@@ -12,9 +12,10 @@ use sinew_bus::{
 use sinew_emulated::arm;
 pub(crate) use sinew_emulated::arm::{Kind, Parts, SERVOS, parts as setup};
 use sinew_firmware::controller::{
-    Complete, Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
+    Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
 };
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
+use sinew_firmware::watchdog::Complete;
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
 use sinew_servo_sim::bench::Bench;

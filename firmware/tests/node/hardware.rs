@@ -7,8 +7,9 @@ use std::rc::Rc;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use sinew_emulated::node::LINE_IN_STEP;
 pub(crate) use sinew_emulated::node::TABLE;
-use sinew_firmware::controller::{Complete, Wire};
+use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Mail, Port, Safety, Shared};
+use sinew_firmware::watchdog::Complete;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 

@@ -2,8 +2,8 @@
 //!
 //! Two executors: the tick runs in an interrupt of high priority and pre-empts everything else, woken by the
 //! hardware timer behind `embassy-time` (TIM5); the light (LD2 on PA5, TIM2 channel 1) runs in thread mode.
-//! The independent watchdog is fed by a completed, valid tick alone: without one the board resets within
-//! [`WATCHDOG_US`].
+//! The independent watchdog is fed by a completed, valid tick alone ([`Watchdog`] takes nothing else): without one the
+//! board resets within [`WATCHDOG_US`].
 //!
 //! Not there yet: servos. Until a bus is driven, the measured joints are those of the stand-in
 //! ([`sinew_parity::replay`]), and the torques go nowhere but the log.
@@ -28,6 +28,7 @@ use panic_probe as _;
 use sinew_core::tracker::MethodName;
 use sinew_firmware::indicator;
 use sinew_firmware::show::Show;
+use sinew_firmware::watchdog::Watchdog;
 use sinew_parity::replay::Replay;
 use static_cell::StaticCell;
 
@@ -71,33 +72,38 @@ async fn main(spawner: Spawner) {
 async fn run_control(
     replay: &'static mut Replay<'static, CAPACITY>,
     show: Show<'static>,
-    watchdog: Peri<'static, IWDG>,
+    iwdg: Peri<'static, IWDG>,
 ) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive step")]
     let period_us = (show.dt_s() * 1e6) as u64;
     let mut ticker = Ticker::every(Duration::from_micros(period_us));
-    let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
-    watchdog.unleash();
+    let mut watchdog = unleash(iwdg);
     let mut tick = 0u32;
     loop {
         ticker.next().await;
         let start = Instant::now();
         match replay.step(tick) {
             Ok(asked) => {
-                // Only a tick that has torques: whoever has none for long is reset.
-                watchdog.pet();
                 let limited =
                     asked.torques().iter().filter(|torque| torque.reason.is_some()).count();
                 if tick.is_multiple_of(100) {
                     let took_us = start.elapsed().as_micros();
                     defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
                 }
+                watchdog.feed(asked.into());
             }
             Err(error) => defmt::error!("tick {}: no torques: {}", tick, error),
         }
         // To the show's end and no further: its last frame is held. Starting over would be a jump.
         tick = tick.saturating_add(1);
     }
+}
+
+/// The watchdog, running: from here on the board must have a tick within [`WATCHDOG_US`], again and again.
+fn unleash(iwdg: Peri<'static, IWDG>) -> Watchdog<impl FnMut()> {
+    let mut iwdg = IndependentWatchdog::new(iwdg, WATCHDOG_US);
+    iwdg.unleash();
+    Watchdog::new(move || iwdg.pet())
 }
 
 #[embassy_executor::task]
