@@ -5,7 +5,7 @@ use std::fs;
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
-use crate::step;
+use crate::{setup, step};
 
 /// Folders of the crates that are published. A crate comes after those that it needs.
 const FOLDERS: [&str; 3] = ["fpu", "core", "mocap"];
@@ -34,28 +34,22 @@ pub(crate) fn run() -> Result<()> {
     }
     step::run("packages for crates.io", &mut pack)?;
 
-    let toolchains = step::output(step::command("rustup").args(["toolchain", "list"]));
-    let toolchains = toolchains.unwrap_or_default();
     let in_use = step::output(step::command("rustc").arg("--version")).unwrap_or_default();
     for Package { name, rust_version } in &packages {
         // Clippy and the tests have built it with that.
         if in_use.starts_with(&format!("rustc {rust_version}.")) {
             continue;
         }
-        let installed = toolchains.lines().find(|line| {
-            line.starts_with(&format!("{rust_version}."))
-                || line.starts_with(&format!("{rust_version}-"))
-        });
-        let Some(toolchain) = installed.and_then(|line| line.split_whitespace().next()) else {
+        if !setup::rust(rust_version) {
             eprintln!(
-                "\n{name} is not built with Rust {rust_version}: `rustup toolchain install {rust_version}` first."
+                "\n{name} is NOT checked with Rust {rust_version}, the oldest that it names: rustup cannot bring that"
             );
             continue;
-        };
+        }
         step::run(
             &format!("{name} with Rust {rust_version}, the oldest that it names"),
             step::command("rustup")
-                .args(["run", toolchain, "cargo", "check", "--locked", "--all-features"])
+                .args(["run", rust_version, "cargo", "check", "--locked", "--all-features"])
                 // A folder of its own, or the other compiler would build everything anew.
                 .args(["--package", name, "--target-dir", "target/oldest"])
                 .env_remove("RUSTC"),

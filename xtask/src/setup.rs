@@ -42,6 +42,18 @@ pub(crate) fn python() -> Result<()> {
     need("Python with venv", found, || apt_install(&["python3-venv"]))
 }
 
+/// Another version of Rust, beside the one that runs this: whether it is there, or could be installed.
+pub(crate) fn rust(version: &str) -> bool {
+    let rustup = |arguments: &[&str]| {
+        let mut command = step::command("rustup");
+        command.args(arguments);
+        command
+    };
+    let found = || step::output(&mut rustup(&["run", version, "cargo", "--version"])).is_some();
+    let install = ["toolchain", "install", "--profile", "minimal", "--no-self-update", version];
+    found() || (succeeds(&mut rustup(&install)) && found())
+}
+
 /// The browser that reads the report in tests.
 pub(crate) fn chromium() -> Option<String> {
     let chosen = std::env::var("SINEW_CHROMIUM").ok();
