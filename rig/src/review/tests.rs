@@ -104,6 +104,32 @@ fn a_review_says_what_is_too_heavy() {
     assert!((lower.resolution_mm.unwrap() - 0.45).abs() < 1e-9);
 }
 
+/// A servo of 72 g: 25 mm from its centre, if its inertia counts g mm². A hint is for numbers that it explains.
+#[test]
+fn units_are_doubted_where_others_explain_the_number() {
+    let review_of = |mass_kg: f64, moment: f64| {
+        let mut arm = arm();
+        arm.bodies[2].mass_kg = mass_kg;
+        arm.bodies[2].inertia_kg_m2 = DMat3::from_diagonal(DVec3::splat(moment));
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let servos = Servos {
+            by_freedom: vec![None, None],
+            stall_current_a: 0.0,
+            supply_a: None,
+            voltages: Vec::new(),
+        };
+        let findings = Review::of(&arm, &servos, control).unwrap().findings;
+        let about = |finding: &&Finding| finding.text.contains("more than the whole rig's");
+        findings.iter().find(about).map(|finding| finding.text.contains("g mm²"))
+    };
+    assert_eq!(review_of(0.072, 0.072 * 25.0_f64.powi(2) / 1.5 * 1e3), Some(true));
+    // Placeholders: of mass, of inertia, of both.
+    for (mass_kg, moment) in [(1e-9, 1e-3), (1e-3, 1e-2), (0.5, 1.0), (1.0, 1.0), (1e-5, 1.0)] {
+        assert_eq!(review_of(mass_kg, moment), Some(false), "{mass_kg} kg, {moment} kg m²");
+    }
+    assert_eq!(review_of(1.0, 1e-3), None);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

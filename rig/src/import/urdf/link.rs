@@ -93,7 +93,10 @@ fn mass_properties(
             Ok(mass.balanced())
         }
         Some(fault) => {
-            let found = format!("{fault}: {mass_kg} kg, moments {xx:e}, {yy:e}, {zz:e} kg m²");
+            // All six as the file has them: where principal moments are at fault, the diagonal alone may look right.
+            let found = format!(
+                "{fault}: {mass_kg} kg; ixx {xx:e}, iyy {yy:e}, izz {zz:e}, ixy {xy:e}, ixz {xz:e}, iyz {yz:e} kg m²"
+            );
             let expected = "inertia that a body can have; or the option repair-inertia";
             Err(xml::refuse(inertia, expected, found))
         }
