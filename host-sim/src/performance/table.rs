@@ -86,11 +86,8 @@ pub fn feasibility(
     if told == 0 {
         line(format_args!("No limit is exceeded in {:.2} s.", report.duration_s));
     }
-    if let Some(unknown) = words::unknown(mechanism, report) {
-        line(format_args!(
-            "Without a limit, of {} degrees of freedom: {unknown}.",
-            limits.freedoms.len()
-        ));
+    if let Some(unknown) = words::unknown(mechanism, limits, report) {
+        line(format_args!("{unknown}"));
     }
     line(format_args!("Not looked at: collisions, balance, cables."));
     out
@@ -104,15 +101,16 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     let slides =
         |joint: &str| limits.freedoms.iter().any(|freedom| freedom.slides && freedom.name == joint);
     for (joint, change) in &fit.clamped {
-        let change = words::change(slides(joint), *change);
+        let Some(change) = words::visible_change(slides(joint), *change) else { continue };
         line(format_args!("brought back into its range: {joint}, by up to {change}"));
     }
     for smoothed in &fit.smoothed {
+        let change = words::visible_change(slides(&smoothed.joint), smoothed.change);
+        let Some(change) = change else { continue };
         line(format_args!(
-            "smoothed: {}, over {:.0} ms, changed by up to {}",
+            "smoothed: {}, over {:.0} ms, changed by up to {change}",
             smoothed.joint,
-            1000.0 * smoothed.width_s,
-            words::change(slides(&smoothed.joint), smoothed.change)
+            1000.0 * smoothed.width_s
         ));
     }
     for lowered in &fit.lowered {
@@ -138,7 +136,12 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
         ));
     }
     if out.is_empty() {
-        out.push_str("nothing had to be changed\n");
+        let is_as_given = fit.smoothed.is_empty() && fit.clamped.is_empty();
+        out.push_str(if is_as_given {
+            "nothing had to be changed\n"
+        } else {
+            "changed by less than 0.001° and 0.001 mm\n"
+        });
     }
     out
 }

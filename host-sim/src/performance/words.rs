@@ -1,6 +1,6 @@
 //! Numbers and units as people read them: angles in deg, ways in mm.
 
-use sinew_retarget::feasibility::{Excess, Kind, Report};
+use sinew_retarget::feasibility::{Excess, Kind, Limits, Report};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{Freedom, Link};
 
@@ -15,12 +15,17 @@ pub(crate) fn change(slides: bool, change: f64) -> String {
     format!("{}{unit}", number(in_unit(slides, change)))
 }
 
+/// The same of a change that is large enough to be shown.
+pub(crate) fn visible_change(slides: bool, size: f64) -> Option<String> {
+    (number(in_unit(slides, size)) != "0").then(|| change(slides, size))
+}
+
 fn in_unit(slides: bool, position: f64) -> f64 {
     if slides { 1000.0 * position } else { position.to_degrees() }
 }
 
-/// How many degrees of freedom have no limit, of what is looked at; `None` if all have.
-pub(crate) fn unknown(mechanism: &Mechanism, report: &Report) -> Option<String> {
+/// How many degrees of freedom have no limit, of what is looked at, as a sentence; `None` if all have.
+pub(crate) fn unknown(mechanism: &Mechanism, limits: &Limits, report: &Report) -> Option<String> {
     let moved = |link: &&Link| !matches!(link.joint, Freedom::Fixed | Freedom::Free);
     let count = |is_free: &dyn Fn(&Link) -> bool| -> usize {
         let links = mechanism.bodies.iter().filter(moved).filter(|link| is_free(link));
@@ -38,7 +43,8 @@ pub(crate) fn unknown(mechanism: &Mechanism, report: &Report) -> Option<String> 
         .filter(|(_, count)| *count > 0)
         .map(|(what, count)| format!("{count} of {what}"))
         .collect();
-    (!told.is_empty()).then(|| told.join(", "))
+    let (all, told) = (limits.freedoms.len(), told.join(", "));
+    (!told.is_empty()).then(|| format!("Without a limit, of {all} degrees of freedom: {told}."))
 }
 
 /// A number with three digits or so.
@@ -88,6 +94,14 @@ mod tests {
     fn numbers_have_three_digits_and_no_zero_below_zero() {
         let shown: Vec<_> = [-0.0001, 0.0123, -1.5, 12.34, 123.4].map(number).into();
         assert_eq!(shown, ["0", "0.012", "−1.50", "12.3", "123"]);
+    }
+
+    #[test]
+    fn a_change_is_told_from_the_last_digit_shown_on() {
+        let shown = |change_deg: f64| visible_change(false, change_deg.to_radians());
+        assert_eq!([shown(0.0), shown(0.0004)], [None, None]);
+        assert_eq!(shown(0.0006).as_deref(), Some("0.001°"));
+        assert_eq!(visible_change(true, 1e-3).as_deref(), Some("1.00 mm"));
     }
 
     #[test]

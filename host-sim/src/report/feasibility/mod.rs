@@ -13,6 +13,7 @@ use sinew_rig::Mechanism;
 
 use super::head::head;
 use super::palette;
+use crate::performance::words;
 use data::{Drawn, DrawnFreedom, Json};
 
 const SCRIPT: &str = concat!(
@@ -77,6 +78,9 @@ impl<P: Performance> Page<'_, P> {
                             section aria-labelledby="excesses-title" {
                                 h2 id="excesses-title" { "Where limits are exceeded" }
                                 (table::excesses(drawn))
+                                @if let Some(unknown) = words::unknown(self.mechanism, self.limits, self.report) {
+                                    p class="small" { (unknown) }
+                                }
                                 p class="small" { "Not looked at: collisions, balance, cables." }
                             }
                             section aria-labelledby="joints-title" {

@@ -228,7 +228,8 @@ impl<'a> Fitting<'a> {
         for (other, (link, lower)) in self.mechanism.bodies.iter().zip(lower).enumerate() {
             let in_chain =
                 self.mechanism.supports(joint, other) || self.mechanism.supports(other, joint);
-            if in_chain && link.joint != Freedom::Free {
+            // A base is no joint that could be drawn anywhere.
+            if in_chain && !matches!(link.joint, Freedom::Free | Freedom::Fixed) {
                 if lower.is_empty() {
                     *lower = vec![1.0; self.rows.len()];
                 }
