@@ -380,7 +380,7 @@ fn a_look_says_how_a_servo_is() {
         assert_eq!((state.position.unit, state.effort.unit), ("deg", unit));
     }
     let (mut client, servo) = one("STS3215-7.4V");
-    client.line_mut().bench.supply = sinew_servo_sim::supply::Supply::stiff(15.0);
+    client.line_mut().bench.supplies[0] = sinew_servo_sim::supply::Supply::stiff(15.0);
     client.line_mut().bench.run_us(100_000);
     assert_eq!(watch::look(&mut client, &servo).unwrap().errors, ["supply out of its limits"]);
 }

@@ -1,22 +1,18 @@
 //! Servos as somebody wants them, on one line for each bus.
 
-#[cfg(unix)]
-use std::{io, sync::atomic::AtomicBool};
-
 use std::sync::Arc;
 
 use sinew_rig::{Description, Mechanism};
 use thiserror::Error;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, Branch};
 use crate::device::{MEMORY_LEN, Servo, ServoError};
 use crate::fault::{Fault, FaultOrder};
 use crate::kind::Kind;
-use crate::line::Line;
+use crate::line::{Line, Wired};
 use crate::load::{Arm, Plant, Shaft};
+use crate::model::Parameters;
 use crate::plant::RigPlant;
-#[cfg(unix)]
-use crate::port::Port;
 use crate::registers::{RegisterServo, Registers};
 use crate::rig::RigServosError;
 use crate::supply::Supply;
@@ -44,7 +40,7 @@ pub struct Wanted {
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
 
-/// What the servos of a bus move.
+/// What the servos of all buses move.
 #[derive(Debug, Clone)]
 pub enum Moved {
     /// Each its own.
@@ -87,16 +83,59 @@ pub struct Setup<'r> {
     pub faults: Vec<FaultOrder>,
     /// The rig that they move together, instead of what each moves by itself: they have the names of its servos.
     pub rig: Option<(&'r Description, &'r Mechanism)>,
-    /// What feeds the servos of a bus, each bus by one of its own. None: a stiff one of the first servo's voltage.
+    /// What feeds all servos, whatever their bus. None: a stiff one for each bus, of its first servo's voltage.
     pub supply: Option<Supply>,
 }
 
-/// All servos of one bus.
-pub enum BusLine<'m> {
+/// All servos of one bus. Those with physics share plant, supply and time with those of the other buses.
+pub enum OnBus<'m> {
     /// With physics.
-    Servos(Line<Bench<'m, Moved>>),
+    Servos(Branch<'m, Moved>),
     /// Without.
-    Registers(Line<Registers<'m>>),
+    Registers(Registers<'m>),
+}
+
+macro_rules! of {
+    ($it:expr, $own:ident => $do:expr) => {
+        match $it {
+            OnBus::Servos($own) => $do,
+            OnBus::Registers($own) => $do,
+        }
+    };
+}
+
+impl Wired for OnBus<'_> {
+    fn now_ns(&self) -> u64 {
+        of!(self, own => own.now_ns())
+    }
+
+    fn run_until(&mut self, ns: u64) {
+        of!(self, own => own.run_until(ns));
+    }
+
+    fn wire_ns(&self, bytes: usize) -> u64 {
+        of!(self, own => own.wire_ns(bytes))
+    }
+
+    fn set_rate(&mut self, baud: u32) {
+        of!(self, own => own.set_rate(baud));
+    }
+
+    fn hear(&mut self, bytes: &[u8], speaker: Option<usize>) {
+        of!(self, own => own.hear(bytes, speaker));
+    }
+
+    fn next_speaker(&self) -> Option<(usize, u32)> {
+        of!(self, own => own.next_speaker())
+    }
+
+    fn speak(&mut self, speaker: usize) -> Option<(Vec<u8>, u32)> {
+        of!(self, own => own.speak(speaker))
+    }
+
+    fn silence(&mut self) {
+        of!(self, own => own.silence());
+    }
 }
 
 /// Why the servos cannot be had.
@@ -172,35 +211,127 @@ pub fn lines<'m>(
     wanted: &[Wanted],
     setup: &Setup<'_>,
     memories: &'m mut [Memory],
-) -> Result<Vec<BusLine<'m>>, FleetError> {
+) -> Result<Vec<Line<OnBus<'m>>>, FleetError> {
     if let Some(servo) = wanted.iter().find(|servo| servo.id > MAX_ID) {
         return Err(FleetError::Id(servo.id));
     }
     let faults = faults(wanted, &setup.faults)?;
     let mut memories: Vec<Option<&'m mut Memory>> = memories.iter_mut().map(Some).collect();
-    let mut lines = Vec::new();
-    for bus in buses(wanted) {
-        let mut own = Vec::new();
-        for (index, (servo, memory)) in wanted.iter().zip(&mut memories).enumerate() {
-            if servo.bus != bus {
-                continue;
-            }
-            if own.iter().any(|(_, other, _): &(usize, &Wanted, _)| other.id == servo.id) {
-                return Err(FleetError::Twice { bus: bus.to_owned(), id: servo.id });
-            }
-            if let Some(memory) = memory.take() {
-                own.push((index, servo, memory));
+    let mut physical = Physical::default();
+    let mut bare = Vec::new();
+    for (bus_index, bus) in buses(wanted).into_iter().enumerate() {
+        let own: Vec<usize> = (0..wanted.len()).filter(|index| wanted[*index].bus == bus).collect();
+        check_ids(bus, own.iter().map(|index| wanted[*index].id))?;
+        let is_bare = |index: &&usize| matches!(wanted[**index].kind, Kind::Registers(_));
+        let bare_count = own.iter().filter(is_bare).count();
+        if bare_count != 0 && bare_count != own.len() {
+            return Err(FleetError::Mixed(bus.to_owned()));
+        }
+        let (first, mut registers) = (physical.servos.len(), Vec::new());
+        for index in &own {
+            let Some(memory) = memories[*index].take() else { continue };
+            let servo = &wanted[*index];
+            match &servo.kind {
+                Kind::Servo(kind) => {
+                    physical.push(servo, (kind, *index, bus_index), setup.baud, memory)?;
+                }
+                Kind::Registers(table) => registers.push(
+                    RegisterServo::new(*table, servo.id, setup.baud, memory)
+                        .map_err(|source| FleetError::Servo { servo: servo.label(), source })?,
+                ),
             }
         }
-        // By place on this bus.
-        let place = |fault: &Fault| own.iter().position(|(index, ..)| *index == fault.servo);
-        let faults = faults
-            .iter()
-            .filter_map(|fault| Some(Fault { servo: place(fault)?, ..*fault }))
-            .collect();
-        lines.push(line(own.into_iter().map(|(_, servo, memory)| (servo, memory)), setup, faults)?);
+        physical.counts.push(physical.servos.len() - first);
+        bare.push((bare_count > 0).then(|| {
+            let mut registers = Registers::new(registers);
+            registers.faults = of_places(&faults, &own);
+            registers
+        }));
     }
-    Ok(lines)
+    let branches = physical.branches(setup, &faults)?;
+    let on_bus = |(branch, bare): (_, Option<Registers<'m>>)| {
+        Line::new(bare.map_or(OnBus::Servos(branch), OnBus::Registers))
+    };
+    Ok(branches.into_iter().zip(bare).map(on_bus).collect())
+}
+
+fn check_ids(bus: &str, ids: impl Iterator<Item = u8>) -> Result<(), FleetError> {
+    let mut seen = Vec::new();
+    for id in ids {
+        if seen.contains(&id) {
+            return Err(FleetError::Twice { bus: bus.to_owned(), id });
+        }
+        seen.push(id);
+    }
+    Ok(())
+}
+
+/// Faults of servos, by their places in a list.
+fn of_places(faults: &[Fault], servos: &[usize]) -> Vec<Fault> {
+    let place = |fault: &Fault| servos.iter().position(|index| *index == fault.servo);
+    faults.iter().filter_map(|fault| Some(Fault { servo: place(fault)?, ..*fault })).collect()
+}
+
+/// Servos with physics, bus after bus.
+#[derive(Default)]
+struct Physical<'m, 'w> {
+    servos: Vec<Servo<'m>>,
+    arms: Vec<Arm>,
+    names: Vec<&'w str>,
+    /// Which of all that are wanted.
+    indices: Vec<usize>,
+    bus_of: Vec<usize>,
+    /// By bus: voltage of its first one, V.
+    voltages: Vec<f64>,
+    /// How many each bus has.
+    counts: Vec<usize>,
+}
+
+impl<'m, 'w> Physical<'m, 'w> {
+    fn push(
+        &mut self,
+        wanted: &'w Wanted,
+        (kind, index, bus): (&Parameters, usize, usize),
+        baud: u32,
+        memory: &'m mut Memory,
+    ) -> Result<(), FleetError> {
+        let failed = |source| FleetError::Servo { servo: wanted.label(), source };
+        let mut servo = Servo::new(kind, wanted.id, memory).map_err(failed)?;
+        servo.set_baud(baud).map_err(failed)?;
+        if let Some(home_rad) = wanted.home_rad {
+            servo.place(home_rad);
+        }
+        self.servos.push(servo);
+        self.arms.push(wanted.load);
+        self.names.push(&wanted.name);
+        self.indices.push(index);
+        // A bus without physics before it has a supply that feeds nothing.
+        self.voltages.resize((bus + 1).max(self.voltages.len()), kind.voltage_v);
+        self.bus_of.push(bus);
+        Ok(())
+    }
+
+    fn branches(
+        self,
+        setup: &Setup<'_>,
+        faults: &[Fault],
+    ) -> Result<Vec<Branch<'m, Moved>>, FleetError> {
+        let moved = match setup.rig {
+            Some((description, mechanism)) => {
+                let plant = RigPlant::new(description, mechanism, &self.names).map_err(Arc::new)?;
+                Moved::Rig(Box::new(plant))
+            }
+            None => Moved::Arms(self.arms),
+        };
+        let mut bench = if let Some(supply) = &setup.supply {
+            Bench::new(self.servos, moved, supply.clone())
+        } else {
+            let stiff = self.voltages.into_iter().map(Supply::stiff).collect();
+            Bench::fed_by_several(self.servos, moved, stiff, |place| self.bus_of[place])
+        };
+        bench.faults = of_places(faults, &self.indices);
+        Ok(Branch::of(bench, &self.counts))
+    }
 }
 
 fn faults(wanted: &[Wanted], orders: &[FaultOrder]) -> Result<Vec<Fault>, FleetError> {
@@ -225,72 +356,6 @@ fn faults(wanted: &[Wanted], orders: &[FaultOrder]) -> Result<Vec<Fault>, FleetE
         }
     }
     Ok(faults)
-}
-
-fn line<'m, 'w>(
-    servos: impl Iterator<Item = (&'w Wanted, &'m mut Memory)>,
-    setup: &Setup<'_>,
-    faults: Vec<Fault>,
-) -> Result<BusLine<'m>, FleetError> {
-    let (mut whole, mut loads, mut registers) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut voltage_v, mut bus, mut names) = (None, "", Vec::new());
-    for (wanted, memory) in servos {
-        bus = &wanted.bus;
-        let failed = |source| FleetError::Servo { servo: wanted.label(), source };
-        match &wanted.kind {
-            Kind::Servo(kind) => {
-                let mut servo = Servo::new(kind, wanted.id, memory).map_err(failed)?;
-                servo.set_baud(setup.baud).map_err(failed)?;
-                if let Some(home_rad) = wanted.home_rad {
-                    servo.place(home_rad);
-                }
-                voltage_v.get_or_insert(kind.voltage_v);
-                whole.push(servo);
-                loads.push(wanted.load);
-                names.push(wanted.name.as_str());
-            }
-            Kind::Registers(table) => {
-                let servo =
-                    RegisterServo::new(*table, wanted.id, setup.baud, memory).map_err(failed)?;
-                registers.push(servo);
-            }
-        }
-    }
-    match voltage_v {
-        Some(_) if !registers.is_empty() => Err(FleetError::Mixed(bus.to_owned())),
-        Some(voltage_v) => {
-            let moved = match setup.rig {
-                Some((description, mechanism)) => {
-                    let plant = RigPlant::new(description, mechanism, &names).map_err(Arc::new)?;
-                    Moved::Rig(Box::new(plant))
-                }
-                None => Moved::Arms(loads),
-            };
-            let supply = setup.supply.clone().unwrap_or_else(|| Supply::stiff(voltage_v));
-            let mut bench = Bench::new(whole, moved, supply);
-            bench.faults = faults;
-            Ok(BusLine::Servos(Line::new(bench)))
-        }
-        None => {
-            let mut registers = Registers::new(registers);
-            registers.faults = faults;
-            Ok(BusLine::Registers(Line::new(registers)))
-        }
-    }
-}
-
-#[cfg(unix)]
-impl BusLine<'_> {
-    /// Lets programs talk to the servos: see [`Port::serve`].
-    ///
-    /// # Errors
-    /// What the system says.
-    pub fn serve(&mut self, port: &Port, stop: &AtomicBool) -> io::Result<()> {
-        match self {
-            Self::Servos(line) => port.serve(line, stop),
-            Self::Registers(line) => port.serve(line, stop),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -324,17 +389,28 @@ mod tests {
         let mut memories = [[0; MEMORY_LEN]; 3];
         let setup = Setup { baud: 1_000_000, faults, ..Setup::default() };
         let lines = lines(&wanted, &setup, &mut memories).unwrap();
-        let faults: Vec<Vec<usize>> = lines
-            .iter()
-            .map(|line| match line {
-                BusLine::Servos(line) => {
-                    line.servos.faults.iter().map(|fault| fault.servo).collect()
-                }
-                BusLine::Registers(_) => panic!("they have physics"),
-            })
-            .collect();
-        // `1` is no name, so both servos of that id are late.
-        assert_eq!(faults, [vec![1, 0], vec![0, 0]]);
+        assert_eq!(lines.len(), 2);
+        let OnBus::Servos(left) = &lines[0].servos else { panic!("they have physics") };
+        let faults: Vec<usize> = left.bench().faults.iter().map(|fault| fault.servo).collect();
+        // Bus after bus: 1, 2, jaw. `1` is no name, so both servos of that id are late.
+        assert_eq!(faults, [2, 1, 0, 2]);
+    }
+
+    #[test]
+    fn a_bus_of_registers_stands_beside_one_with_physics() {
+        let wanted = [
+            wanted("bare", 4, "", "scs0009"),
+            wanted("bare", 5, "", "scs0009"),
+            wanted("main", 1, "", "xl330"),
+        ];
+        let faults = vec!["5:silent".parse().unwrap()];
+        let mut memories = [[0; MEMORY_LEN]; 3];
+        let setup = Setup { baud: 1_000_000, faults, ..Setup::default() };
+        let lines = lines(&wanted, &setup, &mut memories).unwrap();
+        let OnBus::Registers(bare) = &lines[0].servos else { panic!("it has registers only") };
+        assert_eq!(bare.faults[0].servo, 1);
+        let OnBus::Servos(main) = &lines[1].servos else { panic!("it has physics") };
+        assert_eq!(main.bench().servos().len(), 1);
     }
 
     #[test]

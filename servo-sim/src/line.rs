@@ -30,6 +30,8 @@
 
 use std::collections::VecDeque;
 
+use crate::wire::SILENCE_US;
+
 /// After so long a silence what was begun is over, and who waits for a silent servo answers. A program on a desk pauses
 /// inside a packet when the machine lets it wait: the silence of [`crate::bench::Bench`] is too short for it.
 const SILENCE_NS: u64 = 2_000_000;
@@ -76,19 +78,30 @@ pub struct Line<W> {
     unsent: Vec<u8>,
     on_wire: Option<OnWire>,
     late: Vec<(u64, Vec<u8>)>,
+    silence_ns: u64,
     quiet_since_ns: u64,
     was_silent: bool,
     received: VecDeque<u8>,
 }
 
 impl<W: Wired> Line<W> {
-    /// A line on which nothing has been said.
+    /// A line of a program in real time, on which nothing has been said.
     pub fn new(servos: W) -> Self {
+        Self::with_silence(servos, SILENCE_NS)
+    }
+
+    /// That of a master in simulated time, which does not pause inside a packet.
+    pub fn of_master(servos: W) -> Self {
+        Self::with_silence(servos, u64::from(SILENCE_US) * 1000)
+    }
+
+    fn with_silence(servos: W, silence_ns: u64) -> Self {
         Self {
             servos,
             unsent: Vec::new(),
             on_wire: None,
             late: Vec::new(),
+            silence_ns,
             quiet_since_ns: 0,
             was_silent: true,
             received: VecDeque::new(),
@@ -99,6 +112,12 @@ impl<W: Wired> Line<W> {
     pub fn write(&mut self, bytes: &[u8]) {
         self.unsent.extend_from_slice(bytes);
         self.send();
+    }
+
+    /// Whether bytes of the master are still on the wire, or wait for it.
+    pub fn is_sending(&self) -> bool {
+        let of_master = |on_wire: &OnWire| on_wire.speaker.is_none();
+        !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)
     }
 
     /// What has come until now; 0 if nothing has.
@@ -124,10 +143,7 @@ impl<W: Wired> Line<W> {
 
     /// Time passes.
     pub fn run_until(&mut self, ns: u64) {
-        while self.next_ns().is_some_and(|next| next <= ns) {
-            self.pass_next();
-        }
-        self.servos.run_until(ns);
+        run_all(std::slice::from_mut(self), ns);
     }
 
     /// When something happens on the wire; none if it is silent for good.
@@ -137,7 +153,7 @@ impl<W: Wired> Line<W> {
             Some(on_wire) => Some(on_wire.end_ns),
             None => match self.servos.next_speaker() {
                 Some((_, delay_us)) => Some(self.quiet_since_ns + u64::from(delay_us) * 1000),
-                None => (!self.was_silent).then_some(self.quiet_since_ns + SILENCE_NS),
+                None => (!self.was_silent).then_some(self.quiet_since_ns + self.silence_ns),
             },
         };
         late.into_iter().chain(wire).min()
@@ -187,4 +203,23 @@ impl<W: Wired> Line<W> {
         self.on_wire = Some(OnWire { end_ns, speaker, bytes });
         self.was_silent = false;
     }
+}
+
+/// Time passes on several lines side by side: what happens on their wires happens in the order of time, since servos on
+/// different lines may move the same rig.
+pub fn run_all<W: Wired>(lines: &mut [Line<W>], ns: u64) {
+    while let Some((index, next_ns)) = next_of(lines)
+        && next_ns <= ns
+    {
+        lines[index].pass_next();
+    }
+    for line in lines {
+        line.servos.run_until(ns);
+    }
+}
+
+/// On which line something happens next, and when. Of several at once the first.
+pub(crate) fn next_of<W: Wired>(lines: &[Line<W>]) -> Option<(usize, u64)> {
+    let next = lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.next_ns()?)));
+    next.min_by_key(|(_, next_ns)| *next_ns)
 }

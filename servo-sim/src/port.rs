@@ -6,6 +6,7 @@ use std::os::fd::OwnedFd;
 use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -16,7 +17,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use thiserror::Error;
 
-use crate::line::{Line, Wired};
+use crate::line::{Line, Wired, next_of, run_all};
 
 /// Servos move on after so long, though nobody says anything.
 const IDLE: Duration = Duration::from_millis(5);
@@ -87,53 +88,76 @@ impl Port {
         &self.link
     }
 
-    /// Lets programs talk to the servos in real time, at the rate to which they set the port, until `stop` is true:
-    /// within 5 ms of that. What a program does not read in time is lost, as it is behind a real port.
+    /// Lets programs talk to the servos of a line: see [`serve`].
     ///
     /// # Errors
     /// What the system says if reading or writing fails.
     pub fn serve<W: Wired>(&self, line: &mut Line<W>, stop: &AtomicBool) -> io::Result<()> {
-        let begin_ns = line.servos.now_ns();
-        let start = Instant::now();
-        let mut lost = Duration::ZERO;
-        let mut bytes = [0; 4096];
-        while !stop.load(Ordering::Relaxed) {
-            let simulated = Duration::from_nanos(line.servos.now_ns() - begin_ns);
-            let passed = start.elapsed().saturating_sub(lost);
-            lost += passed.saturating_sub(simulated + CATCH_UP);
-            let now = start.elapsed().saturating_sub(lost);
-            let now_ns = begin_ns + u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
-            line.run_until(now_ns);
-
-            match read(&self.servos, &mut bytes) {
-                Ok(count) => {
-                    line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
-                    line.write(&bytes[..count]);
-                }
-                Err(Errno::AGAIN | Errno::INTR) => {}
-                Err(error) => return Err(error.into()),
-            }
-            let count = line.take(&mut bytes);
-            if count > 0 {
-                match write(&self.servos, &bytes[..count]) {
-                    Ok(_) | Err(Errno::AGAIN | Errno::INTR) => {}
-                    Err(error) => return Err(error.into()),
-                }
-                continue;
-            }
-            let next_ns = line.next_ns().map_or(u64::MAX, |next| next.saturating_sub(now_ns));
-            self.wait(IDLE.min(Duration::from_nanos(next_ns)))?;
-        }
-        Ok(())
+        serve(slice::from_ref(self), slice::from_mut(line), stop)
     }
 
-    /// Until a program writes, or for a time.
-    fn wait(&self, most: Duration) -> io::Result<()> {
-        let timeout = Timespec { tv_sec: 0, tv_nsec: most.subsec_nanos().into() };
-        match poll(&mut [PollFd::new(&self.servos, PollFlags::IN)], Some(&timeout)) {
-            Ok(_) | Err(Errno::INTR) => Ok(()),
-            Err(error) => Err(error.into()),
+    /// Takes what a program has written, and gives it what servos have said. Whether there was something to give.
+    fn pass<W: Wired>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
+        match read(&self.servos, &mut *bytes) {
+            Ok(count) => {
+                line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
+                line.write(&bytes[..count]);
+            }
+            Err(Errno::AGAIN | Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
         }
+        let count = line.take(bytes);
+        if count > 0 {
+            match write(&self.servos, &bytes[..count]) {
+                Ok(_) | Err(Errno::AGAIN | Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(count > 0)
+    }
+}
+
+/// Lets programs talk to servos in real time, a port for each line, at the rate to which they set the port, until
+/// `stop` is true: within 5 ms of that. What a program does not read in time is lost, as it is behind a real port.
+///
+/// # Errors
+/// What the system says if reading or writing fails, and at which port.
+pub fn serve<W: Wired>(ports: &[Port], lines: &mut [Line<W>], stop: &AtomicBool) -> io::Result<()> {
+    let time_ns = |lines: &[Line<W>]| lines.iter().map(|line| line.servos.now_ns()).max();
+    let begin_ns = time_ns(lines).unwrap_or(0);
+    let start = Instant::now();
+    let mut lost = Duration::ZERO;
+    let mut bytes = [0; 4096];
+    while !stop.load(Ordering::Relaxed) {
+        let simulated = Duration::from_nanos(time_ns(lines).unwrap_or(0) - begin_ns);
+        let passed = start.elapsed().saturating_sub(lost);
+        lost += passed.saturating_sub(simulated + CATCH_UP);
+        let now = start.elapsed().saturating_sub(lost);
+        let now_ns = begin_ns + u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
+        run_all(lines, now_ns);
+
+        let mut has_said = false;
+        for (port, line) in ports.iter().zip(&mut *lines) {
+            has_said |= port.pass(line, &mut bytes).map_err(|error| {
+                io::Error::new(error.kind(), format!("{}: {error}", port.link.display()))
+            })?;
+        }
+        if !has_said {
+            let next_ns = next_of(lines).map_or(u64::MAX, |(_, next)| next.saturating_sub(now_ns));
+            wait(ports, IDLE.min(Duration::from_nanos(next_ns)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Until a program writes, or for a time.
+fn wait(ports: &[Port], most: Duration) -> io::Result<()> {
+    let timeout = Timespec { tv_sec: 0, tv_nsec: most.subsec_nanos().into() };
+    let mut polled: Vec<_> =
+        ports.iter().map(|port| PollFd::new(&port.servos, PollFlags::IN)).collect();
+    match poll(&mut polled, Some(&timeout)) {
+        Ok(_) | Err(Errno::INTR) => Ok(()),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -206,7 +206,8 @@ impl Wired for Registers<'_> {
     }
 
     fn speak(&mut self, speaker: usize) -> Option<(Vec<u8>, u32)> {
-        wire::speak(&mut self.servos, speaker, &self.faults, self.now_ns as f64 * 1e-9)
+        let time_s = self.now_ns as f64 * 1e-9;
+        wire::speak(self.servos.get_mut(speaker)?, speaker, &self.faults, time_s)
     }
 
     fn silence(&mut self) {

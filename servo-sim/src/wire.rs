@@ -7,6 +7,8 @@ use crate::fault::{self, Fault};
 
 /// Bits of a byte on the wire, with start and stop.
 const BITS: u64 = 10;
+/// After so long a silence, who waits for a silent servo answers. Guess: no maker states it.
+pub(crate) const SILENCE_US: u32 = 100;
 
 /// A device that listens at a rate of its own.
 pub(crate) trait Listener: BusDevice {
@@ -34,17 +36,18 @@ pub(crate) fn next_speaker(devices: &[impl BusDevice]) -> Option<(usize, u32)> {
         .min_by_key(|(_, delay_us)| *delay_us)
 }
 
-/// What a device says with the faults that it has now, and how many us it is late by; none if they silence it.
+/// What a device says with the faults that servo `place` has now, and how many us it is late by; none if they silence
+/// it.
 pub(crate) fn speak(
-    devices: &mut [impl BusDevice],
-    speaker: usize,
+    device: &mut impl BusDevice,
+    place: usize,
     faults: &[Fault],
     time_s: f64,
 ) -> Option<(Vec<u8>, u32)> {
     let mut said = vec![0; LONGEST];
-    let len = devices.get_mut(speaker)?.speak(&mut said);
+    let len = device.speak(&mut said);
     said.truncate(len);
-    let now = faults.iter().filter(|fault| fault.servo == speaker && fault.is_on(time_s));
+    let now = faults.iter().filter(|fault| fault.servo == place && fault.is_on(time_s));
     let late_us = fault::damage(now.map(|fault| fault.kind), &mut said)?;
     Some((said, late_us))
 }

@@ -136,7 +136,7 @@ fn servos_sag_their_supply_together_and_brown_out() {
             assert_eq!(on, 0, "all were reset");
         } else {
             // Six of 3.4 ohm, and 6 times 17 mA: (5 - 0.01) / (1 + 0.6 / 3.4).
-            let volts = bench.supply.voltage_v();
+            let volts = bench.supplies[0].voltage_v();
             assert!((volts - 4.242).abs() < 0.03, "{volts} V");
             assert_eq!(on, 6);
             assert!((bus.health(2).unwrap().voltage_v.unwrap() - 4.2).abs() < 0.11);
@@ -202,7 +202,7 @@ fn fingerprint(seed: u64) -> u64 {
             (seen, bench.servos()[servo].shaft().position_rad.to_bits()).hash(&mut hash);
         }
     }
-    (bench.traffic().wire_ns, bench.supply.voltage_v().to_bits()).hash(&mut hash);
+    (bench.traffic().wire_ns, bench.supplies[0].voltage_v().to_bits()).hash(&mut hash);
     hash.finish()
 }
 

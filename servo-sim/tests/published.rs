@@ -11,7 +11,7 @@ fn simulated_servos_do_what_is_published_of_them() {
     }
     let wrong: Vec<_> = rows.iter().filter(|row| !row.holds()).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(rows.iter().filter(|row| !row.is_fitted && row.tolerance.is_some()).count() >= 5);
+    assert!(rows.iter().filter(|row| !row.is_fitted && row.within.is_some()).count() >= 5);
 }
 
 #[test]

@@ -6,11 +6,14 @@ mod common;
 use std::time::Instant;
 
 use common::{BAUD, Registers, master, registers};
-use sinew_bus::dynamixel::Mode;
+use sinew_bus::dynamixel::{Instruction, Mode};
 use sinew_bus::{Command, ServoBus};
 use sinew_rig::new::arm;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::Servo;
+use sinew_servo_sim::fleet::{self, OnBus, Setup, Wanted};
+use sinew_servo_sim::kind::Kind;
+use sinew_servo_sim::line::{Line, run_all};
 use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::servos;
 use sinew_servo_sim::supply::Supply;
@@ -108,6 +111,76 @@ fn a_servo_holds_what_the_pose_of_all_asks_for() {
     }
     println!("sag: {sags:?} rad");
     assert!(sags[1] < 0.9 * sags[0], "{sags:?}");
+}
+
+/// Servo of the arm whose torque is off, and one before it, which swings; both bend the arm.
+const LIMP: usize = 4;
+const SWINGS: usize = 2;
+
+/// Runs an arm whose servos hang on these buses: all but one hold, and one goes to `goal`. Returns all shafts, and the
+/// lowest voltage that the limp one reads.
+fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
+    let description = arm(SERVOS).unwrap();
+    let mechanism = description.mechanism().unwrap();
+    let own = servos(&description, &mechanism).unwrap();
+    let wanted: Vec<Wanted> = own
+        .into_iter()
+        .zip(buses)
+        .map(|(servo, bus)| Wanted {
+            bus: bus.to_owned(),
+            id: servo.id.unwrap(),
+            name: servo.name,
+            kind: Kind::Servo(Box::new(servo.kind)),
+            load: servo.load,
+            home_rad: Some(servo.home_rad),
+        })
+        .collect();
+    let setup = Setup {
+        baud: BAUD,
+        rig: Some((&description, &mechanism)),
+        supply: Some(Supply::new(5.0, 0.3, 20.0, 1e-3)),
+        faults: Vec::new(),
+    };
+    let mut memory = registers(SERVOS);
+    let mut lines = fleet::lines(&wanted, &setup, &mut memory).unwrap();
+    let names = fleet::buses(&wanted);
+    let mut now_ns = 0;
+    let mut write = |lines: &mut [Line<OnBus>], servo: usize, address: u16, data: &[u8]| {
+        let mut packet = [0; 32];
+        let write = Instruction::Write { address, data };
+        let len = write.encode(wanted[servo].id, &mut packet).unwrap();
+        lines[names.iter().position(|bus| *bus == buses[servo]).unwrap()].write(&packet[..len]);
+        now_ns += 5_000_000;
+        run_all(lines, now_ns);
+    };
+    (0..SERVOS).filter(|servo| *servo != LIMP).for_each(|at| write(&mut lines, at, 64, &[1]));
+    write(&mut lines, SWINGS, 116, &goal.to_le_bytes());
+    let mut lowest = i32::MAX;
+    for _ in 0..60 {
+        // A write to a register that does nothing: 5 ms pass.
+        write(&mut lines, LIMP, 65, &[0]);
+        let OnBus::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
+        // Its Present Input Voltage, 0.1 V.
+        lowest = lowest.min(branch.bench().servos()[LIMP].get(144));
+    }
+    let OnBus::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
+    let bench = branch.bench();
+    let shafts = bench.servos().iter().map(|servo| servo.shaft().position_rad);
+    shafts.chain([f64::from(lowest)]).collect()
+}
+
+/// One bus or three: bodies and supply are shared, bit by bit.
+#[test]
+fn servos_feel_each_other_whatever_their_bus() {
+    let three = ["left", "left", "left", "tip", "tip", "hand"];
+    let (still, moved) = (on_buses(three, 2048), on_buses(three, 2048 + 700));
+    println!("{still:?}, {moved:?}");
+    // The servo on another bus is limp: it goes along, by more than its encoder's steps (without its neighbours it
+    // would do the same both times), and its supply gives way, by a step of its register or more.
+    assert!((moved[LIMP] - still[LIMP]).abs() > 0.01, "{moved:?} {still:?}");
+    assert!(moved[SERVOS] < still[SERVOS], "{moved:?} {still:?}");
+    let one = on_buses(["main"; SERVOS], 2048 + 700);
+    assert_eq!(moved, one);
 }
 
 /// Two runs are the same, bit by bit; and how long a second takes is printed.

@@ -66,9 +66,9 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
         self.pace.position_within(whole, ticks - whole as f32)
     }
 
-    /// A frame of a run-in: from standing in the first frame, the show gains its pace within `of` ticks, and is at frame
-    /// `of / 2` then, to go on there if `of` is even. Each pose is one of the show's, no joint is faster than there, and
-    /// what the pace adds to its acceleration is at most 1.5 times its speed over the time of the run-in.
+    /// A frame of a run-in: from standing in the first frame, the show gains its pace within `of` ticks, and is at
+    /// frame `of / 2` then, to go on there if `of` is even. Each pose is one of the show's, no joint is faster than
+    /// there, and what the pace adds to its acceleration is at most 1.5 times its speed over the time of the run-in.
     pub fn run_in(&mut self, tick: u32, of: u32) -> Frame<'_> {
         self.read(self.run_in_position(tick, of));
         let share = share(tick, of);

@@ -87,40 +87,47 @@ impl Clients {
     }
 
     fn talk_to_dynamixels(&self) -> Result<()> {
-        let servos = ["xl330", "1,2,3,11,12,13"];
-        self.talk("dynamixel-sdk", servos, "dynamixel.py", &[], None)?;
-        self.talk("rustypot, Dynamixel", servos, "rustypot_bus.py", &["dxl"], None)?;
+        let servos = ["xl330", "--ids", "1,2,3,11,12,13"];
+        self.talk("dynamixel-sdk", &servos, "dynamixel.py", &[], None)?;
+        self.talk("rustypot, Dynamixel", &servos, "rustypot_bus.py", &["dxl"], None)?;
         let lerobot = package(&self.venv, LEROBOT);
-        self.talk("lerobot, Dynamixel", servos, "lerobot_bus.py", &["dxl", &lerobot], None)
+        self.talk("lerobot, Dynamixel", &servos, "lerobot_bus.py", &["dxl", &lerobot], None)?;
+        let hot = ["xl330", "--ids", "11,12", "--fault", "12:hot=90"];
+        self.talk("dynamixel-sdk, errors", &hot, "dynamixel_errors.py", &[], None)
     }
 
     fn talk_to_feetechs(&self) -> Result<()> {
         for (family, kind) in [("sts", "sts3215"), ("scs", "scs0009")] {
             for sdk in FEETECH_SDKS {
                 let title = format!("{sdk}, {family}");
-                self.talk(&title, [kind, "1,2,3"], "feetech.py", &[family], Some(sdk))?;
+                self.talk(&title, &[kind, "--ids", "1,2,3"], "feetech.py", &[family], Some(sdk))?;
             }
         }
-        let servos = ["sts3215", "1,2,3"];
-        self.talk("rustypot, STS", servos, "rustypot_bus.py", &["sts"], None)?;
+        let hot = ["sts3215", "--ids", "1,2", "--fault", "2:hot=90"];
+        for sdk in FEETECH_SDKS {
+            self.talk(&format!("{sdk}, errors"), &hot, "feetech_errors.py", &[], Some(sdk))?;
+        }
+        let servos = ["sts3215", "--ids", "1,2,3"];
+        self.talk("rustypot, STS", &servos, "rustypot_bus.py", &["sts"], None)?;
         let (lerobot, sdk) = (package(&self.venv, LEROBOT), Some(FEETECH_SDKS[0]));
-        self.talk("lerobot, STS", servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
-        self.talk("feetech-cli", servos, "feetech_cli_bus.py", &[], None)
+        self.talk("lerobot, STS", &servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
+        self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// One program and servos that nobody has used: what one leaves in their registers would move them for the next.
+    /// One program and servos, by kind and more options of `sinew servos`, that nobody has used: what one leaves in
+    /// their registers would move them for the next.
     fn talk(
         &self,
         title: &str,
-        [kind, ids]: [&str; 2],
+        servos: &[&str],
         script: &str,
         arguments: &[&str],
         sdk: Option<&str>,
     ) -> Result<()> {
         let link = self.venv.folder.join("port").display().to_string();
-        let mut servos = Command::new(self.programs.join("sinew"));
-        servos.args(["servos", "--kind", kind, "--ids", ids, "--pty", &link]);
-        let _servos = Server::start("sinew servos", servos, &link)?;
+        let mut server = Command::new(self.programs.join("sinew"));
+        server.args(["servos", "--pty", &link, "--kind"]).args(servos);
+        let _server = Server::start("sinew servos", server, &link)?;
         let mut client = self.python(script);
         client.args([&link, EXCHANGES]).args(arguments);
         client.envs(sdk.map(|sdk| ("PYTHONPATH", package(&self.venv, sdk))));

@@ -193,7 +193,7 @@ fn a_bad_line_only_delays() {
                 .unwrap()
         });
         // Both are armed then, at rest, with a reading of each servo.
-        for mut stand in [good, bad] {
+        for stand in [&mut good, &mut bad] {
             let is_armed = (0..stand.ticks_of(10.0)).any(|_| {
                 stand.tick(Some(Command::Arm));
                 stand.state() == State::Arming

@@ -1,6 +1,7 @@
 //! A pose held by simulated servos over their bus, with and without the offset.
 
-use sinew_bus::dynamixel::{self, table::MODELS};
+use sinew_bus::dynamixel;
+use sinew_bus::dynamixel::table::{MODELS, address};
 use sinew_bus::feetech::{self, Family};
 use sinew_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_core::coordinates::DofCommand;
@@ -92,9 +93,21 @@ impl Plant for AtRest<'_> {
     }
 }
 
-/// Goes to a pose and holds it. Returns how far each joint is from it then, rad. `offset`: whether drives take gravity
-/// off in advance, by the rig's model.
-pub(crate) fn errors(figure: &Figure, built: AsBuilt, target: &[f64], offset: bool) -> Vec<f64> {
+/// A joint at rest.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "the house's names have their units")]
+pub(crate) struct Rest {
+    /// How far it is from its target, rad.
+    pub(crate) error_rad: f64,
+    /// The same if there were neither friction nor steps: what it is sent beyond its target, by the rig's model, less
+    /// what it gives way by, as it is built; rad.
+    pub(crate) smooth_rad: f64,
+    /// How far off that it may be by friction and by steps of encoder and goal, rad.
+    pub(crate) band_rad: f64,
+}
+
+/// Goes to a pose and holds it. `offset`: whether drives take gravity off in advance, by the rig's model.
+pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: bool) -> Vec<Rest> {
     let is_feetech = figure.model.starts_with("STS");
     let kind = built.kind(&figure.model);
     let count = figure.places.len();
@@ -114,6 +127,7 @@ pub(crate) fn errors(figure: &Figure, built: AsBuilt, target: &[f64], offset: bo
     let held = inertias.map(|inertia_kg_m2| Held { inertia_kg_m2, weight_nm: 0.0 }).collect();
     let plant = AtRest { figure, weights, q: figure.home.clone(), held };
     let mut bench = Bench::new(servos.collect(), plant, Supply::stiff(kind.voltage_v));
+    let offset_rad = if offset { PositionSettings::default().offset_rad } else { 0.0 };
     let timing = BusTiming { baud: BAUD, return_delay_us: 2, turnaround_us: 5 };
     let servos = u32::try_from(count).unwrap();
     if is_feetech {
@@ -130,7 +144,11 @@ pub(crate) fn errors(figure: &Figure, built: AsBuilt, target: &[f64], offset: bo
         let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
         let setups: Vec<_> = (1..).take(count).map(setup).collect();
         let mut bus = feetech::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
-        hold(figure, &mut bus, &mut bench, target, offset)
+        let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);
+        // As shipped the stiffness is the kind's.
+        let stiffness = |_: &Servo<'_>| kind.position_gain_nm_rad;
+        // Half a step of the goal, half a one of the encoder, and a dead zone of one.
+        rest(figure, &mut bench, (target, &reached), offset_rad, (&kind, 2.0, stiffness))
     } else {
         let schedule =
             Schedule::new(timing, &dynamixel::traffic(servos, 8, false), RATE_HZ).unwrap();
@@ -147,19 +165,64 @@ pub(crate) fn errors(figure: &Figure, built: AsBuilt, target: &[f64], offset: bo
         let setups: Vec<_> = (1..).take(count).map(setup).collect();
         let settings = dynamixel::Settings { fast: false, retries: 1 };
         let mut bus = dynamixel::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
-        hold(figure, &mut bus, &mut bench, target, offset)
+        let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);
+        // P gain over its divisor is PWM for a step; 885 is the whole supply.
+        let motor_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
+        let stiffness = |servo: &Servo<'_>| {
+            let p = f64::from(servo.get(address::POSITION_P));
+            p / kind.position_p_divisor / kind.resolution_rad / 885.0 * motor_nm
+        };
+        // Half a step of the goal, and half a one of the encoder.
+        rest(figure, &mut bench, (target, &reached), offset_rad, (&kind, 1.0, stiffness))
     }
 }
 
+/// What of each joint's error friction and steps explain. `stiffness`: of a cold servo, N m/rad.
+fn rest(
+    figure: &Figure,
+    bench: &mut Bench<'_, AtRest<'_>>,
+    (target, reached): (&[f64], &[f64]),
+    offset_rad: f32,
+    (kind, steps, stiffness): (&Parameters, f64, impl Fn(&Servo<'_>) -> f64),
+) -> Vec<Rest> {
+    let mut q = figure.home.clone();
+    for (place, reached) in figure.places.iter().zip(reached) {
+        q[*place] = *reached as f32;
+    }
+    let (modelled, held) = (figure.weights(1.0).at(&q), bench.plant.weights.at(&q));
+    let limit = f64::from(offset_rad);
+    let mut rests = Vec::new();
+    for (index, servo) in bench.servos().iter().enumerate() {
+        let (modelled, held) = (f64::from(modelled[index]), f64::from(held[index]));
+        let (target, reached) = (target[index], reached[index]);
+        let own = figure.board.servos()[index].servo.settings();
+        let sag_rad = modelled / f64::from(own.position_gain_nm_rad);
+        let [least, most] = own.range_rad.map(f64::from);
+        let goal = (target + sag_rad.clamp(-limit, limit)).clamp(least, most);
+        // A winding that has warmed gives less.
+        let stiffness = stiffness(servo) / servo.heat().resistance_ratio();
+        // At rest motor and weight differ by friction at most, which grows with both of them.
+        let load = kind.load_friction;
+        let dry_nm = kind.friction_nm + kind.stribeck_nm;
+        let friction_nm = (dry_nm + 2.0 * load * held.abs()) / (1.0 - load);
+        rests.push(Rest {
+            error_rad: reached - target,
+            smooth_rad: goal - target - held / stiffness,
+            band_rad: friction_nm / stiffness + steps * kind.resolution_rad,
+        });
+    }
+    rests
+}
+
+/// Where each joint is in the end, rad.
 fn hold(
     figure: &Figure,
     bus: &mut impl ServoBus,
     bench: &mut Bench<'_, AtRest<'_>>,
     target: &[f64],
-    offset: bool,
+    offset_rad: f32,
 ) -> Vec<f64> {
     let count = figure.places.len();
-    let offset_rad = if offset { PositionSettings::default().offset_rad } else { 0.0 };
     let settings = PositionSettings { offset_rad, ..PositionSettings::default() };
     let timing = Timing { dt_s: 1e-6 * TICK_US as f32, latency_ticks: 1 };
     let settings = vec![DriveSettings::Position(settings); count];
@@ -211,5 +274,5 @@ fn hold(
             "it still moves, from {before} to {reached} rad"
         );
     }
-    reached.iter().zip(target).map(|(at, target)| at - std::f64::consts::PI - target).collect()
+    reached.iter().map(|at| at - std::f64::consts::PI).collect()
 }

@@ -11,7 +11,7 @@ mod hold;
 use std::f64::consts::PI;
 
 use figure::Figure;
-use hold::{AsBuilt, errors};
+use hold::{AsBuilt, Rest, rests};
 use sinew_servo_sim::model::Parameters;
 
 /// A sag that counts, rad: 1 deg.
@@ -36,10 +36,10 @@ impl Random {
 struct Joint {
     /// What gravity alone makes of it, by the model: weight over stiffness.
     sag: f64,
-    /// How far it is from its target without the offset.
-    without: f64,
-    /// The same with it.
-    with: f64,
+    /// Without the offset.
+    without: Rest,
+    /// With it.
+    with: Rest,
 }
 
 fn joints(figure: &Figure, built: AsBuilt, poses: usize) -> Vec<Joint> {
@@ -57,10 +57,17 @@ fn joints(figure: &Figure, built: AsBuilt, poses: usize) -> Vec<Joint> {
             q[*place] = *target as f32;
         }
         let sags = figure.weights(built.masses).at(&q);
-        let without = errors(figure, built, &target, false);
-        let with = errors(figure, built, &target, true);
+        let without = rests(figure, built, &target, false);
+        let with = rests(figure, built, &target, true);
         for ((sag, without), with) in sags.iter().zip(without).zip(with) {
             joints.push(Joint { sag: f64::from(*sag) / stiffness, without, with });
+        }
+    }
+    // Each joint in each pose.
+    for joint in &joints {
+        for rest in [joint.without, joint.with] {
+            let off = (rest.error_rad - rest.smooth_rad).abs();
+            assert!(off <= rest.band_rad, "{}, {built:?}: {joint:?}", figure.name);
         }
     }
     joints
@@ -81,8 +88,8 @@ fn most(numbers: impl Iterator<Item = f64>) -> f64 {
 fn true_to_its_model(figure: &Figure, poses: usize) -> f64 {
     let joints = joints(figure, AsBuilt::TRUE, poses);
     let sagging: Vec<_> = joints.iter().filter(|joint| joint.sag.abs() > SAG_RAD).collect();
-    let with = || sagging.iter().map(|joint| joint.with);
-    let without = || sagging.iter().map(|joint| joint.without);
+    let with = || sagging.iter().map(|joint| joint.with.error_rad);
+    let without = || sagging.iter().map(|joint| joint.without.error_rad);
     let ratio = rms(with()) / rms(without());
     println!(
         "| {}, {} | {} of {} | {:.1} | {:.2} | {:.2} | {ratio:.2} | {:.2} | {:.2} |",
@@ -108,8 +115,8 @@ fn off_by_a_fifth(figure: &Figure, poses: usize) -> f64 {
         let factor = |bit: u8| if signs & (1 << bit) == 0 { 0.8 } else { 1.2 };
         let built = AsBuilt { masses: factor(0), friction: factor(1), stiffness: factor(2) };
         let joints = joints(figure, built, poses);
-        let with = || joints.iter().map(|joint| joint.with);
-        let without = || joints.iter().map(|joint| joint.without);
+        let with = || joints.iter().map(|joint| joint.with.error_rad);
+        let without = || joints.iter().map(|joint| joint.without.error_rad);
         let worse = with().zip(without()).map(|(with, without)| with.abs() - without.abs());
         let worse_deg = worse.fold(0.0, f64::max).to_degrees();
         println!(

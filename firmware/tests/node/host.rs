@@ -131,7 +131,7 @@ impl Host {
                     };
                     self.parts[part] += 1;
                 }
-                _ => {}
+                ToHost::Welcome(_) => {}
             }
         }
         if self.welcome.is_none() {

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, bail};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_servo_sim::fault::FaultOrder;
-use sinew_servo_sim::fleet::{self, BusLine, Memory, Setup, Wanted};
+use sinew_servo_sim::fleet::{self, Memory, Setup, Wanted};
 use sinew_servo_sim::kind::Kind;
 use sinew_servo_sim::load::Arm;
-use sinew_servo_sim::port::Port;
+use sinew_servo_sim::port::{Port, serve};
 use sinew_servo_sim::rig;
 use sinew_servo_sim::supply::Supply;
 use sinew_sim::command::{note, print};
@@ -28,7 +28,7 @@ use super::rig::read;
 ///
 /// With --rig the servos move the rig: each feels how the others move, and gravity is that of the pose. A servo that
 /// takes pulses is left out, and its joints stay at home. If the rig has several buses, each has a link of its own,
-/// LINK.BUS, and a supply of its own; joints of another bus stay at home.
+/// LINK.BUS; servos of all buses move the one rig.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
 pub(super) struct ServosArgs {
@@ -67,9 +67,9 @@ pub(super) struct ServosArgs {
     #[arg(long, conflicts_with = "load")]
     ideal: bool,
 
-    /// What feeds the servos of a bus, all together: its voltage, the resistance of supply and cable, and the most
-    /// current that it gives, such as 5,0.2,3. Default: what the rig's file says of its supply, else the voltage of the
-    /// first servo, and hardly any resistance.
+    /// What feeds all servos together: its voltage, the resistance of supply and cable, and the most current that it
+    /// gives, such as 5,0.2,3. Default: what the rig's file says of its supply; else each bus has one of its own, with
+    /// the voltage of its first servo and hardly any resistance.
     #[arg(long, value_name = "V[,OHM[,A]]", conflicts_with = "ideal")]
     supply: Option<Supply>,
 
@@ -109,28 +109,8 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
     let mut lines = fleet::lines(&wanted, &setup, &mut memories)?;
     let ports = args.ports(&fleet::buses(&wanted))?;
     print("ready\n")?;
-    serve(&mut lines, &ports, &stop)?;
+    serve(&ports, &mut lines, &stop)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn serve(lines: &mut [BusLine<'_>], ports: &[Port], stop: &AtomicBool) -> anyhow::Result<()> {
-    std::thread::scope(|scope| {
-        let served: Vec<_> = lines
-            .iter_mut()
-            .zip(ports)
-            .map(|(line, port)| {
-                scope.spawn(move || {
-                    let served = line.serve(port, stop);
-                    // One port that fails ends all.
-                    stop.store(true, Ordering::Relaxed);
-                    served.with_context(|| port.link().display().to_string())
-                })
-            })
-            .collect();
-        served
-            .into_iter()
-            .try_for_each(|thread| thread.join().unwrap_or_else(|_| bail!("a port has failed")))
-    })
 }
 
 impl ServosArgs {

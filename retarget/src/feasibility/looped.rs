@@ -158,20 +158,21 @@ pub fn looped(
         }
     }
     let mut most = (0, 0.0);
-    for row in last + 1 - span..=last {
-        let share = (row + span - last) as f64 / span as f64;
-        let given = std::mem::take(&mut rows[row]);
+    for (step, row) in rows[last + 1 - span..=last].iter_mut().enumerate() {
+        let share = (step + 1) as f64 / span as f64;
+        let given = std::mem::take(row);
         let mut now: Vec<f64> =
             given.iter().zip(&steps).map(|(x, step)| x + added(*step, share)).collect();
         for (body, (link, range)) in mechanism.bodies.iter().zip(&ranges).enumerate() {
             let change = if range.len() >= 4 {
                 let turn = &mut now[range.start..range.start + 4];
                 let squared: f64 = turn.iter().map(|x| x * x).sum();
-                // Written so that NaN is refused.
-                if !(squared >= SHORTEST_SQUARED) {
+                if squared < SHORTEST_SQUARED || squared.is_nan() {
                     return Err(LoopError::Turns { joint: link.joint_name.clone() });
                 }
-                turn.iter_mut().for_each(|x| *x /= libm::sqrt(squared));
+                for x in turn.iter_mut() {
+                    *x /= libm::sqrt(squared);
+                }
                 let along: f64 = turn.iter().zip(&given[range.clone()]).map(|(a, b)| a * b).sum();
                 2.0 * libm::acos(along.abs().min(1.0))
             } else {
@@ -181,10 +182,11 @@ pub fn looped(
                 most = (body, change);
             }
         }
-        rows[row] = now;
+        *row = now;
     }
     // It is that row already, but for its last bits and the sign of quaternions.
-    rows[last] = rows[0].clone();
+    let first = rows[0].clone();
+    rows[last] = first;
     Ok(Looped { motion: RigMotion { dt_s, rows }, blend_s: span as f64 * dt_s, most })
 }
 

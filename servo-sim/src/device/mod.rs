@@ -317,7 +317,7 @@ impl<'m> Servo<'m> {
 }
 
 /// Part of the supply for an error of position, 1/rad, that makes the stiffness as shipped, without friction.
-fn duty_per_rad(kind: &Parameters) -> f64 {
+pub(crate) fn duty_per_rad(kind: &Parameters) -> f64 {
     let stall_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
     kind.position_gain_nm_rad / stall_nm
 }

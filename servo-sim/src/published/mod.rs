@@ -4,15 +4,18 @@ mod figures;
 mod page;
 
 use sinew_bus::dynamixel;
+use sinew_bus::dynamixel::table::address::{POSITION_P, RETURN_DELAY as DYNAMIXEL_DELAY};
 use sinew_bus::feetech;
 use sinew_bus::feetech::Family;
+use sinew_bus::feetech::table::address::RETURN_DELAY as FEETECH_DELAY;
 
 use crate::bench::Bench;
-use crate::device::{MEMORY_LEN, Servo, ServoError, whole};
+use crate::device::{MEMORY_LEN, Servo, ServoError, duty_per_rad, whole};
+use crate::firmware::dynamixel::PWM_COUNTS;
 use crate::load::Arm;
 use crate::model::{Parameters, ParametersError};
 use crate::supply::Supply;
-use figures::{MAKERS, RISE, SAGS, STEPS};
+use figures::{Law, MAKERS, RISE, SAGS, STEPS};
 pub use page::page;
 
 /// One line of the table.
@@ -24,14 +27,17 @@ pub struct Row {
     pub what: &'static str,
     /// Published.
     pub published: f64,
+    /// What the published servo would do with the numbers of the simulated one, which are not always those of whoever
+    /// published it; none of a figure of the very servo.
+    pub expected: Option<f64>,
     /// Simulated.
     pub simulated: f64,
-    /// How far the simulated may be from the published, as a part of it; none where the published is known not to fit,
-    /// and is shown all the same.
-    pub tolerance: Option<f64>,
+    /// How far the simulated may be from what is expected, else from the published; none where the published is known
+    /// not to fit, and is shown all the same.
+    pub within: Option<f64>,
     /// Whether parameters were chosen to meet it. If not, it tells something.
     pub is_fitted: bool,
-    /// Who published it, and why the tolerance is what it is.
+    /// Who published it, and what differs.
     pub source: &'static str,
 }
 
@@ -43,7 +49,8 @@ impl Row {
 
     /// Whether it is within its tolerance.
     pub fn holds(&self) -> bool {
-        self.tolerance.is_none_or(|tolerance| self.error().abs() <= tolerance)
+        let off = (self.simulated - self.expected.unwrap_or(self.published)).abs();
+        self.within.is_none_or(|within| off <= within)
     }
 }
 
@@ -59,6 +66,8 @@ pub enum TableError {
     Servo(#[from] ServoError),
 }
 
+/// All kinds can have it.
+const BAUD: u32 = 1_000_000;
 /// Steps in which power comes on.
 const RAMP: u16 = 40;
 
@@ -70,9 +79,37 @@ struct Trial<'m> {
 
 impl<'m> Trial<'m> {
     fn new(kind: &Parameters, arm: Arm, memory: &'m mut [u8]) -> Result<Self, ServoError> {
-        let servo = Servo::new(kind, 1, memory)?;
+        let is_feetech = kind.name.starts_with("STS");
+        let mut servo = Servo::new(kind, 1, memory)?;
+        servo.set_baud(BAUD)?;
+        // It answers at once: what it is told is soon told.
+        servo.set(if is_feetech { FEETECH_DELAY.into() } else { DYNAMIXEL_DELAY }, 0);
         let bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
-        Ok(Self { bench, is_feetech: kind.name.starts_with("STS") })
+        Ok(Self { bench, is_feetech })
+    }
+
+    /// The second-order law of a servo with these numbers, as warm as it is now.
+    fn law(&self, kind: &Parameters) -> Law {
+        let servo = &self.bench.servos()[0];
+        let ohm = kind.resistance_ohm * servo.heat().resistance_ratio();
+        let constant = kind.torque_constant_nm_a;
+        let most_nm = constant * kind.voltage_v / ohm;
+        let duty_rad = if self.is_feetech {
+            duty_per_rad(kind)
+        } else {
+            let p = f64::from(servo.get(POSITION_P));
+            p / kind.position_p_divisor / PWM_COUNTS / kind.resolution_rad
+        };
+        Law {
+            stiffness_nm_rad: duty_rad * most_nm,
+            most_nm,
+            back_emf_nm_s: constant * constant / ohm,
+            damping_nm_s: kind.damping_nm_s,
+            friction_nm: kind.friction_nm + kind.stribeck_nm,
+            load_friction: kind.load_friction,
+            inertia_kg_m2: kind.rotor_inertia_kg_m2 + self.bench.plant[0].inertia_kg_m2,
+            goal_rad_s: kind.speed_cap_rad_s.unwrap_or(f64::INFINITY),
+        }
     }
 
     fn write(&mut self, address: u16, data: &[u8]) {
@@ -156,21 +193,27 @@ fn free_run(kind: &Parameters) -> Result<[f64; 2], ServoError> {
     Ok(sums.map(|sum| sum / 1e3))
 }
 
-/// Time to 63 % of a step of the goal, s.
-fn rise_s(kind: &Parameters, step_rad: f64) -> Result<f64, ServoError> {
+/// Time to 63 % of a step of the goal, s; what the law says of it; and how far it may be from that.
+///
+/// Within two ticks of its loop: one until it takes the goal, one that a reading is old. And while the shaft, as fast
+/// as it is there, goes half the play of its gear and an encoder step.
+fn rise_s(kind: &Parameters, step_rad: f64) -> Result<[f64; 3], ServoError> {
     let mut memory = [0; MEMORY_LEN];
     let mut trial = Trial::new(kind, Arm::default(), &mut memory)?;
     trial.bench.run_us(10_000);
+    let [law_s, speed_rad_s] = trial.law(kind).rise(step_rad);
     let start = trial.bench.servos()[0].shaft().position_rad;
-    trial.step_to(kind, step_rad);
     let begin_s = trial.bench.time_s();
+    trial.step_to(kind, step_rad);
     while trial.bench.servos()[0].shaft().position_rad < start + RISE * step_rad {
         trial.bench.run_us(250);
         if trial.bench.time_s() > begin_s + 5.0 {
             break;
         }
     }
-    Ok(trial.bench.time_s() - begin_s)
+    let way_rad = 0.5 * kind.backlash_rad + kind.resolution_rad;
+    let within_s = 2.0 / kind.loop_hz + way_rad / speed_rad_s;
+    Ok([trial.bench.time_s() - begin_s, law_s, within_s])
 }
 
 /// How far it is from its goal with a torque on it, rad: where it comes to rest from either side, sagging and lifted.
@@ -178,7 +221,12 @@ fn rise_s(kind: &Parameters, step_rad: f64) -> Result<f64, ServoError> {
 /// # Errors
 /// The kind has no registers.
 pub fn sag_rad(kind: &Parameters, torque_nm: f64) -> Result<[f64; 2], ServoError> {
-    let mut rests = [0.0; 2];
+    sag(kind, torque_nm).map(|(rests, _)| rests)
+}
+
+/// That, and what the law says of the mean.
+fn sag(kind: &Parameters, torque_nm: f64) -> Result<([f64; 2], f64), ServoError> {
+    let (mut rests, mut law_rad) = ([0.0; 2], 0.0);
     for (rest, before) in rests.iter_mut().zip([0.0, 2.0]) {
         let mut memory = [0; MEMORY_LEN];
         let mut trial = Trial::new(kind, Arm::default(), &mut memory)?;
@@ -190,8 +238,9 @@ pub fn sag_rad(kind: &Parameters, torque_nm: f64) -> Result<[f64; 2], ServoError
         trial.bench.plant[0].torque_nm = -torque_nm;
         trial.bench.run_us(1_000_000);
         *rest = start - trial.bench.servos()[0].shaft().position_rad;
+        law_rad = trial.law(kind).sag_rad(torque_nm);
     }
-    Ok(rests)
+    Ok((rests, law_rad))
 }
 
 /// The table.
@@ -216,34 +265,39 @@ pub fn table() -> Result<Vec<Row>, TableError> {
                 servo: name,
                 what,
                 published,
+                expected: None,
                 simulated,
-                tolerance: Some(0.03),
+                within: Some(0.03 * published),
                 is_fitted: true,
-                source: "maker's sheet, see rig/models; 3 %: the winding warms meanwhile",
+                source: "maker's sheet, see rig/models",
             });
         }
     }
-    for (servo, step_rad, identified, tolerance, source) in STEPS {
+    for (servo, step_rad, identified, source) in STEPS {
         let kind = Parameters::built_in(servo)?;
+        let [simulated, law, within] = rise_s(&kind, step_rad)?.map(|seconds| 1e3 * seconds);
         rows.push(Row {
             servo,
             what: "63 % of a small step, ms",
-            published: 1e3 * identified.rise_s(step_rad),
-            simulated: 1e3 * rise_s(&kind, step_rad)?,
-            tolerance: Some(tolerance),
+            published: 1e3 * identified.rise(step_rad)[0],
+            expected: Some(law),
+            simulated,
+            within: Some(within),
             is_fitted: false,
             source,
         });
     }
-    for (servo, torque_nm, published_deg, tolerance, is_fitted, source) in SAGS {
+    for (servo, torque_nm, published_deg, is_compared, is_fitted, source) in SAGS {
         let kind = Parameters::built_in(servo)?;
-        let [down, up] = sag_rad(&kind, torque_nm)?;
+        let ([down, up], law_rad) = sag(&kind, torque_nm)?;
         rows.push(Row {
             servo,
             what: "sag, mean of both sides, deg",
             published: published_deg,
+            expected: Some(law_rad.to_degrees()),
             simulated: (0.5 * (down + up)).to_degrees(),
-            tolerance,
+            // Half a step of the goal, half a one of the encoder.
+            within: is_compared.then(|| kind.resolution_rad.to_degrees()),
             is_fitted,
             source,
         });
@@ -253,8 +307,9 @@ pub fn table() -> Result<Vec<Row>, TableError> {
         servo: "STS3215-12V",
         what: "no-load current, A",
         published: 0.18,
+        expected: None,
         simulated: free_run(&kind)?[1],
-        tolerance: None,
+        within: None,
         is_fitted: false,
         source: "SO-ARM100 issue 132; its friction here is a guess, as the 7.4 V type's",
     });

@@ -30,9 +30,10 @@ fn it_moves_by_its_own_speeds_from_rest_into_the_show() {
     let all: Vec<[Vec<f64>; 3]> =
         (0..=TICKS).map(|tick| numbers(frames.run_in(tick, TICKS))).collect();
     assert_eq!(all[0], [first[0].clone(), vec![0.0; 4], vec![0.0; 4]]);
-    assert_eq!(all[TICKS as usize], numbers(frames.frame(TICKS as i32 / 2)));
-    // A difference over two ticks is the derivative somewhere in them, so it is no farther from that in their middle than
-    // the derivative changes in a tick anywhere; and the rounding of f32, of positions and of speeds that are computed.
+    assert_eq!(all[TICKS as usize], numbers(frames.frame(TICKS.cast_signed() / 2)));
+    // A difference over two ticks is the derivative somewhere in them, so it is no farther from that in their middle
+    // than the derivative changes in a tick anywhere; and the rounding of f32, of positions and of speeds that are
+    // computed.
     let dt_s = f64::from(DT_S);
     for (order, rounding) in [2e-6, 2e-5].into_iter().enumerate() {
         for joint in 0..4 {

@@ -1,4 +1,6 @@
-//! Servos on one line, in simulated time.
+//! Servos in simulated time: on one line, or on several ([`Branch`]).
+
+mod branch;
 
 use std::collections::VecDeque;
 
@@ -10,11 +12,10 @@ use crate::line::Wired;
 use crate::load::{Plant, Shaft};
 use crate::model::Draw;
 use crate::supply::Supply;
-use crate::wire;
+use crate::wire::{self, SILENCE_US};
+pub use branch::Branch;
 
 const STEP_NS: u64 = 250_000;
-/// After so long a silence, who waits for a silent servo answers. Guess: no maker states it.
-const SILENCE_US: u32 = 100;
 
 /// What was on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,7 +28,7 @@ pub struct Traffic {
     pub wire_ns: u64,
 }
 
-/// Servos, a half-duplex line, a supply and a plant, in simulated time. Nothing asks a clock, and the order of all sums
+/// Servos, a half-duplex line, supplies and a plant, in simulated time. Nothing asks a clock, and the order of all sums
 /// is fixed: the same calls give the same bits.
 ///
 /// Time passes as bytes pass over the wire, and while the master waits. A servo reads its registers when its own tick
@@ -37,11 +38,15 @@ pub struct Bench<'m, P> {
     /// What the servos move.
     pub plant: P,
     /// What feeds them.
-    pub supply: Supply,
+    pub supplies: Vec<Supply>,
     /// What goes wrong.
     pub faults: Vec<Fault>,
     /// At what rate the master talks, bits per second.
     pub baud: u32,
+    /// By servo: which supply feeds it.
+    fed_by: Vec<usize>,
+    /// By supply: what is drawn in a step.
+    draws: Vec<Draw>,
     traffic: Traffic,
     now_ns: u64,
     stepped_ns: u64,
@@ -54,12 +59,29 @@ pub struct Bench<'m, P> {
 impl<'m, P: Plant> Bench<'m, P> {
     /// A bench at time 0. The master talks as fast as the first servo listens.
     pub fn new(servos: Vec<Servo<'m>>, plant: P, supply: Supply) -> Self {
+        Self::fed_by_several(servos, plant, vec![supply], |_| 0)
+    }
+
+    /// The same with several supplies: `fed_by` says which one feeds a servo.
+    ///
+    /// # Panics
+    /// If there is no such supply.
+    pub fn fed_by_several(
+        servos: Vec<Servo<'m>>,
+        plant: P,
+        supplies: Vec<Supply>,
+        fed_by: impl Fn(usize) -> usize,
+    ) -> Self {
         let count = servos.len();
+        let fed_by: Vec<usize> = (0..count).map(fed_by).collect();
+        assert!(fed_by.iter().all(|supply| *supply < supplies.len()), "a servo has no supply");
         Self {
             baud: servos.first().map_or(1_000_000, Servo::baud).max(1),
             servos,
             plant,
-            supply,
+            draws: vec![Draw::default(); supplies.len()],
+            supplies,
+            fed_by,
             faults: Vec::new(),
             traffic: Traffic::default(),
             now_ns: 0,
@@ -189,17 +211,19 @@ impl<'m, P: Plant> Bench<'m, P> {
         if !self.faults.is_empty() {
             self.apply_faults();
         }
-        let voltage = self.supply.voltage_v();
         let steps = self.plant.servo_steps().max(1);
-        let mut draw = Draw::default();
+        self.draws.fill(Draw::default());
         for (index, servo) in self.servos.iter_mut().enumerate() {
-            servo.step(voltage, &self.plant.load(index));
-            let own = servo.draw();
-            draw.current_a += own.current_a;
-            draw.conductance_a_v += own.conductance_a_v;
+            let supply = self.fed_by[index];
+            servo.step(self.supplies[supply].voltage_v(), &self.plant.load(index));
+            let (all, own) = (&mut self.draws[supply], servo.draw());
+            all.current_a += own.current_a;
+            all.conductance_a_v += own.conductance_a_v;
             self.pushed_nm[index] += servo.flow().shaft_nm / f64::from(steps);
         }
-        self.supply.step(STEP_S, draw);
+        for (supply, draw) in self.supplies.iter_mut().zip(&self.draws) {
+            supply.step(STEP_S, *draw);
+        }
         self.plant_steps += 1;
         if self.plant_steps >= steps {
             self.plant_steps = 0;
@@ -269,7 +293,7 @@ impl<P: Plant> Wired for Bench<'_, P> {
 
     fn speak(&mut self, speaker: usize) -> Option<(Vec<u8>, u32)> {
         let time_s = self.time_s();
-        wire::speak(&mut self.servos, speaker, &self.faults, time_s)
+        wire::speak(self.servos.get_mut(speaker)?, speaker, &self.faults, time_s)
     }
 
     fn silence(&mut self) {
