@@ -31,7 +31,8 @@ fn at_most(expected: f64) -> usize {
 fn check_dynamixel(count: &Count) {
     println!("{count:#?}");
     assert!(count.damaged + count.whole + count.behind_tear >= 1_000_000 && count.goals > 500_000);
-    // The CRC finds all damage that is short and 65,535 of 65,536 of the rest; of that, little is a reading that is near.
+    // The CRC finds all damage that is short and 65,535 of 65,536 of the rest; of that, little is a reading that is
+    // near.
     assert_eq!((count.wrong, count.foreign, count.doubted), (0, 0, 0));
     // A damaged reply may take the beginning of the next one for its own end, and have a right CRC by chance.
     assert!(count.hidden <= at_most(count.damaged as f64 / 65_536.0));
@@ -62,8 +63,8 @@ fn check_feetech<const IS_SCS: bool>(wire: &Feetech<IS_SCS>, ticks: usize) -> Co
     let damaged = count.damaged as f64;
     // Bits are flipped in one of seven damaged replies.
     let flipped = damaged / 7.0 * wire.believed_flips();
-    // In three of seven a byte is lost or put in. Of its places, the status' and two of the position's move the position
-    // itself; then one sum in 256 is right, and one position in so many near.
+    // In three of seven a byte is lost or put in. Of its places, the status' and two of the position's move the
+    // position itself; then one sum in 256 is right, and one position in so many near.
     let moved = damaged * 3.0 / 7.0 * wire.moved_share() / 256.0 * wire.near_share();
     println!("wrong positions expected: {flipped:.1} of flipped bits, {moved:.1} of moved bytes");
     assert!(count.wrong_positions <= at_most(flipped + moved));

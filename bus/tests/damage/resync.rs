@@ -142,7 +142,10 @@ proptest! {
 
     /// What a receiver with all of the stream in front of it finds, every parser finds, wherever the stream is split.
     #[test]
-    fn parsers_find_every_whole_packet(segments in vec(segment(), 1..8), cuts in vec(any::<prop::sample::Index>(), 0..8)) {
+    fn parsers_find_every_whole_packet(
+        segments in vec(segment(), 1..8),
+        cuts in vec(any::<prop::sample::Index>(), 0..8),
+    ) {
         for protocol in [Dynamixel, Feetech] {
             let stream = bytes_of(protocol, &segments);
             let mut ends: Vec<_> = cuts.iter().map(|cut| cut.index(stream.len() + 1)).collect();
