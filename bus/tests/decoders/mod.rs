@@ -176,8 +176,8 @@ fn tell_dynamixel(bytes: &[u8]) {
     assert!(status.answers(id, 3));
 }
 
-/// An answer to a fast read, whose first bytes say of whom, with bytes changed that the last ones name: the reader keeps
-/// what is in front of the first wrong check.
+/// An answer to a fast read, whose first bytes say of whom, with bytes changed that the last ones name: the reader
+/// keeps what is in front of the first wrong check.
 pub(crate) fn fast_answer(bytes: &[u8]) {
     let [count, length, rest @ ..] = bytes else { return };
     let (count, length) = (1 + u16::from(count & 7), u16::from(length & 15));
