@@ -142,27 +142,26 @@ pub fn fill(
     frame_time_s: f64,
     limit_s: f64,
 ) -> Result<(Clip, Filled), Unfillable> {
-    let Recording { name, skeleton, frames: recorded, .. } = recording;
+    // In place: of a long recording there is no room for two.
+    let Recording { name, skeleton, mut frames, .. } = recording;
     let limit_frames = whole(limit_s * frame_time_s.recip());
-    let count = recorded.len();
-    let mut frames: Vec<Vec<JointSample>> = vec![Vec::with_capacity(skeleton.joints.len()); count];
+    let count = frames.len();
     // By first frame and length.
     let mut gaps: BTreeMap<(usize, usize), Gap> = BTreeMap::new();
     for j in 0..skeleton.joints.len() {
         let mut previous: Option<JointSample> = None;
         let mut f = 0;
         while f < count {
-            if let Some(sample) = recorded[f][j] {
-                frames[f].push(sample);
+            if let Some(sample) = frames[f][j] {
                 previous = Some(sample);
                 f += 1;
                 continue;
             }
-            let length = recorded[f..].iter().take_while(|frame| frame[j].is_none()).count();
-            let next = recorded.get(f + length).and_then(|frame| frame[j]);
+            let length = frames[f..].iter().take_while(|frame| frame[j].is_none()).count();
+            let next = frames.get(f + length).and_then(|frame| frame[j]);
             let missing = || {
                 let whole = |frame: &Vec<Option<_>>| frame.iter().all(Option::is_none);
-                let all = recorded[f..f + length].iter().all(whole);
+                let all = frames[f..f + length].iter().all(whole);
                 if all { ALL.to_owned() } else { format!("joint `{}`", skeleton.joints[j].name) }
             };
             let (Some(before), Some(after)) = (previous.or(next), next.or(previous)) else {
@@ -179,7 +178,7 @@ pub fn fill(
                 });
             }
             for (k, frame) in frames[f..f + length].iter_mut().enumerate() {
-                frame.push(before.towards(&after, (k + 1) as f64 / (length + 1) as f64));
+                frame[j] = Some(before.towards(&after, (k + 1) as f64 / (length + 1) as f64));
             }
             let gap = gaps.entry((f, length)).or_insert_with(|| Gap {
                 first_frame: f,
@@ -197,6 +196,8 @@ pub fn fill(
         gap.names = names(&gap.joints, &skeleton);
     }
     let filled = Filled { gaps, frame_time_s };
+    // Every sample is there by now.
+    let frames = frames.into_iter().map(|frame| frame.into_iter().flatten().collect()).collect();
     Ok((Clip { name, skeleton, frame_time_s, frames }, filled))
 }
 

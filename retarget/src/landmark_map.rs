@@ -18,6 +18,11 @@ impl<T> LandmarkMap<T> {
     pub fn iter(&self) -> impl Iterator<Item = (Landmark, &T)> {
         Landmark::ALL.into_iter().zip(&self.0)
     }
+
+    /// The values in turn.
+    pub(crate) fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.0.iter_mut()
+    }
 }
 
 impl<T> Index<Landmark> for LandmarkMap<T> {

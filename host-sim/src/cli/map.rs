@@ -79,12 +79,7 @@ fn on_rig(clip: &Path, rig: &Path, metres_per_unit: Option<f64>) -> anyhow::Resu
 fn on_figure(path: &Path, given: Option<f64>) -> anyhow::Result<String> {
     let file = ClipFile::new(path);
     let recording = format::read(&file.path)?;
-    let whole: Vec<_> = recording
-        .frames
-        .iter()
-        .filter_map(|frame| frame.iter().copied().collect::<Option<Vec<_>>>())
-        .collect();
-    let matched = SkeletonMatch::new(&recording.skeleton, &whole);
+    let matched = SkeletonMatch::of_recording(&recording);
     let guess = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
     let Some(metres_per_unit) = given.or(recording.metres_per_unit).or(guess) else {
         let reason = matched

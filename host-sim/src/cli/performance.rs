@@ -223,7 +223,10 @@ impl OnRig {
                 }
             })?;
         tell(name, rig, &taken);
-        self.fitted(rig, name, clip.start_s, taken)
+        let (name, start_s) = (name.clone(), clip.start_s);
+        // A long clip is large, and of no more use.
+        drop(clip);
+        self.fitted(rig, &name, start_s, taken)
     }
 
     /// The motion as a loop if that is asked for, beside the rig's limits, and within them if that is.

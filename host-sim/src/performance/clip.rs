@@ -143,12 +143,7 @@ impl PreparedClip {
         }
         let frame_time_s = recording.frame_time_s.or(known_s);
         let frame_time_s = frame_time_s.ok_or_else(|| ClipError::NoRate { clip: name() })?;
-        let whole: Vec<_> = recording
-            .frames
-            .iter()
-            .filter_map(|frame| frame.iter().copied().collect::<Option<Vec<_>>>())
-            .collect();
-        let matched = SkeletonMatch::new(&recording.skeleton, &whole);
+        let matched = SkeletonMatch::of_recording(&recording);
         notes.extend(matched.findings.iter().cloned());
         let metres_per_unit = unit(&recording, &matched, settings.metres_per_unit)
             .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;

@@ -1,12 +1,11 @@
 //! A clip on a rig.
 
 use glam::DVec3;
-use sinew_retarget::LandmarkMap;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_retarget::mapping::{Mapping, MappingError};
 use sinew_retarget::performer::{Performer, PerformerError, PerformerJoints};
 use sinew_retarget::rig::{NoMatch, RigMatch};
-use sinew_retarget::solve::{self, Baked, Settings, best_tilt};
+use sinew_retarget::solve::{self, Baked, BakedLimb, Settings, best_tilt};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Pose;
 use thiserror::Error;
@@ -33,7 +32,7 @@ pub struct TakenOver {
     /// The rig's limbs, if it has any.
     pub rig: Option<RigMatch>,
     /// By frame of the clip: the performer's limbs in the rig's world, by the landmark at their ends.
-    pub limb_targets: Vec<LandmarkMap<Option<DVec3>>>,
+    pub limb_targets: Vec<Vec<BakedLimb>>,
 }
 
 /// Why a clip was not taken over.
@@ -101,7 +100,7 @@ pub fn take_over(
 ) -> Result<TakenOver, TakeOverError> {
     let Roles { rig, joints, mut settings } = Roles::of(mechanism, clip, mapping)?;
     settings.is_mirrored ^= mirror;
-    let baked = match &rig {
+    let mut baked = match &rig {
         None => still(mechanism, clip),
         Some(rig) => {
             let performer = Performer::of(&clip.clip, &joints).map_err(|source| {
@@ -113,7 +112,7 @@ pub fn take_over(
             solve::bake(mechanism, rig, &clip.clip, &performer, &settings)
         }
     };
-    let mut rows = baked.q.clone();
+    let mut rows = std::mem::take(&mut baked.q);
     let curves =
         mapping.map(|mapping| mapping.curves(mechanism, &clip.clip.skeleton)).transpose()?;
     if let Some(curves) = &curves {
@@ -133,19 +132,15 @@ fn still(mechanism: &Mechanism, clip: &PreparedClip) -> Baked {
     Baked {
         frame_time_s: clip.clip.frame_time_s,
         q: vec![mechanism.home(); frames],
-        limb_errors_rad: vec![LandmarkMap::default(); frames],
-        limb_targets: vec![LandmarkMap::default(); frames],
+        limbs: vec![Vec::new(); frames],
         held: vec![Vec::new(); frames],
     }
 }
 
 fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
-    let errors = || {
-        let all = baked.limb_errors_rad.iter().flat_map(LandmarkMap::iter);
-        all.filter_map(|(_, error)| *error)
-    };
+    let errors = || baked.limbs.iter().flatten().map(|limb| f64::from(limb.error_rad));
     let count = errors().count();
-    let frames = baked.q.len().max(1);
+    let frames = motion.rows.len().max(1);
     let names = mechanism.freedom_names();
     let (mut at_range, mut of_freedom) = (0_usize, vec![0_usize; names.len()]);
     for held in &baked.held {
@@ -165,7 +160,7 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
             .filter(|(_, count)| *count > 0)
             .map(|(joint, count)| (joint, count as f64 / frames as f64)),
         rig: None,
-        limb_targets: baked.limb_targets,
+        limb_targets: baked.limbs,
     }
 }
 
@@ -182,7 +177,7 @@ impl TakenOver {
             at_range: 0.0,
             most_held: None,
             rig: None,
-            limb_targets: vec![LandmarkMap::default(); frames],
+            limb_targets: vec![Vec::new(); frames],
         }
     }
 
@@ -196,9 +191,9 @@ impl TakenOver {
         let last = self.limb_targets.len() - 1;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let frame = ((clip_time_s / self.motion.dt_s).round().max(0.0) as usize).min(last);
-        self.limb_targets[frame].iter().filter_map(|(landmark, target)| {
-            let (target, rig) = ((*target)?, self.rig.as_ref()?);
-            let limb = rig.limb_direction(poses, landmark)?;
+        self.limb_targets[frame].iter().filter_map(|limb| {
+            let target = DVec3::from_array(limb.target.map(f64::from));
+            let limb = self.rig.as_ref()?.limb_direction(poses, limb.landmark)?;
             Some(libm::atan2(limb.cross(target).length(), limb.dot(target)).to_degrees())
         })
     }

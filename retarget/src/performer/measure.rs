@@ -13,25 +13,32 @@ const UPRIGHT: f64 = 0.87;
 const FLOOR: f64 = 0.02;
 
 pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
-    let worlds: Vec<Vec<JointSample>> =
-        (0..clip.frames.len()).map(|frame| clip.world_poses(frame)).collect();
     let point = |world: &[JointSample], landmark: Landmark| {
         joints.joints[landmark].map(|joint| world[joint].position_m)
     };
-    let upright = upright_pose(clip, joints, &worlds);
+    let upright = upright_pose(clip, joints);
     let parts = parts(joints, &upright);
-    let bends = LandmarkMap::of(|landmark| {
+    let mut bends = LandmarkMap::of(|landmark| {
         let (above, below) = match landmark {
             Landmark::Elbow(side) => (Landmark::Shoulder(side), Landmark::Wrist(side)),
             Landmark::Knee(side) => (Landmark::Hip(side), Landmark::Ankle(side)),
             _ => return None,
         };
         let [upper, middle, lower] = [above, landmark, below].map(|place| joints.joints[place]);
-        bend(&worlds, upper?, middle?, lower?)
+        Some(Bending::of([upper?, middle?, lower?]))
     });
+    let mut toes_m = Vec::new();
+    // One frame after the other: those of a long clip would take as much room as the clip.
+    for frame in 0..clip.frames.len() {
+        let world = clip.world_poses(frame);
+        bends.values_mut().flatten().for_each(|bend| bend.add(&world));
+        let toes = Side::ALL.into_iter().filter_map(|side| point(&world, Landmark::Toe(side)));
+        toes_m.extend(toes.map(|toe_m| toe_m.y));
+    }
+    let first = clip.world_poses(0);
     let length = |chains: [[Landmark; 3]; 2]| {
         let of_chain = |chain: [Landmark; 3]| {
-            let [a, b, c] = chain.map(|landmark| point(&worlds[0], landmark));
+            let [a, b, c] = chain.map(|landmark| point(&first, landmark));
             Some(a?.distance(b?) + b?.distance(c?))
         };
         let [left, right] = chains.map(of_chain);
@@ -41,28 +48,21 @@ pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
         Side::ALL.map(|side| [Landmark::Hip(side), Landmark::Knee(side), Landmark::Ankle(side)]);
     let arms = Side::ALL
         .map(|side| [Landmark::Shoulder(side), Landmark::Elbow(side), Landmark::Wrist(side)]);
-    let toes = worlds.iter().flat_map(|world| {
-        Side::ALL.into_iter().filter_map(|side| point(world, Landmark::Toe(side)))
-    });
     Performer {
         joints: *joints,
         parts,
         trunk: upright_trunk(joints, &upright),
-        bends,
+        bends: LandmarkMap::of(|landmark| bends[landmark].as_ref()?.mean()),
         leg_m: length(legs),
         arm_m: length(arms),
-        floor_m: quantile(toes.map(|toe_m| toe_m.y).collect(), FLOOR),
+        floor_m: quantile(toes_m, FLOOR),
         parents: clip.skeleton.joints.iter().map(|joint| joint.parent).collect(),
     }
 }
 
 /// A pose in which the performer stands upright: that of all rotations at zero if it does, else the frame in which
 /// trunk and legs are the nearest to it.
-fn upright_pose(
-    clip: &Clip,
-    joints: &PerformerJoints,
-    worlds: &[Vec<JointSample>],
-) -> Vec<JointSample> {
+fn upright_pose(clip: &Clip, joints: &PerformerJoints) -> Vec<JointSample> {
     let still = clip
         .skeleton
         .joints
@@ -72,9 +72,10 @@ fn upright_pose(
     if uprightness(&zero, joints) > UPRIGHT {
         return zero;
     }
-    let nearest =
-        worlds.iter().max_by(|a, b| uprightness(a, joints).total_cmp(&uprightness(b, joints)));
-    nearest.cloned().unwrap_or(zero)
+    let nearest = (0..clip.frames.len())
+        .map(|frame| (frame, uprightness(&clip.world_poses(frame), joints)))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map_or(zero, |(frame, _)| clip.world_poses(frame))
 }
 
 /// Least cosine between up and the trunk, the head and the legs; 1 if there is none of them.
@@ -135,20 +136,34 @@ fn upright_trunk(joints: &PerformerJoints, upright: &[JointSample]) -> Option<DQ
     Some((trunk(point)?.conjugate() * DQuat::from_mat3(&stands)).normalize())
 }
 
-/// The mean axis about which a limb bends, in the frame of its upper joint; what bends more counts more.
-fn bend(worlds: &[Vec<JointSample>], upper: usize, middle: usize, lower: usize) -> Option<Bend> {
-    let (mut sum, mut of_lengths) = (DVec3::ZERO, 0.0);
-    for world in worlds {
-        let [a, b, c] = [upper, middle, lower].map(|joint| world[joint].position_m);
-        let (Some(above), Some(below)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
-            continue;
-        };
-        let axis = world[upper].rotation.conjugate() * above.cross(below);
-        sum += axis;
-        of_lengths += axis.length();
+/// The mean axis about which a limb bends, in the frame of its upper joint, in the making; what bends more counts more.
+#[derive(Debug)]
+struct Bending {
+    /// Upper, middle and lower joint.
+    joints: [usize; 3],
+    sum: DVec3,
+    of_lengths: f64,
+}
+
+impl Bending {
+    fn of(joints: [usize; 3]) -> Self {
+        Self { joints, sum: DVec3::ZERO, of_lengths: 0.0 }
     }
-    let axis = sum.try_normalize()?;
-    Some(Bend { upper, axis, certainty: sum.length() / of_lengths })
+
+    fn add(&mut self, world: &[JointSample]) {
+        let [a, b, c] = self.joints.map(|joint| world[joint].position_m);
+        let (Some(above), Some(below)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
+            return;
+        };
+        let axis = world[self.joints[0]].rotation.conjugate() * above.cross(below);
+        self.sum += axis;
+        self.of_lengths += axis.length();
+    }
+
+    fn mean(&self) -> Option<Bend> {
+        let axis = self.sum.try_normalize()?;
+        Some(Bend { upper: self.joints[0], axis, certainty: self.sum.length() / self.of_lengths })
+    }
 }
 
 /// The value below which a part of all values lie; 0 of none.

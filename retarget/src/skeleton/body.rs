@@ -194,10 +194,14 @@ fn turns(first: JointSample, other: JointSample) -> bool {
     first.rotation.dot(other.rotation).abs() < 1.0 - 1e-9
 }
 
+/// Every how many of so many frames one is looked at.
+pub(super) fn step(count: usize) -> usize {
+    count.div_ceil(FRAMES_MAX).max(1)
+}
+
 /// Which of so many frames are looked at.
 fn picked(count: usize) -> Vec<usize> {
-    let step = count.div_ceil(FRAMES_MAX).max(1);
-    (0..count).step_by(step).collect()
+    (0..count).step_by(step(count)).collect()
 }
 
 /// Bone lengths: of the clip where it moves joints itself, else at rest.

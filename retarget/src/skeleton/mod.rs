@@ -19,7 +19,7 @@ mod words;
 
 use std::collections::BTreeMap;
 
-use sinew_mocap::{Clip, JointSample, Skeleton};
+use sinew_mocap::{Clip, JointSample, Recording, Skeleton};
 
 use body::Body;
 use confidence::Judge;
@@ -86,6 +86,21 @@ impl SkeletonMatch {
     /// Matches the skeleton of `clip`, see [`new`](Self::new).
     pub fn of_clip(clip: &Clip) -> Self {
         Self::new(&clip.skeleton, &clip.frames)
+    }
+
+    /// Matches the skeleton of a recording by those of its frames that have no gap, see [`new`](Self::new).
+    pub fn of_recording(recording: &Recording) -> Self {
+        let is_whole = |frame: &usize| recording.frames[*frame].iter().all(Option::is_some);
+        let whole = (0..recording.frames.len()).filter(is_whole);
+        // Copies of what is looked at alone: a recording may be long.
+        let looked_at: Vec<usize> = whole.clone().step_by(body::step(whole.count())).collect();
+        let samples = |frame: &usize| recording.frames[*frame].iter().flatten().copied().collect();
+        let frames: Vec<Vec<JointSample>> = looked_at.iter().map(samples).collect();
+        let mut matched = Self::new(&recording.skeleton, &frames);
+        if let Some(frame) = matched.directions.as_mut().and_then(|found| found.frame.as_mut()) {
+            *frame = looked_at[*frame];
+        }
+        matched
     }
 
     fn none(reason: &str) -> Self {

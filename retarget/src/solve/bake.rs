@@ -10,7 +10,7 @@ use super::terms::Target;
 use super::{Held, Settings, Solver};
 use crate::performer::{Performer, PerformerFrame};
 use crate::rig::RigMatch;
-use crate::{Landmark, LandmarkMap, Side};
+use crate::{Landmark, Side};
 
 /// Sweeps a frame: for posture alone, and with root and feet.
 const POSTURE_SWEEPS: usize = 1;
@@ -29,12 +29,21 @@ pub struct Baked {
     pub frame_time_s: f64,
     /// By frame: joint coordinates, as [`Mechanism::coordinate_ranges`] orders them.
     pub q: Vec<Vec<f64>>,
-    /// By frame: angle between each limb's direction and the performer's, rad, by the landmark at the limb's end.
-    pub limb_errors_rad: Vec<LandmarkMap<Option<f64>>>,
-    /// By frame: the performer's direction of each limb, unit, in the rig's world, by the landmark at the limb's end.
-    pub limb_targets: Vec<LandmarkMap<Option<DVec3>>>,
+    /// By frame: the limbs that are asked for.
+    pub limbs: Vec<Vec<BakedLimb>>,
     /// By frame: joints at an end of their range, or at their largest speed.
     pub held: Vec<Vec<Held>>,
+}
+
+/// A limb in a frame, in f32: a clip has many.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BakedLimb {
+    /// The landmark at its end.
+    pub landmark: Landmark,
+    /// The performer's direction of it, unit, in the rig's world.
+    pub target: [f32; 3],
+    /// Angle between that and the rig's, rad.
+    pub error_rad: f32,
 }
 
 /// Puts a clip on a rig. `performer`: measured over this clip. About 0.1 ms a frame of 30 joints.
@@ -47,22 +56,19 @@ pub fn bake(
     performer: &Performer,
     settings: &Settings,
 ) -> Baked {
-    let mut world: Vec<JointSample> = Vec::with_capacity(performer.joint_count());
     let mut solver = Solver::new(mechanism, rig, settings);
-    let frames: Vec<PerformerFrame> =
-        clip.frames.iter().map(|local| performer.frame(local, &mut world)).collect();
-    let frame_s = clip.frame_time_s;
-    let first = solver.find_branch(&frames, frame_s);
-    let plan = solver.plan(&frames, &first, frame_s, performer, settings);
+    let performance = Performance { performer, clip };
+    let (frame_s, count) = (clip.frame_time_s, clip.frames.len());
+    let first = solver.find_branch(&performance);
+    let plan = solver.plan(&performance, &first, settings);
     let mut baked = Baked {
         frame_time_s: frame_s,
-        q: Vec::with_capacity(frames.len()),
-        limb_errors_rad: Vec::with_capacity(frames.len()),
-        limb_targets: Vec::with_capacity(frames.len()),
-        held: Vec::with_capacity(frames.len()),
+        q: Vec::with_capacity(count),
+        limbs: Vec::with_capacity(count),
+        held: Vec::with_capacity(count),
     };
-    for (index, frame) in frames.iter().enumerate() {
-        solver.aim(frame);
+    for (index, frame) in performance.frames().enumerate() {
+        solver.aim(&frame);
         if let Some(plan) = &plan {
             solver.follow(plan, index);
         }
@@ -75,11 +81,32 @@ pub fn bake(
             }
         }
         baked.q.push(solver.q().to_vec());
-        baked.limb_errors_rad.push(solver.limb_errors_rad());
-        baked.limb_targets.push(solver.limb_targets());
+        baked.limbs.push(solver.limbs());
         baked.held.push(solver.held().collect());
     }
     baked
+}
+
+/// A clip as what it is of its performer. Frames are made when they are asked for: they are larger than the clip's.
+pub(super) struct Performance<'a> {
+    pub(super) performer: &'a Performer,
+    pub(super) clip: &'a Clip,
+}
+
+impl Performance<'_> {
+    /// All frames in turn.
+    fn frames(&self) -> impl Iterator<Item = PerformerFrame> {
+        self.frames_of(0..self.clip.frames.len())
+    }
+
+    /// Some of the frames.
+    pub(super) fn frames_of(
+        &self,
+        indices: impl Iterator<Item = usize>,
+    ) -> impl Iterator<Item = PerformerFrame> {
+        let mut world: Vec<JointSample> = Vec::with_capacity(self.performer.joint_count());
+        indices.map(move |index| self.performer.frame(&self.clip.frames[index], &mut world))
+    }
 }
 
 /// Where hips and toes go.
@@ -95,20 +122,27 @@ impl Solver {
     /// A pass by posture alone, and the paths of hips and toes that follow from it; `None` if the rig does not travel.
     fn plan(
         &mut self,
-        frames: &[PerformerFrame],
+        performance: &Performance<'_>,
         first: &[f64],
-        frame_s: f64,
-        performer: &Performer,
         settings: &Settings,
     ) -> Option<Plan> {
         self.aims.hips_term?;
+        let Performance { performer, clip } = performance;
+        let (frame_s, count) = (clip.frame_time_s, clip.frames.len());
         let (hips, leg_m) = (self.aims.hips?, self.aims.leg_m?);
         let scale = settings.scale.or(performer.leg_m.map(|of_performer| leg_m / of_performer))?;
         let feet: Vec<usize> = (0..2).filter(|foot| self.aims.toe_terms[*foot].is_some()).collect();
-        let mut toes_from_hips: Vec<Vec<DVec3>> =
-            vec![Vec::with_capacity(frames.len()); feet.len()];
-        for (index, frame) in frames.iter().enumerate() {
-            self.aim(frame);
+        let mut toes_from_hips: Vec<Vec<DVec3>> = vec![Vec::with_capacity(count); feet.len()];
+        let floor_m = DVec3::Y * performer.floor_m;
+        let mut wanted_m: Option<Vec<DVec3>> = Some(Vec::with_capacity(count));
+        let mut seen_m: Vec<Option<Vec<DVec3>>> = vec![Some(Vec::with_capacity(count)); feet.len()];
+        for (index, frame) in performance.frames().enumerate() {
+            let seen = self.aims.seen(&frame);
+            push(&mut wanted_m, seen.hips_m().map(|hips_m| (hips_m - floor_m) * scale));
+            for (foot, seen_m) in feet.iter().zip(&mut seen_m) {
+                push(seen_m, seen.points_m[Landmark::Toe(Side::ALL[*foot])]);
+            }
+            self.aim(&frame);
             if index == 0 {
                 self.settle(first, FIRST_SWEEPS);
             } else {
@@ -123,21 +157,12 @@ impl Solver {
                 from_hips.push(toe_m.unwrap_or(hips_m) - hips_m);
             }
         }
-        let seen: Vec<PerformerFrame> = frames.iter().map(|frame| self.aims.seen(frame)).collect();
-        let floor_m = DVec3::Y * performer.floor_m;
-        let wanted_m: Option<Vec<DVec3>> =
-            seen.iter().map(|frame| Some((frame.hips_m()? - floor_m) * scale)).collect();
-        let contacts: Option<Vec<Vec<f64>>> = feet
-            .iter()
-            .map(|foot| {
-                let landmark = Landmark::Toe(Side::ALL[*foot]);
-                let toe_m: Option<Vec<DVec3>> =
-                    seen.iter().map(|frame| frame.points_m[landmark]).collect();
-                Some(contacts(&toe_m?, frame_s, performer.floor_m))
-            })
+        let contacts: Option<Vec<Vec<f64>>> = seen_m
+            .into_iter()
+            .map(|toe_m| Some(contacts(&toe_m?, frame_s, performer.floor_m)))
             .collect();
         // A performer without toes has no contacts.
-        let contacts = contacts.unwrap_or_else(|| vec![vec![0.0; frames.len()]; feet.len()]);
+        let contacts = contacts.unwrap_or_else(|| vec![vec![0.0; count]; feet.len()]);
         let wanted_m = wanted_m?;
         let known =
             Frames { frame_s, wanted_m: &wanted_m, toes_m: &toes_from_hips, contacts: &contacts };
@@ -159,5 +184,13 @@ impl Solver {
             self.targets[term] =
                 Target { vector: plan.toes_m[foot][index], weight, ..Target::NONE };
         }
+    }
+}
+
+/// One more of a list that has all or is none.
+fn push<T>(list: &mut Option<Vec<T>>, value: Option<T>) {
+    match (list.as_mut(), value) {
+        (Some(list), Some(value)) => list.push(value),
+        _ => *list = None,
     }
 }

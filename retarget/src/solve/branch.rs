@@ -4,7 +4,7 @@
 //! come out far from the performer, the clip is also followed from later frames, forward and back.
 
 use super::Solver;
-use crate::performer::PerformerFrame;
+use super::bake::Performance;
 
 /// Frames are tried at this distance, s.
 const EVERY_S: f64 = 1.0 / 15.0;
@@ -17,17 +17,18 @@ const BETTER: f64 = 0.8;
 
 impl Solver {
     /// Finds the pose of the first frame by posture alone, looking at the whole clip. There is at least one frame.
-    pub(super) fn find_branch(&mut self, frames: &[PerformerFrame], frame_s: f64) -> Vec<f64> {
+    pub(super) fn find_branch(&mut self, performance: &Performance<'_>) -> Vec<f64> {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a small number of frames"
         )]
-        let every = ((EVERY_S / frame_s).round() as usize).max(1);
-        let tried: Vec<&PerformerFrame> = frames.iter().step_by(every).collect();
-        self.begin_at(tried[0]);
+        let every = ((EVERY_S / performance.clip.frame_time_s).round() as usize).max(1);
+        let count = performance.clip.frames.len();
+        let tried: Vec<usize> = (0..count).step_by(every).collect();
+        self.begin_at(performance, tried[0]);
         let mut first = self.state.q.clone();
-        let mut least = self.follow_along(tried.iter().skip(1)) / tried.len() as f64;
+        let mut least = self.follow_along(performance, tried[1..].iter()) / tried.len() as f64;
         if least < FAR_RAD {
             return first;
         }
@@ -38,13 +39,13 @@ impl Solver {
                 reason = "a place in the list"
             )]
             let middle = (part * (tried.len() - 1) as f64) as usize;
-            self.begin_at(tried[middle]);
+            self.begin_at(performance, tried[middle]);
             let begun = self.state.q.clone();
-            let mut sum = self.follow_along(tried[..middle].iter().rev());
+            let mut sum = self.follow_along(performance, tried[..middle].iter().rev());
             let at_first = self.state.q.clone();
             self.state.q.copy_from_slice(&begun);
             self.model.place(&mut self.state);
-            sum += self.follow_along(tried[middle + 1..].iter());
+            sum += self.follow_along(performance, tried[middle + 1..].iter());
             let found = sum / tried.len() as f64;
             if found < BETTER * least {
                 (least, first) = (found, at_first);
@@ -53,16 +54,22 @@ impl Solver {
         first
     }
 
-    fn begin_at(&mut self, frame: &PerformerFrame) {
-        self.aim(frame);
+    fn begin_at(&mut self, performance: &Performance<'_>, index: usize) {
+        for frame in performance.frames_of([index].into_iter()) {
+            self.aim(&frame);
+        }
         self.find_first();
     }
 
     /// One step a frame; the sum over frames of the limbs' mean error, rad.
-    fn follow_along<'f>(&mut self, frames: impl Iterator<Item = &'f &'f PerformerFrame>) -> f64 {
+    fn follow_along<'f>(
+        &mut self,
+        performance: &Performance<'_>,
+        indices: impl Iterator<Item = &'f usize>,
+    ) -> f64 {
         let mut sum = 0.0;
-        for frame in frames {
-            self.aim(frame);
+        for frame in performance.frames_of(indices.copied()) {
+            self.aim(&frame);
             self.begin();
             self.sweep(None);
             let errors = self.limb_errors_rad();

@@ -25,7 +25,7 @@ use crate::performer::PerformerFrame;
 use crate::rig::RigMatch;
 
 use aim::Aims;
-pub use bake::{Baked, bake};
+pub use bake::{Baked, BakedLimb, bake};
 pub use live::{Live, NotFinite};
 use model::{Model, State};
 use normal::Normal;
@@ -178,9 +178,16 @@ impl Solver {
         [errors, home.map(|freedom| self.home_away[*freedom] * self.home_away[*freedom]).sum()]
     }
 
-    /// The direction of each limb that is asked for, in the rig's world.
-    pub(crate) fn limb_targets(&self) -> LandmarkMap<Option<glam::DVec3>> {
-        self.aims.limb_targets(&self.targets)
+    /// The limbs that are asked for.
+    fn limbs(&self) -> Vec<BakedLimb> {
+        let errors_rad = self.limb_errors_rad();
+        let targets = self.aims.limb_targets(&self.targets);
+        #[expect(clippy::cast_possible_truncation, reason = "directions and angles")]
+        let limb = |(landmark, target): (_, &Option<glam::DVec3>)| {
+            let target = target.as_ref()?.to_array().map(|x| x as f32);
+            Some(BakedLimb { landmark, target, error_rad: errors_rad[landmark]? as f32 })
+        };
+        targets.iter().filter_map(limb).collect()
     }
 
     /// Angle between each limb's direction and its target, rad.

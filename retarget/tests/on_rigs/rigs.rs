@@ -173,11 +173,8 @@ fn h1_walks_and_fights() {
         clip.frames.remove(0);
         let performer = Performer::of(&clip, &examples::joints(&clip.skeleton)).unwrap();
         let baked = bake(&mechanism, &rig, &clip, &performer, &Settings::default());
-        let errors: Vec<f64> = baked
-            .limb_errors_rad
-            .iter()
-            .flat_map(|errors| errors.iter().filter_map(|(_, error)| *error).collect::<Vec<_>>())
-            .collect();
+        let errors: Vec<f64> =
+            baked.limbs.iter().flatten().map(|limb| f64::from(limb.error_rad)).collect();
         let mean_deg = (errors.iter().sum::<f64>() / errors.len() as f64).to_degrees();
         // The goal for rigs that have the joints.
         assert!(mean_deg < 2.5, "{path}: {mean_deg}");
