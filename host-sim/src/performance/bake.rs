@@ -227,8 +227,15 @@ fn rate(dt_s: f64) -> Result<Rate, BakeError> {
 /// at.
 #[derive(Debug)]
 pub struct Played<'a> {
-    player: RefCell<Player<'a, CHANNELS>>,
-    freedoms: usize,
+    player: RefCell<(Player<'a, CHANNELS>, State)>,
+}
+
+/// Coordinates with their derivatives, as a board has them.
+#[derive(Debug)]
+struct State {
+    q: Vec<f32>,
+    qd: Vec<f32>,
+    qdd: Vec<f32>,
 }
 
 impl<'a> Played<'a> {
@@ -239,32 +246,30 @@ impl<'a> Played<'a> {
     pub fn new(bytes: &'a [u8]) -> Result<Self, ShowError> {
         let show = Show::open(bytes)?;
         show.check_blocks()?;
-        let freedoms = show.degrees_of_freedom();
-        Ok(Self { player: RefCell::new(Player::new(show)?), freedoms })
+        let none = vec![0.0; show.degrees_of_freedom()];
+        let state = State { q: vec![0.0; show.channel_count()], qd: none.clone(), qdd: none };
+        Ok(Self { player: RefCell::new((Player::new(show)?, state)) })
     }
 }
 
 impl Performance for Played<'_> {
     fn duration_s(&self) -> f64 {
-        f64::from(self.player.borrow().show().duration_s())
+        f64::from(self.player.borrow().0.show().duration_s())
     }
 
     fn at(&self, time_s: f64, instant: &mut Instant) {
-        let mut player = self.player.borrow_mut();
-        let channels = player.show().channel_count();
-        let mut q = vec![0.0; channels];
-        let (mut qd, mut qdd) = (vec![0.0; self.freedoms], vec![0.0; self.freedoms]);
+        let (player, State { q, qd, qdd }) = &mut *self.player.borrow_mut();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let position = player.show().position_at_us((time_s.max(0.0) * 1e6).round() as u64);
         // Its blocks were checked.
-        let _ = player.state_at(position, &mut q, &mut qd, &mut qdd);
+        let _ = player.state_at(position, q, qd, qdd);
         let wide = |numbers: &[f32], out: &mut Vec<f64>| {
             out.clear();
             out.extend(numbers.iter().map(|x| f64::from(*x)));
         };
-        wide(&q, &mut instant.q);
-        wide(&qd, &mut instant.qd);
-        wide(&qdd, &mut instant.qdd);
+        wide(q, &mut instant.q);
+        wide(qd, &mut instant.qd);
+        wide(qdd, &mut instant.qdd);
     }
 }
 

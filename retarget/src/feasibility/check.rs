@@ -156,7 +156,8 @@ pub fn check(
     if !(10.0..=10_000.0).contains(&rate_hz) {
         return Err(CheckError::Rate(rate_hz));
     }
-    let mut tally = Tally::new(mechanism, limits, rate_hz)?;
+    let mut efforts = Efforts::of(mechanism)?;
+    let mut tally = Tally::new(mechanism, limits, &mut efforts, rate_hz);
     let mut instant = Instant::default();
     let duration_s = performance.duration_s();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
@@ -170,11 +171,12 @@ pub fn check(
 }
 
 /// What is known so far.
-struct Tally<'a> {
+pub(super) struct Tally<'a> {
     limits: &'a Limits,
     dt_s: f64,
-    efforts: Efforts,
-    of_instant: Vec<f64>,
+    pub(super) efforts: &'a mut Efforts,
+    /// Of the last instant.
+    pub(super) of_instant: Vec<f64>,
     /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
     places: Vec<Option<usize>>,
     /// Where in `q` the coordinates of each body are, and its first freedom.
@@ -189,7 +191,12 @@ struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    fn new(mechanism: &Mechanism, limits: &'a Limits, rate_hz: f64) -> Result<Self, CheckError> {
+    pub(super) fn new(
+        mechanism: &Mechanism,
+        limits: &'a Limits,
+        efforts: &'a mut Efforts,
+        rate_hz: f64,
+    ) -> Self {
         let (mut places, mut joints) = (Vec::new(), Vec::new());
         for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
             let count = link.joint.kind().degrees_of_freedom();
@@ -204,10 +211,10 @@ impl<'a> Tally<'a> {
             most: f64::NEG_INFINITY,
             ..FreedomPeaks::default()
         };
-        Ok(Self {
+        Self {
             limits,
             dt_s: rate_hz.recip(),
-            efforts: Efforts::of(mechanism)?,
+            efforts,
             of_instant: Vec::new(),
             places,
             joints,
@@ -216,15 +223,17 @@ impl<'a> Tally<'a> {
             peaks: vec![peaks; freedoms],
             excesses: Vec::new(),
             open: vec![[None; Kind::COUNT]; freedoms],
-        })
+        }
     }
 
-    fn take(&mut self, time_s: f64, instant: &Instant) -> Result<(), CheckError> {
+    /// Looks at an instant; whether a speed, an acceleration or an effort is beyond its limit.
+    pub(super) fn take(&mut self, time_s: f64, instant: &Instant) -> Result<bool, CheckError> {
         let mut efforts = std::mem::take(&mut self.of_instant);
         self.efforts
             .at(instant, &mut efforts)
             .map_err(|source| CheckError::Instant { time_s, source })?;
         let limits = self.limits;
+        let mut is_beyond = false;
         for (freedom, (limits, effort)) in limits.freedoms.iter().zip(&efforts).enumerate() {
             let (speed, acceleration) = (instant.qd[freedom], instant.qdd[freedom]);
             let effort = *effort;
@@ -247,7 +256,9 @@ impl<'a> Tally<'a> {
                 (Kind::Acceleration, acceleration, limits.acceleration),
                 (Kind::Effort, effort, limits.effort),
             ] {
-                self.note(value.abs() > limit, freedom, kind, time_s, value.abs(), limit);
+                let beyond = value.abs() > limit;
+                is_beyond |= beyond;
+                self.note(beyond, freedom, kind, time_s, value.abs(), limit);
             }
             if let Some(heat) = limits.heat {
                 // A low-pass of the square: what warms a motor, over the time that it takes to.
@@ -260,7 +271,7 @@ impl<'a> Tally<'a> {
         }
         self.of_instant = efforts;
         self.take_joined(time_s, instant);
-        Ok(())
+        Ok(is_beyond)
     }
 
     /// Turns of ball joints, and limits that join two joints.
@@ -321,7 +332,7 @@ impl<'a> Tally<'a> {
         });
     }
 
-    fn report(mut self, duration_s: f64, count: usize) -> Report {
+    pub(super) fn report(mut self, duration_s: f64, count: usize) -> Report {
         for (peaks, square) in self.peaks.iter_mut().zip(&self.squares) {
             peaks.effort_rms = libm::sqrt(square / count as f64);
             if peaks.least > peaks.most {

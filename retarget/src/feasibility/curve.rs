@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3, DVec4};
 use sinew_rig::Mechanism;
 
 use super::motion::{MotionError, RigMotion};
+use super::rows::Rows;
 
 /// What a rig does at an instant.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,11 +36,21 @@ pub trait Performance {
 pub struct Curve {
     dt_s: f64,
     /// Coordinates of the rows, with the quaternions of one sign.
-    rows: Vec<Vec<f64>>,
-    /// Second derivatives of the coordinates at the rows, per second squared.
-    bends: Vec<Vec<f64>>,
-    /// Where in a row the coordinates of each joint are.
-    joints: Vec<Range<usize>>,
+    rows: Rows,
+    /// Second derivatives of the coordinates at the rows, per second squared, as the rows are.
+    bends: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+/// Coordinates of a row that are computed alike.
+#[derive(Debug, Clone)]
+enum Piece {
+    /// Of joints along single axes, all that follow each other.
+    Scalars(Range<usize>),
+    /// A rotation.
+    Rotation(usize),
+    /// A rotation, then a way along the turned axes.
+    Free(usize),
 }
 
 impl Curve {
@@ -50,10 +61,24 @@ impl Curve {
     pub fn new(mechanism: &Mechanism, motion: &RigMotion) -> Result<Self, MotionError> {
         motion.check(mechanism)?;
         let joints = mechanism.coordinate_ranges();
-        let mut rows = motion.rows.clone();
-        align_quaternions(&joints, &mut rows);
-        let bends = bends(&rows, motion.dt_s);
-        Ok(Self { dt_s: motion.dt_s, rows, bends, joints })
+        let rows = Rows::of(mechanism.coordinate_count(), &motion.rows);
+        Ok(Self::through(&joints, rows, motion.dt_s))
+    }
+
+    /// The curve through rows that are a motion of the rig: at least two.
+    pub(super) fn through(joints: &[Range<usize>], mut rows: Rows, dt_s: f64) -> Self {
+        align_quaternions(joints, &mut rows);
+        let mut pieces: Vec<Piece> = Vec::new();
+        for range in joints.iter().filter(|range| !range.is_empty()) {
+            match (range.len(), pieces.last_mut()) {
+                (7, _) => pieces.push(Piece::Free(range.start)),
+                (4, _) => pieces.push(Piece::Rotation(range.start)),
+                (_, Some(Piece::Scalars(last))) if last.end == range.start => last.end = range.end,
+                _ => pieces.push(Piece::Scalars(range.clone())),
+            }
+        }
+        let bends = bends(&rows, dt_s);
+        Self { dt_s, rows, bends, pieces }
     }
 
     /// Samples of the curve, `rate_hz` of them a second, at least two. Where they fall on rows, they are the rows.
@@ -61,12 +86,27 @@ impl Curve {
         let dt_s = rate_hz.recip();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let count = (self.duration_s() * rate_hz + 1e-6).floor() as usize + 1;
+        let times_s = (0..count.max(2)).map(|row| row as f64 * dt_s);
+        RigMotion { dt_s, rows: self.rows_at(times_s).lists() }
+    }
+
+    /// Coordinates at some times.
+    pub(super) fn rows_at(&self, times_s: impl Iterator<Item = f64>) -> Rows {
         let mut instant = Instant::default();
-        let rows = (0..count.max(2)).map(|row| {
-            self.at(row as f64 * dt_s, &mut instant);
-            instant.q.clone()
-        });
-        RigMotion { dt_s, rows: rows.collect() }
+        let width = self.rows.width;
+        let mut rows = Rows { width, count: 0, numbers: Vec::new() };
+        rows.numbers.reserve_exact(times_s.size_hint().0 * width);
+        for time_s in times_s {
+            self.at(time_s, &mut instant);
+            rows.numbers.extend_from_slice(&instant.q);
+            rows.count += 1;
+        }
+        rows
+    }
+
+    /// What it leads through.
+    pub(super) fn into_rows(self) -> Rows {
+        self.rows
     }
 
     /// Time from row to row, s.
@@ -77,11 +117,11 @@ impl Curve {
 
 impl Performance for Curve {
     fn duration_s(&self) -> f64 {
-        (self.rows.len() - 1) as f64 * self.dt_s
+        (self.rows.count - 1) as f64 * self.dt_s
     }
 
     fn at(&self, time_s: f64, instant: &mut Instant) {
-        let last = self.rows.len() - 2;
+        let last = self.rows.count - 2;
         let place = (time_s / self.dt_s).clamp(0.0, (last + 1) as f64);
         #[expect(
             clippy::cast_possible_truncation,
@@ -89,50 +129,49 @@ impl Performance for Curve {
             reason = "clamped to the rows"
         )]
         let row = (place.floor() as usize).min(last);
-        let (b, h) = (place - row as f64, self.dt_s);
+        let (b, h, width) = (place - row as f64, self.dt_s, self.rows.width);
         let a = 1.0 - b;
-        let [from, to] = [&self.rows[row], &self.rows[row + 1]];
-        let [bend, bend_to] = [&self.bends[row], &self.bends[row + 1]];
-        let value = |k: usize| {
-            let cubic = (a * a * a - a) * bend[k] + (b * b * b - b) * bend_to[k];
-            a * from[k] + b * to[k] + cubic * h * h / 6.0
-        };
-        let slope = |k: usize| {
-            let cubic = (3.0 * b * b - 1.0) * bend_to[k] - (3.0 * a * a - 1.0) * bend[k];
-            (to[k] - from[k]) / h + cubic * h / 6.0
-        };
+        let [from, to] = [self.rows.row(row), self.rows.row(row + 1)];
+        let [bend, bend_to] = [row, row + 1].map(|row| &self.bends[row * width..][..width]);
+        let [of_value, of_value_to] = [a, b].map(|x| (x * x * x - x) * h * h / 6.0);
+        let [of_slope, of_slope_to] = [a, b].map(|x| (3.0 * x * x - 1.0) * h / 6.0);
+        let value =
+            |k: usize| a * from[k] + b * to[k] + of_value * bend[k] + of_value_to * bend_to[k];
+        let slope =
+            |k: usize| (to[k] - from[k]) / h + of_slope_to * bend_to[k] - of_slope * bend[k];
         let bent = |k: usize| a * bend[k] + b * bend_to[k];
         let Instant { q, qd, qdd } = instant;
         q.clear();
         qd.clear();
         qdd.clear();
-        for range in &self.joints {
-            let mut scalars = range.clone();
-            if range.len() >= 4 {
-                let four = |of: &dyn Fn(usize) -> f64| {
-                    DVec4::from_array(std::array::from_fn(|k| of(range.start + k)))
-                };
-                let [p, v, w] = [four(&value), four(&slope), four(&bent)];
-                let turn = Turning::of(p, v, w);
-                q.extend(turn.rotation.to_array());
-                qd.extend(turn.speed.to_array());
-                qdd.extend(turn.acceleration.to_array());
-                scalars.start += 4;
+        for piece in &self.pieces {
+            let (first, is_free) = match piece {
+                Piece::Scalars(range) => {
+                    q.extend(range.clone().map(value));
+                    qd.extend(range.clone().map(slope));
+                    qdd.extend(range.clone().map(bent));
+                    continue;
+                }
+                Piece::Rotation(first) => (*first, false),
+                Piece::Free(first) => (*first, true),
+            };
+            let four = |of: &dyn Fn(usize) -> f64| {
+                DVec4::from_array(std::array::from_fn(|k| of(first + k)))
+            };
+            let turn = Turning::of(four(&value), four(&slope), four(&bent));
+            q.extend(turn.rotation.to_array());
+            qd.extend(turn.speed.to_array());
+            qdd.extend(turn.acceleration.to_array());
+            if is_free {
                 // A free joint's way is told along the body's axes.
                 let three = |of: &dyn Fn(usize) -> f64| {
-                    DVec3::from_array(std::array::from_fn(|k| of(scalars.start + k)))
+                    DVec3::from_array(std::array::from_fn(|k| of(first + 4 + k)))
                 };
-                if scalars.len() == 3 {
-                    let to_body = turn.rotation.conjugate();
-                    q.extend(three(&value).to_array());
-                    qd.extend((to_body * three(&slope)).to_array());
-                    qdd.extend((to_body * three(&bent)).to_array());
-                }
-                continue;
+                let to_body = turn.rotation.conjugate();
+                q.extend(three(&value).to_array());
+                qd.extend((to_body * three(&slope)).to_array());
+                qdd.extend((to_body * three(&bent)).to_array());
             }
-            q.extend(scalars.clone().map(value));
-            qd.extend(scalars.clone().map(slope));
-            qdd.extend(scalars.map(bent));
         }
     }
 }
@@ -162,12 +201,13 @@ impl Turning {
 }
 
 /// Gives quaternions one sign from row to row, so that their numbers have no jumps.
-pub(super) fn align_quaternions(joints: &[Range<usize>], rows: &mut [Vec<f64>]) {
+fn align_quaternions(joints: &[Range<usize>], rows: &mut Rows) {
     for range in joints.iter().filter(|range| range.len() >= 4) {
         let turn = range.start..range.start + 4;
-        for row in 1..rows.len() {
-            let (before, rest) = rows.split_at_mut(row);
-            let (before, now) = (&before[row - 1][turn.clone()], &mut rest[0][turn.clone()]);
+        for row in 1..rows.count {
+            let (before, rest) = rows.numbers.split_at_mut(row * rows.width);
+            let before = &before[(row - 1) * rows.width..][turn.clone()];
+            let now = &mut rest[turn.clone()];
             let dot: f64 = before.iter().zip(now.iter()).map(|(a, b)| a * b).sum();
             if dot < 0.0 {
                 for x in now {
@@ -179,31 +219,35 @@ pub(super) fn align_quaternions(joints: &[Range<usize>], rows: &mut [Vec<f64>]) 
 }
 
 /// Second derivatives of the spline at the rows: a tridiagonal system for each coordinate, by Thomas.
-fn bends(rows: &[Vec<f64>], dt_s: f64) -> Vec<Vec<f64>> {
-    let (count, width) = (rows.len(), rows[0].len());
-    let mut bends = vec![vec![0.0; width]; count];
+fn bends(rows: &Rows, dt_s: f64) -> Vec<f64> {
+    let (count, width) = (rows.count, rows.width);
+    let mut bends = vec![0.0; count * width];
     if count < 3 {
         return bends;
     }
     // m[i-1] + 4 m[i] + m[i+1] = 6 (y[i-1] - 2 y[i] + y[i+1]) / h². The ends bend as their neighbours do.
     let mut shares = vec![0.0; count];
+    let scale = 6.0 / (dt_s * dt_s);
     for row in 1..count - 1 {
         let ends = f64::from(u8::from(row == 1) + u8::from(row == count - 2));
-        shares[row] = 1.0 / (4.0 + ends - shares[row - 1]);
-        for k in 0..width {
-            let second = rows[row - 1][k] - 2.0 * rows[row][k] + rows[row + 1][k];
-            bends[row][k] = (6.0 * second / (dt_s * dt_s) - bends[row - 1][k]) * shares[row];
+        let share = 1.0 / (4.0 + ends - shares[row - 1]);
+        shares[row] = share;
+        let (before, now) = bends.split_at_mut(row * width);
+        let last = &before[(row - 1) * width..];
+        let [y0, y1, y2] = [row - 1, row, row + 1].map(|row| rows.row(row));
+        for ((bend, last), ((y0, y1), y2)) in
+            now.iter_mut().zip(last).zip(y0.iter().zip(y1).zip(y2))
+        {
+            *bend = (scale * (y0 - 2.0 * y1 + y2) - last) * share;
         }
     }
     for row in (1..count - 2).rev() {
-        let (before, behind) = bends.split_at_mut(row + 1);
-        for (bend, next) in before[row].iter_mut().zip(&behind[0]) {
+        let (before, behind) = bends.split_at_mut((row + 1) * width);
+        for (bend, next) in before[row * width..].iter_mut().zip(&behind[..width]) {
             *bend -= shares[row] * next;
         }
     }
-    let ends = [bends[1].clone(), bends[count - 2].clone()];
-    for (row, end) in [0, count - 1].into_iter().zip(ends) {
-        bends[row] = end;
-    }
+    bends.copy_within(width..2 * width, 0);
+    bends.copy_within((count - 2) * width..(count - 1) * width, (count - 1) * width);
     bends
 }

@@ -40,12 +40,31 @@ impl Efforts {
         dry * (speed / 0.01).clamp(-1.0, 1.0)
     }
 
+    /// What friction that grows with the speed takes of a freedom, N m or N.
+    pub(super) fn viscous_friction(&self, freedom: usize, speed: f64) -> f64 {
+        let [_, viscous] = self.friction[freedom];
+        viscous * speed
+    }
+
     /// Efforts along the degrees of freedom, with the joints' friction, N m or N. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`] if the instant is none of the rig.
     pub fn at(&mut self, instant: &Instant, out: &mut Vec<f64>) -> Result<(), CoordinatesError> {
-        for (single, wide) in self.single.iter_mut().zip([&instant.q, &instant.qd, &instant.qdd]) {
+        self.without_friction([&instant.q, &instant.qd, &instant.qdd], out)?;
+        for (freedom, (effort, speed)) in out.iter_mut().zip(&instant.qd).enumerate() {
+            *effort += self.dry_friction(freedom, *speed) + self.viscous_friction(freedom, *speed);
+        }
+        Ok(())
+    }
+
+    /// The same without friction, of positions, speeds and accelerations.
+    pub(super) fn without_friction(
+        &mut self,
+        motion: [&[f64]; 3],
+        out: &mut Vec<f64>,
+    ) -> Result<(), CoordinatesError> {
+        for (single, wide) in self.single.iter_mut().zip(motion) {
             single.clear();
             #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
             single.extend(wide.iter().map(|x| *x as f32));
@@ -54,10 +73,6 @@ impl Efforts {
         let efforts = self.dynamics.efforts(q, qd, qdd)?;
         out.clear();
         out.extend(efforts.iter().map(|effort| f64::from(*effort)));
-        for (freedom, (effort, speed)) in out.iter_mut().zip(&instant.qd).enumerate() {
-            let [_, viscous] = self.friction[freedom];
-            *effort += self.dry_friction(freedom, *speed) + viscous * speed;
-        }
         Ok(())
     }
 }

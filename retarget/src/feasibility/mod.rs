@@ -18,6 +18,7 @@ mod limits;
 mod looped;
 mod low_pass;
 mod motion;
+mod rows;
 #[cfg(test)]
 mod tests;
 

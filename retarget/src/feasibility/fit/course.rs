@@ -17,9 +17,24 @@ impl Course {
         Self { dt_s, pace: vec![1.0; rows] }
     }
 
-    /// Goes at these shares of its present speed, and smoothly in between.
-    pub(super) fn slow_down(&mut self, shares: &[f64]) {
-        self.pace = smoothly_less(&self.pace, shares, BRAKING_S / self.dt_s);
+    /// Goes at these shares of its present speed, of rows from `first` on, and smoothly in between.
+    pub(super) fn slow_down(&mut self, first: usize, shares: &[f64]) {
+        lessen(&mut self.pace, first, shares, BRAKING_S / self.dt_s);
+    }
+
+    /// The pace some part behind a row, and how it changes in time, 1/s.
+    pub(super) fn pace_at(&self, row: usize, part: f64) -> [f64; 2] {
+        let last = self.pace.len() - 1;
+        // 1 / pace is linear from row to row.
+        let slow = |row: usize| self.pace[row.min(last)].recip();
+        let steep = |row: usize| {
+            let (before, behind) = (row.saturating_sub(1), (row + 1).min(last));
+            (slow(behind) - slow(before)) / ((behind - before) as f64 * self.dt_s)
+        };
+        let between =
+            |of: &dyn Fn(usize) -> f64| of(row) + part * (of((row + 1).min(last)) - of(row));
+        let pace = between(&slow).recip();
+        [pace, -pace * pace * pace * between(&steep)]
     }
 
     /// The given time of each row of the new motion, whose rows are as far apart; `None` if it goes as given.
@@ -36,48 +51,57 @@ impl Course {
         let end_s = new_s[new_s.len() - 1];
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let count = (end_s / self.dt_s).ceil() as usize;
+        let last = self.pace.len() - 2;
+        let mut row = 0;
         // The rows fill the time: it is longer by less than one of them.
-        let at = |row: usize| self.given_at(&new_s, row as f64 / count as f64 * end_s);
-        Some((0..=count).map(at).collect())
+        let given_s = (0..=count).map(|index| {
+            let time_s = index as f64 / count as f64 * end_s;
+            while row < last && new_s[row + 1] <= time_s {
+                row += 1;
+            }
+            (row as f64 + self.part(row, time_s - new_s[row])) * self.dt_s
+        });
+        Some(given_s.collect())
     }
 
-    /// The given time of a new one: between two rows the new time is a cubic with the slopes 1 / pace.
-    fn given_at(&self, new_s: &[f64], time_s: f64) -> f64 {
-        let last = new_s.len() - 2;
-        let row = new_s.partition_point(|new| *new <= time_s).saturating_sub(1).min(last);
-        let [from, to] = [new_s[row], new_s[row + 1]];
-        let [slope, slope_to] = [row, row + 1].map(|row| self.dt_s / self.pace[row]);
-        let at = |u: f64| {
-            let v = 1.0 - u;
-            from * v * v * (1.0 + 2.0 * u)
-                + to * u * u * (1.0 + 2.0 * v)
-                + u * v * (slope * v - slope_to * u)
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        // To the last bits of the share.
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if at(middle) < time_s { low = middle } else { high = middle }
-        }
-        (row as f64 + 0.5 * (low + high)) * self.dt_s
+    /// How much of the way from a row to the next is done some new time after the row. The slope of new time, 1 / pace,
+    /// is linear in between.
+    fn part(&self, row: usize, since_s: f64) -> f64 {
+        let [slope, slope_to] = [row, row + 1].map(|row| self.pace[row].recip());
+        let rows = since_s / self.dt_s;
+        // The root of slope u + (slope_to - slope) u² / 2 = rows, in the form that has no difference.
+        let root = libm::sqrt((slope * slope + 2.0 * (slope_to - slope) * rows).max(0.0));
+        (2.0 * rows / (slope + root)).clamp(0.0, 1.0)
     }
 }
 
 /// By how much more than asked each round goes down, so that there are few.
 const ZEAL: f64 = 0.985;
 
-/// Values times shares, where those are below 1, under an envelope that is smooth over `reach` rows.
-pub(super) fn smoothly_less(values: &[f64], shares: &[f64], reach: f64) -> Vec<f64> {
-    if shares.iter().all(|share| *share >= 1.0) {
-        return values.to_vec();
-    }
-    let wanted: Vec<f64> = values
-        .iter()
-        .zip(shares)
-        .map(|(value, share)| if *share < 1.0 { value * share * ZEAL } else { *value })
-        .collect();
+/// Values from row `first` on times shares, where those are below 1, and times less and less of it over `reach` rows
+/// beside.
+pub(super) fn lessen(values: &mut [f64], first: usize, shares: &[f64], reach: f64) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
     let reach = reach.ceil().max(1.0) as usize;
-    let envelope = lower_envelope(&wanted, reach);
-    values.iter().zip(envelope).map(|(value, envelope)| value.min(envelope)).collect()
+    let end = first + shares.len();
+    let is_less = |row: &usize| shares[*row - first] < 1.0;
+    let wanted = |row: usize| match shares.get(row.wrapping_sub(first)) {
+        Some(share) if *share < 1.0 => share * ZEAL,
+        _ => 1.0,
+    };
+    let beside = 2 * reach + 1;
+    let mut from = first;
+    // Rows that are nearer to each other than an envelope reaches are lessened together.
+    while let Some(begin) = (from..end).find(is_less) {
+        let mut last = begin;
+        while let Some(next) = (last + 1..end.min(last + 1 + beside)).find(is_less) {
+            last = next;
+        }
+        let rows = begin.saturating_sub(beside)..(last + 1 + beside).min(values.len());
+        let wanted: Vec<f64> = rows.clone().map(wanted).collect();
+        for (value, less) in values[rows].iter_mut().zip(lower_envelope(&wanted, reach)) {
+            *value *= less;
+        }
+        from = last + 1;
+    }
 }

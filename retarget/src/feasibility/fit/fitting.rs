@@ -1,27 +1,31 @@
 //! A motion on its way to a fit: round by round it is looked at, slowed down and lowered.
 
-use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use std::ops::Range;
 
-use super::course::{Course, smoothly_less};
+use sinew_rig::Mechanism;
+
+use super::along::Along;
+use super::course::{Course, lessen};
 use super::joint::{distance, draw};
+use super::look::{Look, Looking, lower_chain, most_held};
 use super::rest::Rest;
 use super::within::Within;
-use super::{Fit, FitError, FitSettings, Lowered, Smoothed, interpolated, smooth};
-use crate::feasibility::check::{CheckError, Excess, Kind, Report, check};
-use crate::feasibility::curve::{Curve, Instant, Performance, align_quaternions};
+use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
+use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
+use crate::feasibility::curve::{Curve, Instant, Performance as _};
 use crate::feasibility::efforts::Efforts;
-use crate::feasibility::limits::{FreedomLimits, Limits};
+use crate::feasibility::limits::Limits;
 use crate::feasibility::motion::RigMotion;
+use crate::feasibility::rows::Rows;
 
 /// How long before and after an instant poses are drawn towards home too, s.
 const LOWERING_S: f64 = 0.4;
-/// Share of its effort that may hold a joint where it is asked for more.
-const MOST_HELD: f64 = 0.9;
 /// What is drawn of a hot drive's motion in a round.
 const COOLING: f64 = 0.97;
 /// Slower than this share of its speed, or nearer to home than this share of its way, is no performance any more.
 const LEAST_SHARE: f64 = 0.02;
+/// Looks beside those that saw an excess at which a smoothed motion is looked at again.
+const BESIDE: usize = 2;
 
 /// What a round has come to.
 pub(super) enum Round {
@@ -41,14 +45,20 @@ pub(super) struct Fitting<'a> {
     rest: &'a Rest,
     settings: FitSettings,
     dt_s: f64,
+    /// Of each joint its numbers in a row.
+    joints: Vec<Range<usize>>,
     /// The rows within their ranges, low-passed.
-    rows: Vec<Vec<f64>>,
+    rows: Rows,
     within: Within,
     course: Course,
     /// Of each joint the share of its way from home at each row; empty where it is whole.
     share: Vec<Vec<f64>>,
     smoothed: Vec<Smoothed>,
     efforts: Efforts,
+    /// The curve in given time, as long as neither rows nor shares change.
+    still: Option<Curve>,
+    /// Freedoms that were too fast or too strong in any round.
+    fast: Vec<bool>,
 }
 
 impl<'a> Fitting<'a> {
@@ -59,43 +69,42 @@ impl<'a> Fitting<'a> {
         motion: &RigMotion,
         settings: FitSettings,
     ) -> Result<Self, FitError> {
-        let mut rows = motion.rows.clone();
-        align_quaternions(&mechanism.coordinate_ranges(), &mut rows);
+        let mut rows = Rows::of(mechanism.coordinate_count(), &motion.rows);
         let mut within = Within::new(mechanism, settings.room);
-        for row in &mut rows {
-            within.bring(limits, row);
-        }
+        rows.iter_mut().for_each(|row| within.bring(limits, row));
         Ok(Self {
             mechanism,
             limits,
             rest,
             settings,
             dt_s: motion.dt_s,
-            course: Course::new(motion.dt_s, rows.len()),
+            joints: mechanism.coordinate_ranges(),
+            course: Course::new(motion.dt_s, rows.count),
             rows,
             within,
             share: vec![Vec::new(); mechanism.bodies.len()],
             smoothed: Vec::new(),
             efforts: Efforts::of(mechanism).map_err(CheckError::Tree)?,
+            still: None,
+            fast: vec![false; limits.freedoms.len()],
         })
     }
 
-    /// Low-passes joints that are too fast, as far as that changes little.
-    pub(super) fn smooth(&mut self) -> Result<(), FitError> {
+    /// Low-passes joints that are too fast, as far as that changes little. Whether nothing is exceeded at all.
+    pub(super) fn smooth(&mut self) -> Result<bool, FitError> {
+        let (report, looks) = self.excesses_of_rows(None)?;
+        if report.excesses.is_empty() {
+            return Ok(true);
+        }
         let given = self.rows.clone();
         let mut widest: Vec<Option<(f64, f64)>> = vec![None; self.share.len()];
         let mut ended = vec![false; self.share.len()];
+        let mut report = report;
         for width_s in smooth::WIDTHS_S {
-            let motion = RigMotion { dt_s: self.dt_s, rows: self.rows.clone() };
-            let curve = Curve::new(self.mechanism, &motion)?;
-            let report = check(self.mechanism, self.limits, &curve, self.settings.rate_hz)?;
-            let is_fast = |excess: &&Excess| {
-                matches!(excess.kind, Kind::Speed | Kind::Acceleration | Kind::Effort)
-            };
             let mut wanted: Vec<usize> = report
                 .excesses
                 .iter()
-                .filter(is_fast)
+                .filter(|excess| is_fast(excess))
                 .map(|excess| self.limits.freedoms[excess.freedom].joint)
                 .filter(|joint| !ended[*joint])
                 .collect();
@@ -112,6 +121,8 @@ impl<'a> Fitting<'a> {
                     None => ended[joint] = true,
                 }
             }
+            // What a low-pass takes away was there before: elsewhere the rounds look.
+            (report, _) = self.excesses_of_rows(Some(&looks))?;
         }
         self.smoothed = (0..widest.len())
             .filter_map(|joint| {
@@ -119,40 +130,110 @@ impl<'a> Fitting<'a> {
                 Some(Smoothed { joint: self.name(joint), width_s, change })
             })
             .collect();
-        Ok(())
+        Ok(false)
+    }
+
+    /// What the rows exceed, at all looks or at some; and beside which looks they are too fast or too strong.
+    fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
+        let no_rows = Rows::of(0, &[]);
+        let rows = std::mem::replace(&mut self.rows, no_rows);
+        let curve = Curve::through(&self.joints, rows, self.dt_s);
+        let (duration_s, rate_hz) = (curve.duration_s(), self.settings.rate_hz);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
+        let last = (duration_s * rate_hz).ceil() as usize;
+        let mut tally = Tally::new(self.mechanism, self.limits, &mut self.efforts, rate_hz);
+        let (mut instant, mut beyond) = (Instant::default(), Vec::new());
+        let count = at.map_or(last + 1, <[usize]>::len);
+        for index in 0..count {
+            let look = at.map_or(index, |at| at[index]);
+            let time_s = (look as f64 / rate_hz).min(duration_s);
+            curve.at(time_s, &mut instant);
+            if tally.take(time_s, &instant)? {
+                let first = beyond.last().map_or(0, |last| last + 1);
+                beyond.extend(first.max(look.saturating_sub(BESIDE))..=(look + BESIDE).min(last));
+            }
+        }
+        let report = tally.report(duration_s, count);
+        self.rows = curve.into_rows();
+        Ok((report, beyond))
     }
 
     /// One round: looks where the motion as it is now exceeds a limit, and slows or lowers it there.
     pub(super) fn round(&mut self) -> Result<Round, FitError> {
-        let (curve, given_s) = self.curve()?;
-        let report = check(self.mechanism, self.limits, &curve, self.settings.rate_hz)?;
+        let given_s = self.course.given_s();
+        let still = self.still_curve();
+        let paced = given_s.as_deref().map(|given_s| self.paced(&still, given_s));
+        let looking = Looking {
+            mechanism: self.mechanism,
+            limits: self.limits,
+            rest: self.rest,
+            efforts: &mut self.efforts,
+            rate_hz: self.settings.rate_hz,
+            dt_s: self.dt_s,
+            rows: self.rows.count,
+        };
+        let look = looking.at(paced.as_ref().unwrap_or(&still), given_s.as_deref())?;
+        drop((paced, given_s));
+        let Look { report, pace, mut share } = look;
         if report.excesses.is_empty() {
+            self.still = Some(still);
             return Ok(Round::Within);
         }
-        self.widen(&report);
-        let (pace, mut share) = self.look(&curve, &given_s)?;
         for excess in report.excesses.iter().filter(|excess| excess.kind == Kind::Heat) {
-            for row in 0..self.rows.len() {
-                self.lower_chain(&mut share, excess.freedom, row, COOLING);
+            let joint = self.limits.freedoms[excess.freedom].joint;
+            for row in 0..self.rows.count {
+                let rows = [row, self.rows.count];
+                lower_chain(self.mechanism, &mut share, joint, rows, COOLING);
             }
         }
-        self.course.slow_down(&pace);
-        for (now, wanted) in self.share.iter_mut().zip(share) {
-            if wanted.is_empty() {
-                continue;
-            }
-            if now.is_empty() {
-                *now = vec![1.0; wanted.len()];
-            }
-            *now = smoothly_less(now, &wanted, LOWERING_S / self.dt_s);
+        report.excesses.iter().filter(|excess| is_fast(excess)).for_each(|excess| {
+            self.fast[excess.freedom] = true;
+        });
+        self.course.slow_down(0, &pace);
+        let is_lowered = self.lower(&share);
+        if !self.widen(&report) && !is_lowered {
+            self.slow_down_along(&still, &pace)?;
+            self.still = Some(still);
         }
         let least = self.course.pace.iter().chain(self.share.iter().flatten());
         let is_hopeless = least.copied().fold(1.0, f64::min) < LEAST_SHARE;
         Ok(if is_hopeless { Round::Hopeless } else { Round::Nearer })
     }
 
+    /// Slows the course down where it was seen to be too fast, as far as is known without another look.
+    fn slow_down_along(&mut self, still: &Curve, seen: &[f64]) -> Result<(), FitError> {
+        let limits = self.limits;
+        let all = self.fast.iter().zip(&limits.freedoms).zip(&self.rest.holding).enumerate();
+        let freedoms: Vec<(usize, f64)> = all
+            .filter(|(_, ((is_fast, _), _))| **is_fast)
+            .map(|(freedom, ((_, limits), held))| (freedom, most_held(limits, *held)))
+            .collect();
+        let mut along = Along {
+            curve: still,
+            rate_hz: self.settings.rate_hz,
+            limits,
+            efforts: &mut self.efforts,
+            freedoms: &freedoms,
+        };
+        Ok(along.slow_down(&mut self.course, seen)?)
+    }
+
+    /// Draws joints towards home, by shares of their way at each row; whether any was.
+    fn lower(&mut self, share: &[Vec<f64>]) -> bool {
+        let mut is_lowered = false;
+        for (now, wanted) in self.share.iter_mut().zip(share).filter(|(_, share)| !share.is_empty())
+        {
+            if now.is_empty() {
+                *now = vec![1.0; wanted.len()];
+            }
+            lessen(now, 0, wanted, LOWERING_S / self.dt_s);
+            is_lowered = true;
+        }
+        is_lowered
+    }
+
     /// Stays farther from the ends of ranges that the curve goes beyond: it swings out where rows stop at an end.
-    fn widen(&mut self, report: &Report) {
+    fn widen(&mut self, report: &Report) -> bool {
         let is_range = |excess: &&Excess| matches!(excess.kind, Kind::Range | Kind::LinkedRange);
         let mut is_crowded = false;
         for excess in report.excesses.iter().filter(is_range) {
@@ -163,115 +244,52 @@ impl<'a> Fitting<'a> {
             is_crowded = true;
         }
         if is_crowded {
-            for row in &mut self.rows {
-                self.within.bring(self.limits, row);
-            }
+            self.rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
         }
+        is_crowded
     }
 
-    /// What share of its speed the motion may have at each given row, and of each joint what share of its way from
-    /// home; empty where it is whole. It looks as often as the check: a peak may lie between two rows.
-    fn look(
-        &mut self,
-        curve: &Curve,
-        given_s: &[f64],
-    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), FitError> {
-        let last = self.rows.len() - 1;
-        let mut slower = vec![1.0; self.rows.len()];
-        let mut lower = vec![Vec::new(); self.share.len()];
-        let (mut instant, mut still) = (Instant::default(), Instant::default());
-        let (mut efforts, mut holding) = (Vec::new(), Vec::new());
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
-        let looks = (curve.duration_s() * self.settings.rate_hz).ceil() as usize;
-        for look in 0..=looks {
-            let time_s = (look as f64 / self.settings.rate_hz).min(curve.duration_s());
-            let given = interpolated(given_s, time_s / self.dt_s) / self.dt_s;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
-            let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(last));
-            curve.at(time_s, &mut instant);
-            still.q.clone_from(&instant.q);
-            still.qd.resize(instant.qd.len(), 0.0);
-            still.qdd.resize(instant.qdd.len(), 0.0);
-            for (instant, efforts) in [(&instant, &mut efforts), (&still, &mut holding)] {
-                self.efforts
-                    .at(instant, efforts)
-                    .map_err(|source| CheckError::Instant { time_s, source })?;
-            }
-            for (freedom, limits) in self.limits.freedoms.iter().enumerate() {
-                // Friction is the same however slow the course is.
-                let dry = self.efforts.dry_friction(freedom, instant.qd[freedom]);
-                let (effort, held) = (efforts[freedom], holding[freedom] + dry);
-                let (qd, qdd) = (instant.qd[freedom], instant.qdd[freedom]);
-                let most = self.most_held(freedom);
-                let is_heavy = effort.abs().max(held.abs()) > limits.effort && held.abs() > most;
-                let pace = pace(limits, [qd, qdd], (!is_heavy).then_some([effort, held]));
-                for row in rows {
-                    slower[row] = f64::min(slower[row], pace);
-                    if is_heavy {
-                        self.lower_chain(&mut lower, freedom, row, ratio(held, most));
-                    }
-                }
-            }
+    /// The curve of the motion as it is now, in given time.
+    fn still_curve(&mut self) -> Curve {
+        if let Some(still) = self.still.take() {
+            return still;
         }
-        Ok((slower, lower))
-    }
-
-    /// What may hold a freedom where it is asked for more than it gives: with less left for motion, slower is no help.
-    fn most_held(&self, freedom: usize) -> f64 {
-        let limit = self.limits.freedoms[freedom].effort;
-        (MOST_HELD * limit).max(0.5 * (self.rest.holding[freedom].abs() + limit))
-    }
-
-    /// Draws a freedom's joint towards rest at a row, with the joints that it carries and that carry it.
-    fn lower_chain(&self, lower: &mut [Vec<f64>], freedom: usize, row: usize, share: f64) {
-        let joint = self.limits.freedoms[freedom].joint;
-        for (other, (link, lower)) in self.mechanism.bodies.iter().zip(lower).enumerate() {
-            let in_chain =
-                self.mechanism.supports(joint, other) || self.mechanism.supports(other, joint);
-            // A base is no joint that could be drawn anywhere.
-            if in_chain && !matches!(link.joint, Freedom::Free | Freedom::Fixed) {
-                if lower.is_empty() {
-                    *lower = vec![1.0; self.rows.len()];
-                }
-                lower[row] = lower[row].min(share);
-            }
-        }
-    }
-
-    /// The motion as it is now, in its own time, and the given time of each of its rows.
-    pub(super) fn curve(&mut self) -> Result<(Curve, Vec<f64>), FitError> {
-        let (motion, given_s) = self.motion()?;
-        Ok((Curve::new(self.mechanism, &motion)?, given_s))
-    }
-
-    fn motion(&mut self) -> Result<(RigMotion, Vec<f64>), FitError> {
         let mut rows = self.rows.clone();
-        let ranges = self.mechanism.coordinate_ranges();
-        for (share, range) in self.share.iter().zip(ranges).filter(|(share, _)| !share.is_empty()) {
+        for (share, range) in self.share.iter().zip(&self.joints).filter(|(s, _)| !s.is_empty()) {
             for (row, share) in rows.iter_mut().zip(share) {
                 draw(&mut row[range.clone()], &self.rest.q[range.clone()], *share);
             }
         }
         // A joint that was changed alone may have left its ties.
-        for row in &mut rows {
-            self.within.bring(self.limits, row);
-        }
-        let still = RigMotion { dt_s: self.dt_s, rows };
-        let Some(given_s) = self.course.given_s() else {
-            let given_s = (0..still.rows.len()).map(|row| row as f64 * self.dt_s).collect();
-            return Ok((still, given_s));
-        };
-        let given = Curve::new(self.mechanism, &still)?;
-        let mut instant = Instant::default();
-        let rows = given_s.iter().map(|time_s| {
-            given.at(*time_s, &mut instant);
-            instant.q.clone()
-        });
-        Ok((RigMotion { dt_s: self.dt_s, rows: rows.collect() }, given_s))
+        rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
+        Curve::through(&self.joints, rows, self.dt_s)
     }
 
-    pub(super) fn done(mut self) -> Result<Fit, FitError> {
-        let (motion, given_s) = self.motion()?;
+    /// The curve in its own time: its rows are at these given times, s.
+    fn paced(&self, still: &Curve, given_s: &[f64]) -> Curve {
+        Curve::through(&self.joints, still.rows_at(given_s.iter().copied()), self.dt_s)
+    }
+
+    /// The motion as it is now, in its own time, and the given time of each of its rows, s.
+    fn motion(&mut self) -> (Rows, Vec<f64>) {
+        let still = self.still_curve();
+        match self.course.given_s() {
+            Some(given_s) => (still.rows_at(given_s.iter().copied()), given_s),
+            None => {
+                let given_s = (0..self.rows.count).map(|row| row as f64 * self.dt_s).collect();
+                (still.into_rows(), given_s)
+            }
+        }
+    }
+
+    /// The motion as it is now as a curve, and the given time of each of its rows, s.
+    pub(super) fn curve(&mut self) -> (Curve, Vec<f64>) {
+        let (rows, given_s) = self.motion();
+        (Curve::through(&self.joints, rows, self.dt_s), given_s)
+    }
+
+    pub(super) fn done(mut self) -> Fit {
+        let (rows, given_s) = self.motion();
         let least = |values: &[f64]| {
             let rows = values.iter().copied().enumerate();
             let least = rows.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -279,8 +297,8 @@ impl<'a> Fitting<'a> {
         };
         let lowered = self.share.iter().enumerate().filter(|(_, share)| !share.is_empty());
         let clamped = self.within.clamped.iter().enumerate().filter(|(_, change)| **change > 0.0);
-        Ok(Fit {
-            motion,
+        Fit {
+            motion: RigMotion { dt_s: self.dt_s, rows: rows.lists() },
             given_s,
             slowest: least(&self.course.pace),
             lowered: lowered
@@ -292,7 +310,7 @@ impl<'a> Fitting<'a> {
             clamped: clamped.map(|(joint, change)| (self.name(joint), *change)).collect(),
             lightened: if self.share.iter().all(Vec::is_empty) { vec![] } else { self.lightened() },
             smoothed: std::mem::take(&mut self.smoothed),
-        })
+        }
     }
 
     /// The joints of the pose that is drawn towards which are not at home.
@@ -310,20 +328,7 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// What share of its speed a motion may have for one freedom: of its speed and acceleration, and, if slower helps, of
-/// its effort and the part of that which is there however slow it goes.
-fn pace(limits: &FreedomLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
-    let of_motion = ratio(qd, limits.speed).min(libm::sqrt(ratio(qdd, limits.acceleration)));
-    let Some([effort, held]) = efforts.filter(|[effort, _]| effort.abs() > limits.effort) else {
-        return of_motion;
-    };
-    // What is left for motion beside gravity and friction.
-    let moving = effort - held;
-    let left = (limits.effort - held * moving.signum()).max(0.0);
-    of_motion.min(libm::sqrt(ratio(moving, left)))
-}
-
-/// The share of a value that a limit allows, at most 1.
-fn ratio(value: f64, limit: f64) -> f64 {
-    (limit / value.abs()).min(1.0)
+/// Whether it is one that a slower or smoother motion has less of.
+fn is_fast(excess: &Excess) -> bool {
+    matches!(excess.kind, Kind::Speed | Kind::Acceleration | Kind::Effort)
 }

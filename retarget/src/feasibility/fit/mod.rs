@@ -4,9 +4,11 @@
 //! a little; a slower course where the motion is too fast or its forces are too large; and poses nearer to home where
 //! gravity alone asks for too much, or a drive becomes too hot.
 
+mod along;
 mod course;
 mod fitting;
 mod joint;
+mod look;
 mod rest;
 mod smooth;
 mod within;
@@ -178,24 +180,29 @@ pub fn fit(
     let kept = kept(limits, &rest.holding, settings.share);
     let curve = Curve::new(mechanism, motion)?;
     let finer = (LEAST_HZ * motion.dt_s).ceil();
-    let finer = if finer > 1.0 { curve.resampled(finer / motion.dt_s) } else { motion.clone() };
-    let is_within = check(mechanism, &kept, &curve, settings.rate_hz)?.excesses.is_empty();
-    let mut fitting =
-        Fitting::new(mechanism, &kept, &rest, if is_within { motion } else { &finer }, settings)?;
-    fitting.smooth()?;
+    let is_coarse =
+        finer > 1.0 && !check(mechanism, &kept, &curve, settings.rate_hz)?.excesses.is_empty();
+    let finer = is_coarse.then(|| curve.resampled(finer / motion.dt_s));
+    drop(curve);
+    let motion = finer.as_ref().unwrap_or(motion);
+    let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
+    drop(finer);
+    if fitting.smooth()? {
+        return Ok(fitting.done());
+    }
     for _ in 0..ROUNDS {
         match fitting.round()? {
-            Round::Within => return fitting.done(),
+            Round::Within => return Ok(fitting.done()),
             Round::Nearer => {}
             Round::Hopeless => break,
         }
     }
     // What is left may be within the limits themselves.
-    let (curve, given_s) = fitting.curve()?;
+    let (curve, given_s) = fitting.curve();
     let report = check(mechanism, limits, &curve, settings.rate_hz)?;
     let beyond = |excess: &&Excess| (excess.value / excess.limit - 1.0).abs();
     match report.excesses.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b))) {
-        None => fitting.done(),
+        None => Ok(fitting.done()),
         Some(excess) => {
             let freedom = &limits.freedoms[excess.freedom];
             let (joint, slides) = (freedom.name.clone(), freedom.slides);

@@ -5,6 +5,7 @@ use sinew_rig::mechanism::Freedom;
 
 use super::joint::{distance, normalize};
 use crate::feasibility::low_pass::low_pass;
+use crate::feasibility::rows::Rows;
 
 /// Widths that are tried, s: a third of an octave from one to the next.
 pub(super) const WIDTHS_S: [f64; 10] =
@@ -17,8 +18,8 @@ const MOST_OF_RANGE: f64 = 0.02;
 pub(super) fn smooth(
     mechanism: &Mechanism,
     joint: usize,
-    given: &[Vec<f64>],
-    rows: &mut [Vec<f64>],
+    given: &Rows,
+    rows: &mut Rows,
     sigma: f64,
     most: f64,
 ) -> Option<f64> {
@@ -28,25 +29,25 @@ pub(super) fn smooth(
         _ => most,
     };
     let numbers = mechanism.coordinate_ranges()[joint].clone();
-    let columns: Vec<Vec<f64>> = numbers
-        .clone()
-        .map(|k| low_pass(&given.iter().map(|row| row[k]).collect::<Vec<_>>(), sigma))
-        .collect();
-    let smoothed = |row: usize| -> Vec<f64> {
-        let mut place: Vec<f64> = columns.iter().map(|column| column[row]).collect();
-        normalize(&mut place);
-        place
+    let columns: Vec<Vec<f64>> =
+        numbers.clone().map(|k| low_pass(&given.column(k), sigma)).collect();
+    let mut place = vec![0.0; numbers.len()];
+    let smoothed = |row: usize, place: &mut [f64]| {
+        for (place, column) in place.iter_mut().zip(&columns) {
+            *place = column[row];
+        }
+        normalize(place);
     };
-    let changes = given
-        .iter()
-        .enumerate()
-        .map(|(row, given)| distance(&smoothed(row), &given[numbers.clone()]));
-    let change = changes.fold(0.0, f64::max);
-    if change > most {
-        return None;
+    let mut change = 0.0;
+    for row in 0..given.count {
+        smoothed(row, &mut place);
+        change = f64::max(change, distance(&place, &given.row(row)[numbers.clone()]));
+        if change > most {
+            return None;
+        }
     }
-    for (index, row) in rows.iter_mut().enumerate() {
-        row[numbers.clone()].copy_from_slice(&smoothed(index));
+    for index in 0..given.count {
+        smoothed(index, &mut rows.row_mut(index)[numbers.clone()]);
     }
     Some(change)
 }

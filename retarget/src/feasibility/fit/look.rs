@@ -1,0 +1,130 @@
+//! Where a motion exceeds a limit, and by how much it must be slower or nearer to home there.
+
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+
+use super::interpolated;
+use super::rest::Rest;
+use crate::feasibility::check::{CheckError, Report, Tally};
+use crate::feasibility::curve::{Curve, Instant, Performance as _};
+use crate::feasibility::efforts::Efforts;
+use crate::feasibility::limits::{FreedomLimits, Limits};
+
+/// Share of its effort that may hold a joint where it is asked for more.
+const MOST_HELD: f64 = 0.9;
+
+/// What a motion is looked at with.
+pub(super) struct Looking<'a> {
+    pub(super) mechanism: &'a Mechanism,
+    pub(super) limits: &'a Limits,
+    pub(super) rest: &'a Rest,
+    pub(super) efforts: &'a mut Efforts,
+    pub(super) rate_hz: f64,
+    /// Of the given rows.
+    pub(super) dt_s: f64,
+    pub(super) rows: usize,
+}
+
+/// What was seen.
+pub(super) struct Look {
+    pub(super) report: Report,
+    /// What share of its speed the motion may have at each given row.
+    pub(super) pace: Vec<f64>,
+    /// Of each joint what share of its way from home at each given row; empty where it is whole.
+    pub(super) share: Vec<Vec<f64>>,
+}
+
+impl Looking<'_> {
+    /// Looks at all of a motion, whose rows are at these given times, s; `None`: at their own. Between its looks it
+    /// sees nothing: they are as many as those of the check.
+    pub(super) fn at(self, curve: &Curve, given_s: Option<&[f64]>) -> Result<Look, CheckError> {
+        let Looking { mechanism, limits, rest, efforts, rate_hz, dt_s, rows: count } = self;
+        let mut pace_at = vec![1.0; count];
+        let mut share = vec![Vec::new(); mechanism.bodies.len()];
+        let (mut instant, mut still) = (Instant::default(), Instant::default());
+        let mut holding = Vec::new();
+        let mut tally = Tally::new(mechanism, limits, efforts, rate_hz);
+        let duration_s = curve.duration_s();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
+        let looks = (duration_s * rate_hz).ceil() as usize;
+        for look in 0..=looks {
+            let time_s = (look as f64 / rate_hz).min(duration_s);
+            curve.at(time_s, &mut instant);
+            if !tally.take(time_s, &instant)? {
+                continue;
+            }
+            still.q.clone_from(&instant.q);
+            still.qd.resize(instant.qd.len(), 0.0);
+            still.qdd.resize(instant.qdd.len(), 0.0);
+            tally
+                .efforts
+                .at(&still, &mut holding)
+                .map_err(|source| CheckError::Instant { time_s, source })?;
+            let given =
+                given_s.map_or(time_s, |given_s| interpolated(given_s, time_s / dt_s)) / dt_s;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
+            let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(count - 1));
+            for (freedom, limits_of) in limits.freedoms.iter().enumerate() {
+                // Friction is the same however slow the course is.
+                let dry = tally.efforts.dry_friction(freedom, instant.qd[freedom]);
+                let (effort, held) = (tally.of_instant[freedom], holding[freedom] + dry);
+                let (qd, qdd) = (instant.qd[freedom], instant.qdd[freedom]);
+                let most = most_held(limits_of, rest.holding[freedom]);
+                let is_heavy = effort.abs().max(held.abs()) > limits_of.effort && held.abs() > most;
+                let pace = pace(limits_of, [qd, qdd], (!is_heavy).then_some([effort, held]));
+                for row in rows {
+                    pace_at[row] = f64::min(pace_at[row], pace);
+                    if is_heavy {
+                        let joint = limits_of.joint;
+                        lower_chain(mechanism, &mut share, joint, [row, count], ratio(held, most));
+                    }
+                }
+            }
+        }
+        Ok(Look { report: tally.report(duration_s, looks + 1), pace: pace_at, share })
+    }
+}
+
+/// What may hold a freedom where it is asked for more than it gives: with less left for motion, slower is no help.
+/// `at_rest`: what holds it there.
+pub(super) fn most_held(limits: &FreedomLimits, at_rest: f64) -> f64 {
+    (MOST_HELD * limits.effort).max(0.5 * (at_rest.abs() + limits.effort))
+}
+
+/// Draws a joint towards rest at a row of so many, with the joints that it carries and that carry it.
+pub(super) fn lower_chain(
+    mechanism: &Mechanism,
+    lower: &mut [Vec<f64>],
+    joint: usize,
+    [row, rows]: [usize; 2],
+    share: f64,
+) {
+    for (other, (link, lower)) in mechanism.bodies.iter().zip(lower).enumerate() {
+        let in_chain = mechanism.supports(joint, other) || mechanism.supports(other, joint);
+        // A base is no joint that could be drawn anywhere.
+        if in_chain && !matches!(link.joint, Freedom::Free | Freedom::Fixed) {
+            if lower.is_empty() {
+                *lower = vec![1.0; rows];
+            }
+            lower[row] = lower[row].min(share);
+        }
+    }
+}
+
+/// What share of its speed a motion may have for one freedom: of its speed and acceleration, and, if slower helps, of
+/// its effort and the part of that which is there however slow it goes.
+pub(super) fn pace(limits: &FreedomLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
+    let of_motion = ratio(qd, limits.speed).min(libm::sqrt(ratio(qdd, limits.acceleration)));
+    let Some([effort, held]) = efforts.filter(|[effort, _]| effort.abs() > limits.effort) else {
+        return of_motion;
+    };
+    // What is left for motion beside gravity and friction.
+    let moving = effort - held;
+    let left = (limits.effort - held * moving.signum()).max(0.0);
+    of_motion.min(libm::sqrt(ratio(moving, left)))
+}
+
+/// The share of a value that a limit allows, at most 1.
+fn ratio(value: f64, limit: f64) -> f64 {
+    (limit / value.abs()).min(1.0)
+}

@@ -1,0 +1,43 @@
+//! Rows of coordinates in one piece: a fit makes and drops many.
+
+/// Rows of equally many numbers, one behind the other.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rows {
+    /// Numbers of a row.
+    pub(super) width: usize,
+    pub(super) count: usize,
+    pub(super) numbers: Vec<f64>,
+}
+
+impl Rows {
+    /// Of rows of one width.
+    pub(super) fn of(width: usize, rows: &[Vec<f64>]) -> Self {
+        let mut numbers = Vec::with_capacity(width * rows.len());
+        rows.iter().for_each(|row| numbers.extend_from_slice(row));
+        Self { width, count: rows.len(), numbers }
+    }
+
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        &self.numbers[row * self.width..][..self.width]
+    }
+
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.numbers[row * self.width..][..self.width]
+    }
+
+    /// All rows in turn.
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [f64]> {
+        // Of a rig without coordinates there is nothing to change.
+        self.numbers.chunks_exact_mut(self.width.max(1))
+    }
+
+    /// One number of every row.
+    pub(super) fn column(&self, number: usize) -> Vec<f64> {
+        (0..self.count).map(|row| self.row(row)[number]).collect()
+    }
+
+    /// As lists.
+    pub(super) fn lists(&self) -> Vec<Vec<f64>> {
+        (0..self.count).map(|row| self.row(row).to_vec()).collect()
+    }
+}
