@@ -201,7 +201,7 @@ impl Turning {
 }
 
 /// Gives quaternions one sign from row to row, so that their numbers have no jumps.
-fn align_quaternions(joints: &[Range<usize>], rows: &mut Rows) {
+pub(super) fn align_quaternions(joints: &[Range<usize>], rows: &mut Rows) {
     for range in joints.iter().filter(|range| range.len() >= 4) {
         let turn = range.start..range.start + 4;
         for row in 1..rows.count {

@@ -8,6 +8,7 @@ use super::check::{CheckError, Excess, Kind, check};
 use super::curve::{Curve, align_quaternions};
 use super::limits::{FreedomLimits, Limits};
 use super::motion::{MotionError, RigMotion};
+use super::rows::Rows;
 
 /// Rows that tell the speed and the acceleration at an end: a parabola goes through them.
 const END_ROWS: usize = 3;
@@ -121,8 +122,9 @@ pub fn looped(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the rows")]
     let span = ((blend_s / dt_s).round() as usize).min(motion.rows.len() - 1);
     let ranges = mechanism.coordinate_ranges();
-    let mut rows = motion.rows.clone();
+    let mut rows = Rows::of(mechanism.coordinate_count(), &motion.rows);
     align_quaternions(&ranges, &mut rows);
+    let mut rows = rows.lists();
     let last = rows.len() - 1;
     let begin = &rows[..END_ROWS];
     let end: Vec<&Vec<f64>> = rows[last + 1 - END_ROWS..].iter().rev().collect();

@@ -13,7 +13,9 @@ impl Rows {
     /// Of rows of one width.
     pub(super) fn of(width: usize, rows: &[Vec<f64>]) -> Self {
         let mut numbers = Vec::with_capacity(width * rows.len());
-        rows.iter().for_each(|row| numbers.extend_from_slice(row));
+        for row in rows {
+            numbers.extend_from_slice(row);
+        }
         Self { width, count: rows.len(), numbers }
     }
 

@@ -273,12 +273,11 @@ impl<'a> Fitting<'a> {
     /// The motion as it is now, in its own time, and the given time of each of its rows, s.
     fn motion(&mut self) -> (Rows, Vec<f64>) {
         let still = self.still_curve();
-        match self.course.given_s() {
-            Some(given_s) => (still.rows_at(given_s.iter().copied()), given_s),
-            None => {
-                let given_s = (0..self.rows.count).map(|row| row as f64 * self.dt_s).collect();
-                (still.into_rows(), given_s)
-            }
+        if let Some(given_s) = self.course.given_s() {
+            (still.rows_at(given_s.iter().copied()), given_s)
+        } else {
+            let given_s = (0..self.rows.count).map(|row| row as f64 * self.dt_s).collect();
+            (still.into_rows(), given_s)
         }
     }
 
