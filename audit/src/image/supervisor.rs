@@ -9,8 +9,8 @@ use sinew_firmware::supervisor::detect::{
     Supply, SupplySettings, Winding, WindingSettings,
 };
 use sinew_firmware::supervisor::{
-    Fault, FaultLog, FaultRecord, FaultSet, Findings, Guard, GuardSettings, Inputs, Permission,
-    Settings, Supervisor,
+    Fault, FaultLog, FaultRecord, FaultSet, Findings, Guard, GuardSettings, Inputs, Moving,
+    Permission, Settings, Supervisor,
 };
 use sinew_rig::servo::Servo;
 
@@ -22,6 +22,9 @@ pub(crate) fn states() {
     let settings = black_box(Settings::default());
     let Ok(mut supervisor) = Supervisor::new(settings, black_box(1), log) else { return };
     black_box(supervisor.step(black_box(&Inputs::default())));
+    if let Some(moving) = black_box(None::<Moving>) {
+        black_box(moving.rad_s());
+    }
     black_box((supervisor.mode(), supervisor.settings(), supervisor.log().first()));
     black_box(supervisor.log().last().count());
 }

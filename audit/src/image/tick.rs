@@ -11,7 +11,7 @@ use sinew_firmware::indicator;
 use sinew_firmware::show::Show;
 use sinew_firmware::watchdog::Complete;
 use sinew_parity::replay::{Replay, TorqueHash};
-use sinew_parity::run;
+use sinew_parity::{decode, run};
 
 use super::{N, construct, desired, measured, slice, slice_mut, tree};
 
@@ -124,5 +124,6 @@ pub(crate) fn parity() {
         black_box(Ok(()))
     };
     black_box(&run::perform::<N>(slice_mut(), read, write));
+    black_box(&decode::perform::<N>(slice_mut(), read, write));
     black_box(run::pose_bytes(black_box(&Transform::IDENTITY)));
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
-use sinew_firmware::supervisor::{Refused, TABLE};
+use sinew_firmware::supervisor::TABLE;
 use sinew_retarget::feasibility::Fit;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -148,8 +148,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-    let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
-    let mut stand = Stand::new(&parts, &bytes, &mut memories, plant).with_context(of_rig)?;
+    let mut stand = Stand::new(&parts, &bytes, &mut memories, parts.arms()).with_context(of_rig)?;
     let mut recorder = args.recorder(&rig, &parts)?;
     let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
@@ -190,10 +189,6 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
                 note(format_args!("{}: {} {}", row.fault, row.when, row.remedy));
             }
             ExitCode::from(1)
-        }
-        Some(Ended::Refused(why @ Refused::RegisterDiffers(differs))) => {
-            let name = &parts.servos[usize::from(differs.servo)].own.name;
-            bail!("the controller refused (servo {} is `{name}`): {why}", differs.servo)
         }
         Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
         None => {

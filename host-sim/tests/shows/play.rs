@@ -149,10 +149,6 @@ fn two_buses_of_two_protocols_play_side_by_side() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, _] = arm(folder.path());
     let text = std::fs::read_to_string(&rig).unwrap();
-    // Servos of two voltages have no supply in common: each bus gets its own.
-    let (head, supply) = text.split_once("[supply]").unwrap();
-    let (_, behind) = supply.split_once("\n[").unwrap();
-    let text = format!("{head}[{behind}");
     let (before, last) = text.rsplit_once("model = \"XL330-M288-T\"").unwrap();
     let with = |bus: &str| format!("{before}model = \"STS3215-7.4V\"\nbus = \"{bus}\"{last}");
     let map = path(folder.path(), "map.toml");
