@@ -83,6 +83,38 @@ fn from_a_urdf_to_the_page() {
     assert!(!page.contains("http://") && !page.contains("https://"), "nothing is fetched");
 }
 
+/// A file that holds g mm² as kg m²: the check names the body and the option, and the option mends it.
+#[test]
+fn inertia_in_g_mm2_is_found_and_read_as_that() {
+    let folder = folder();
+    let at = folder.path();
+    // Of the lift, 0.5 kg: as a CAD program prints 1e-4 kg m².
+    let printed = URDF.replace("1e-4", "1e5");
+    assert_ne!(printed, URDF);
+    std::fs::write(at.join("cad.urdf"), printed).unwrap();
+
+    let checked = sinew(at, &["check", "cad.urdf"], "");
+    assert!(text(&checked.stdout).contains("--inertia-g-mm2 lift"), "{}", text(&checked.stdout));
+
+    assert_done(&sinew(
+        at,
+        &["import", "cad.urdf", "--inertia-g-mm2", "lift", "-o", "cad.toml"],
+        "",
+    ));
+    let checked = sinew(at, &["check", "cad.toml"], "");
+    assert!(!text(&checked.stdout).contains("g mm²"), "{}", text(&checked.stdout));
+    let torques = |rig| {
+        sinew(at, &["dynamics", rig], "q.nod,q.rise,qd.nod,qd.rise,qdd.nod,qdd.rise\n0,0,0,0,1,0\n")
+    };
+    let (cad, lamp) = (torques("cad.toml"), torques("lamp.urdf"));
+    assert_done(&cad);
+    assert_eq!(text(&cad.stdout), text(&lamp.stdout));
+
+    let refused = sinew(at, &["import", "cad.urdf", "--inertia-g-mm2", "leg"], "");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("no body of that name"), "{}", text(&refused.stderr));
+}
+
 #[test]
 fn torques_come_out_in_columns_of_any_order() {
     let folder = folder();

@@ -29,3 +29,13 @@ pub struct InertiaMatrix {
     pub yz: f64,
     pub zz: f64,
 }
+
+impl InertiaMatrix {
+    /// All elements times a factor: the same body in another unit.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let Self { xx, xy, xz, yy, yz, zz } = self;
+        let [xx, xy, xz, yy, yz, zz] = [xx, xy, xz, yy, yz, zz].map(|element| element * factor);
+        Self { xx, xy, xz, yy, yz, zz }
+    }
+}

@@ -35,7 +35,7 @@ const PLACEHOLDER: f64 = 10.0;
 const LIGHTEST_KG: f64 = 1e-6;
 
 /// kg m² in a g mm², what CAD programs print.
-const G_MM2: f64 = 1e-9;
+pub const KG_M2_PER_G_MM2: f64 = 1e-9;
 
 /// Densities of what rigs are made of, kg/m³: from a hollow body of foam to osmium.
 const DENSITIES: [f64; 2] = [10.0, 22_590.0];
@@ -179,7 +179,11 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
         };
         if gyration_m > size_m && size_m > 0.0 {
             let fits = fits_g_mm2(link.mass_kg, gyration_m, size_m);
-            let hint = if fits { ": is it in g mm²?" } else { "" };
+            let hint = if fits {
+                format!(": is it in g mm²? (`sinew rig import FILE --inertia-g-mm2 {}`)", link.name)
+            } else {
+                String::new()
+            };
             add(
                 Severity::Warning,
                 about(),
@@ -195,7 +199,7 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
 /// Whether inertia that is far too large is that of a body that can be, if its number counts g mm²: one that is no
 /// larger than the rig, and as dense as a material if it is a ball. A placeholder seldom is.
 fn fits_g_mm2(mass_kg: f64, gyration_m: f64, size_m: f64) -> bool {
-    let gyration_m = gyration_m * libm::sqrt(G_MM2);
+    let gyration_m = gyration_m * libm::sqrt(KG_M2_PER_G_MM2);
     // Of a ball of radius r the square is 3/5 r².
     let radius_m = gyration_m / libm::sqrt(0.6);
     let density = mass_kg / (4.0 / 3.0 * core::f64::consts::PI * libm::pow(radius_m, 3.0));

@@ -19,7 +19,7 @@ use sinew_core::{JointStates, TreeError};
 use crate::mechanism::{Freedom, Link, Mechanism};
 use crate::number::single;
 
-pub use finding::{Finding, Severity};
+pub use finding::{Finding, KG_M2_PER_G_MM2, Severity};
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_rig::import::Options;
+use sinew_rig::review;
 use sinew_rig::toml_file;
 use sinew_sim::command::note;
 use sinew_sim::rig::load;
@@ -34,6 +35,10 @@ pub(super) struct ImportArgs {
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     turn_axis: Vec<String>,
 
+    /// Read the inertia of these bodies in g mm², as CAD programs print it: what `sinew rig check` finds.
+    #[arg(long, value_name = "BODY,..", value_delimiter = ',')]
+    inertia_g_mm2: Vec<String>,
+
     #[command(flatten)]
     target: Target,
 }
@@ -56,6 +61,17 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
             )
         })?;
         *axis = axis.map(|x| 0.0 - x);
+    }
+    for name in &args.inertia_g_mm2 {
+        let body = loaded.description.bodies.iter_mut().find(|body| body.name == *name);
+        let inertia = body.and_then(|body| body.inertia_kg_m2.as_mut());
+        let inertia = inertia.with_context(|| {
+            format!(
+                "--inertia-g-mm2 {name}: {} has no body of that name with inertia",
+                args.file.display()
+            )
+        })?;
+        *inertia = inertia.scaled(review::KG_M2_PER_G_MM2);
     }
     for line in &loaded.notes {
         note(format_args!("note: {line}"));
