@@ -9,7 +9,7 @@ use sinew_rig::Mechanism;
 use thiserror::Error;
 
 use super::curve::{Instant, Performance};
-use super::efforts::Efforts;
+use super::efforts::{Block, Efforts};
 use super::limits::Limits;
 
 /// What was exceeded.
@@ -157,15 +157,17 @@ pub fn check(
         return Err(CheckError::Rate(rate_hz));
     }
     let mut efforts = Efforts::of(mechanism)?;
-    let mut tally = Tally::new(mechanism, limits, &mut efforts, rate_hz);
-    let mut instant = Instant::default();
+    let mut tally = Tally::new(mechanism, limits, rate_hz);
     let duration_s = performance.duration_s();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let count = (duration_s * rate_hz).ceil() as usize;
-    for index in 0..=count {
-        let time_s = (index as f64 / rate_hz).min(duration_s);
-        performance.at(time_s, &mut instant);
-        tally.take(time_s, &instant)?;
+    let mut times_s = (0..=count).map(|index| (index as f64 / rate_hz).min(duration_s));
+    let mut block = Block::default();
+    while block.next(performance, &mut times_s) {
+        block.find_efforts(&mut efforts)?;
+        for (time_s, instant, efforts) in block.each() {
+            tally.take(time_s, instant, efforts);
+        }
     }
     Ok(tally.report(duration_s, count + 1))
 }
@@ -174,9 +176,6 @@ pub fn check(
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
     dt_s: f64,
-    pub(super) efforts: &'a mut Efforts,
-    /// Of the last instant.
-    pub(super) of_instant: Vec<f64>,
     /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
     places: Vec<Option<usize>>,
     /// Where in `q` the coordinates of each body are, and its first freedom.
@@ -191,12 +190,7 @@ pub(super) struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    pub(super) fn new(
-        mechanism: &Mechanism,
-        limits: &'a Limits,
-        efforts: &'a mut Efforts,
-        rate_hz: f64,
-    ) -> Self {
+    pub(super) fn new(mechanism: &Mechanism, limits: &'a Limits, rate_hz: f64) -> Self {
         let (mut places, mut joints) = (Vec::new(), Vec::new());
         for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
             let count = link.joint.kind().degrees_of_freedom();
@@ -214,8 +208,6 @@ impl<'a> Tally<'a> {
         Self {
             limits,
             dt_s: rate_hz.recip(),
-            efforts,
-            of_instant: Vec::new(),
             places,
             joints,
             heat: vec![0.0; freedoms],
@@ -226,15 +218,11 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Looks at an instant; whether a speed, an acceleration or an effort is beyond its limit.
-    pub(super) fn take(&mut self, time_s: f64, instant: &Instant) -> Result<bool, CheckError> {
-        let mut efforts = std::mem::take(&mut self.of_instant);
-        self.efforts
-            .at(instant, &mut efforts)
-            .map_err(|source| CheckError::Instant { time_s, source })?;
+    /// Looks at an instant and its efforts; whether a speed, an acceleration or an effort is beyond its limit.
+    pub(super) fn take(&mut self, time_s: f64, instant: &Instant, efforts: &[f64]) -> bool {
         let limits = self.limits;
         let mut is_beyond = false;
-        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(&efforts).enumerate() {
+        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(efforts).enumerate() {
             let (speed, acceleration) = (instant.qd[freedom], instant.qdd[freedom]);
             let effort = *effort;
             let peaks = &mut self.peaks[freedom];
@@ -269,9 +257,8 @@ impl<'a> Tally<'a> {
                 self.note(hot, freedom, Kind::Heat, time_s, mean, heat.continuous);
             }
         }
-        self.of_instant = efforts;
         self.take_joined(time_s, instant);
-        Ok(is_beyond)
+        is_beyond
     }
 
     /// Turns of ball joints, and limits that join two joints.

@@ -3,15 +3,17 @@
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::InverseDynamics;
+use sinew_rig::mechanism::{InverseDynamics, LANES};
 
-use super::curve::Instant;
+use super::check::CheckError;
+use super::curve::{Instant, Performance};
 
 /// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.
 #[derive(Debug)]
 pub struct Efforts {
     dynamics: InverseDynamics,
     single: [Vec<f32>; 3],
+    side_by_side: [Vec<[f32; LANES]>; 3],
     /// What friction takes of each freedom: Coulomb's, and per speed.
     friction: Vec<[f64; 2]>,
 }
@@ -29,6 +31,7 @@ impl Efforts {
         Ok(Self {
             dynamics: InverseDynamics::of(mechanism)?,
             single: [vec![], vec![], vec![]],
+            side_by_side: [vec![], vec![], vec![]],
             friction: mechanism.bodies.iter().flat_map(of_link).collect(),
         })
     }
@@ -59,7 +62,7 @@ impl Efforts {
     }
 
     /// The same without friction, of positions, speeds and accelerations.
-    pub(super) fn without_friction(
+    fn without_friction(
         &mut self,
         motion: [&[f64]; 3],
         out: &mut Vec<f64>,
@@ -73,6 +76,133 @@ impl Efforts {
         let efforts = self.dynamics.efforts(q, qd, qdd)?;
         out.clear();
         out.extend(efforts.iter().map(|effort| f64::from(*effort)));
+        Ok(())
+    }
+
+    /// The same of several instants at once, in less time: of each the motion, and where its efforts go.
+    fn side_by_side(
+        &mut self,
+        motions: [[&[f64]; 3]; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CoordinatesError> {
+        for (kind, side_by_side) in self.side_by_side.iter_mut().enumerate() {
+            let count = motions[0][kind].len();
+            side_by_side.resize(count, [0.0; LANES]);
+            for (lane, motion) in motions.iter().enumerate() {
+                #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+                for (of_lanes, wide) in side_by_side.iter_mut().zip(motion[kind]) {
+                    of_lanes[lane] = *wide as f32;
+                }
+            }
+        }
+        let [q, qd, qdd] = &self.side_by_side;
+        let efforts = self.dynamics.efforts_side_by_side(q, qd, qdd)?;
+        for (lane, out) in out.iter_mut().enumerate() {
+            out.clear();
+            out.extend(efforts.iter().map(|of_lanes| f64::from(of_lanes[lane])));
+        }
+        Ok(())
+    }
+}
+
+/// Instants of a performance, one behind the other, with what they take.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    /// How many there are: the rest repeat the last one.
+    pub(super) count: usize,
+    pub(super) times_s: [f64; LANES],
+    pub(super) instants: [Instant; LANES],
+    pub(super) efforts: [Vec<f64>; LANES],
+    still: Vec<f64>,
+}
+
+impl Block {
+    /// The performance at the next of these times; whether there were any. Without efforts yet.
+    pub(super) fn next(
+        &mut self,
+        performance: &impl Performance,
+        times_s: &mut impl Iterator<Item = f64>,
+    ) -> bool {
+        self.count = 0;
+        for (time_s, instant) in times_s.take(LANES).zip(&mut self.instants) {
+            performance.at(time_s, instant);
+            self.times_s[self.count] = time_s;
+            self.count += 1;
+        }
+        if let Some(last) = self.count.checked_sub(1) {
+            let (taken, rest) = self.instants.split_at_mut(self.count);
+            rest.iter_mut().for_each(|instant| instant.clone_from(&taken[last]));
+        }
+        self.count > 0
+    }
+
+    /// Each instant: when, the motion, the efforts.
+    pub(super) fn each(&self) -> impl Iterator<Item = (f64, &Instant, &[f64])> {
+        let motions = self.times_s.iter().zip(&self.instants).take(self.count);
+        motions
+            .zip(&self.efforts)
+            .map(|((time_s, instant), efforts)| (*time_s, instant, &efforts[..]))
+    }
+
+    /// Finds the efforts, with friction.
+    pub(super) fn find_efforts(&mut self, efforts: &mut Efforts) -> Result<(), CheckError> {
+        self.find_without_friction(efforts)?;
+        for (instant, of_instant) in self.instants.iter().zip(&mut self.efforts) {
+            for (freedom, (effort, speed)) in of_instant.iter_mut().zip(&instant.qd).enumerate() {
+                *effort += efforts.dry_friction(freedom, *speed)
+                    + efforts.viscous_friction(freedom, *speed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the efforts.
+    pub(super) fn find_without_friction(
+        &mut self,
+        efforts: &mut Efforts,
+    ) -> Result<(), CheckError> {
+        let mut of_instants = std::mem::take(&mut self.efforts);
+        self.find(efforts, |Instant { q, qd, qdd }, _| [q, qd, qdd], &mut of_instants)?;
+        self.efforts = of_instants;
+        Ok(())
+    }
+
+    /// What holds the poses of the instants.
+    pub(super) fn holding(
+        &mut self,
+        efforts: &mut Efforts,
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        self.find(efforts, |Instant { q, .. }, still| [q, still, still], out)
+    }
+
+    /// What it takes to hold the poses and to accelerate, from rest, by as much as the speeds are.
+    pub(super) fn changing(
+        &mut self,
+        efforts: &mut Efforts,
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        self.find(efforts, |Instant { q, qd, .. }, still| [q, still, qd], out)
+    }
+
+    /// Efforts without friction of a motion that is made of each instant and of standing still.
+    fn find(
+        &mut self,
+        efforts: &mut Efforts,
+        motion: impl for<'a> Fn(&'a Instant, &'a [f64]) -> [&'a [f64]; 3],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        self.still.resize(self.instants[0].qd.len(), 0.0);
+        let motions = self.instants.each_ref().map(|instant| motion(instant, &self.still));
+        if efforts.side_by_side(motions, out).is_err() {
+            // One after the other tells which is none of the rig.
+            let mut single = Vec::new();
+            for (time_s, motion) in self.times_s.iter().zip(motions) {
+                efforts
+                    .without_friction(motion, &mut single)
+                    .map_err(|source| CheckError::Instant { time_s: *time_s, source })?;
+            }
+        }
         Ok(())
     }
 }

@@ -12,8 +12,8 @@ use super::rest::Rest;
 use super::within::Within;
 use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
 use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
-use crate::feasibility::curve::{Curve, Instant, Performance as _};
-use crate::feasibility::efforts::Efforts;
+use crate::feasibility::curve::{Curve, Performance as _};
+use crate::feasibility::efforts::{Block, Efforts};
 use crate::feasibility::limits::Limits;
 use crate::feasibility::motion::RigMotion;
 use crate::feasibility::rows::Rows;
@@ -141,16 +141,22 @@ impl<'a> Fitting<'a> {
         let (duration_s, rate_hz) = (curve.duration_s(), self.settings.rate_hz);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (duration_s * rate_hz).ceil() as usize;
-        let mut tally = Tally::new(self.mechanism, self.limits, &mut self.efforts, rate_hz);
-        let (mut instant, mut beyond) = (Instant::default(), Vec::new());
+        let mut tally = Tally::new(self.mechanism, self.limits, rate_hz);
+        let (mut block, mut beyond) = (Block::default(), Vec::new());
         let count = at.map_or(last + 1, <[usize]>::len);
-        for index in 0..count {
-            let look = at.map_or(index, |at| at[index]);
-            let time_s = (look as f64 / rate_hz).min(duration_s);
-            curve.at(time_s, &mut instant);
-            if tally.take(time_s, &instant)? {
-                let first = beyond.last().map_or(0, |last| last + 1);
-                beyond.extend(first.max(look.saturating_sub(BESIDE))..=(look + BESIDE).min(last));
+        let look = |index: usize| at.map_or(index, |at| at[index]);
+        let mut times_s = (0..count).map(|index| (look(index) as f64 / rate_hz).min(duration_s));
+        let mut seen = 0;
+        while block.next(&curve, &mut times_s) {
+            block.find_efforts(&mut self.efforts)?;
+            for (time_s, instant, efforts) in block.each() {
+                if tally.take(time_s, instant, efforts) {
+                    let first = beyond.last().map_or(0, |last| last + 1);
+                    let look = look(seen);
+                    beyond
+                        .extend(first.max(look.saturating_sub(BESIDE))..=(look + BESIDE).min(last));
+                }
+                seen += 1;
             }
         }
         let report = tally.report(duration_s, count);
