@@ -175,6 +175,8 @@ pub fn check(
 /// What is known so far.
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
+    /// The freedoms that are told to be beyond; without a list all are.
+    pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
     /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
     places: Vec<Option<usize>>,
@@ -207,6 +209,7 @@ impl<'a> Tally<'a> {
         };
         Self {
             limits,
+            watched: None,
             dt_s: rate_hz.recip(),
             places,
             joints,
@@ -218,7 +221,8 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Looks at an instant and its efforts; whether a speed, an acceleration or an effort is beyond its limit.
+    /// Looks at an instant and its efforts; whether a speed, an acceleration or an effort that is watched is beyond its
+    /// limit.
     pub(super) fn take(&mut self, time_s: f64, instant: &Instant, efforts: &[f64]) -> bool {
         let limits = self.limits;
         let mut is_beyond = false;
@@ -236,8 +240,9 @@ impl<'a> Tally<'a> {
                 peaks.most = peaks.most.max(position);
                 let [least, most] = limits.range;
                 let end = if position < least { least } else { most };
-                let beyond = position < least || position > most;
-                self.note(beyond, freedom, Kind::Range, time_s, position, end);
+                if position < least || position > most {
+                    self.note(freedom, Kind::Range, time_s, position, end);
+                }
             }
             for (kind, value, limit) in [
                 (Kind::Speed, speed, limits.speed),
@@ -245,16 +250,19 @@ impl<'a> Tally<'a> {
                 (Kind::Effort, effort, limits.effort),
             ] {
                 let beyond = value.abs() > limit;
-                is_beyond |= beyond;
-                self.note(beyond, freedom, kind, time_s, value.abs(), limit);
+                if beyond {
+                    is_beyond |= self.watched.is_none_or(|watched| watched[freedom]);
+                    self.note(freedom, kind, time_s, value.abs(), limit);
+                }
             }
             if let Some(heat) = limits.heat {
                 // A low-pass of the square: what warms a motor, over the time that it takes to.
                 let share = self.dt_s / heat.time_s;
                 self.heat[freedom] += (effort * effort - self.heat[freedom]) * share.min(1.0);
                 let mean = libm::sqrt(self.heat[freedom]);
-                let hot = mean > heat.continuous;
-                self.note(hot, freedom, Kind::Heat, time_s, mean, heat.continuous);
+                if mean > heat.continuous {
+                    self.note(freedom, Kind::Heat, time_s, mean, heat.continuous);
+                }
             }
         }
         self.take_joined(time_s, instant);
@@ -267,7 +275,9 @@ impl<'a> Tally<'a> {
             let (range, freedom) = self.joints[*body].clone();
             let Some(&[x, y, z, w]) = instant.q.get(range) else { continue };
             let turn = 2.0 * libm::atan2(libm::sqrt(x * x + y * y + z * z), w.abs());
-            self.note(turn > *most, freedom, Kind::Range, time_s, turn, *most);
+            if turn > *most {
+                self.note(freedom, Kind::Range, time_s, turn, *most);
+            }
         }
         for linked in &self.limits.linked {
             let place = |body: usize| self.joints[body].0.start;
@@ -278,24 +288,14 @@ impl<'a> Tally<'a> {
             // What is tied is computed, and has roundings.
             let room = 1e-6;
             let end = if sum < least { least } else { most };
-            let beyond = sum < least - room || sum > most + room;
-            let freedom = self.joints[linked.body].1;
-            self.note(beyond, freedom, Kind::LinkedRange, time_s, sum, end);
+            if sum < least - room || sum > most + room {
+                self.note(self.joints[linked.body].1, Kind::LinkedRange, time_s, sum, end);
+            }
         }
     }
 
-    fn note(
-        &mut self,
-        beyond: bool,
-        freedom: usize,
-        kind: Kind,
-        time_s: f64,
-        value: f64,
-        limit: f64,
-    ) {
-        if !beyond {
-            return;
-        }
+    /// Notes that a freedom is beyond a limit.
+    fn note(&mut self, freedom: usize, kind: Kind, time_s: f64, value: f64, limit: f64) {
         let open = &mut self.open[freedom][kind as usize];
         if let Some(open) = *open {
             let excess = &mut self.excesses[open];

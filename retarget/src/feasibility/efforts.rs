@@ -7,6 +7,7 @@ use sinew_rig::mechanism::{InverseDynamics, LANES};
 
 use super::check::CheckError;
 use super::curve::{Instant, Performance};
+use super::limits::{FreedomLimits, Limits};
 
 /// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub struct Efforts {
     side_by_side: [Vec<[f32; LANES]>; 3],
     /// What friction takes of each freedom: Coulomb's, and per speed.
     friction: Vec<[f64; 2]>,
+    /// Whether anybody asks for them: else they are told as zero.
+    is_asked: bool,
 }
 
 impl Efforts {
@@ -33,7 +36,14 @@ impl Efforts {
             single: [vec![], vec![], vec![]],
             side_by_side: [vec![], vec![], vec![]],
             friction: mechanism.bodies.iter().flat_map(of_link).collect(),
+            is_asked: true,
         })
+    }
+
+    /// The same for comparing instants with limits: of a rig without a limit of effort or heat no dynamics is computed.
+    pub(super) fn asked_by(mechanism: &Mechanism, limits: &Limits) -> Result<Self, TreeError> {
+        let asks = |limits: &FreedomLimits| limits.effort.is_finite() || limits.heat.is_some();
+        Ok(Self { is_asked: limits.freedoms.iter().any(asks), ..Self::of(mechanism)? })
     }
 
     /// What dry friction takes of a freedom at a speed, N m or N: softened below 0.01 rad/s, so that a joint that
@@ -85,6 +95,13 @@ impl Efforts {
         motions: [[&[f64]; 3]; LANES],
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CoordinatesError> {
+        if !self.is_asked {
+            for out in out {
+                out.clear();
+                out.resize(self.friction.len(), 0.0);
+            }
+            return Ok(());
+        }
         for (kind, side_by_side) in self.side_by_side.iter_mut().enumerate() {
             let count = motions[0][kind].len();
             side_by_side.resize(count, [0.0; LANES]);
@@ -103,6 +120,40 @@ impl Efforts {
         }
         Ok(())
     }
+
+    /// Efforts with friction of instants at these times.
+    pub(super) fn of_instants(
+        &mut self,
+        times_s: [f64; LANES],
+        instants: [&Instant; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        self.of_motions(times_s, instants.map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]), out)?;
+        for (instant, efforts) in instants.into_iter().zip(out) {
+            for (freedom, (effort, speed)) in efforts.iter_mut().zip(&instant.qd).enumerate() {
+                *effort +=
+                    self.dry_friction(freedom, *speed) + self.viscous_friction(freedom, *speed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Efforts without friction of positions, speeds and accelerations at these times.
+    fn of_motions(
+        &mut self,
+        times_s: [f64; LANES],
+        motions: [[&[f64]; 3]; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        if self.side_by_side(motions, out).is_err() {
+            // One after the other tells which is none of the rig.
+            for ((time_s, motion), out) in times_s.into_iter().zip(motions).zip(out) {
+                self.without_friction(motion, out)
+                    .map_err(|source| CheckError::Instant { time_s, source })?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Instants of a performance, one behind the other, with what they take.
@@ -113,7 +164,6 @@ pub(super) struct Block {
     pub(super) times_s: [f64; LANES],
     pub(super) instants: [Instant; LANES],
     pub(super) efforts: [Vec<f64>; LANES],
-    still: Vec<f64>,
 }
 
 impl Block {
@@ -146,25 +196,17 @@ impl Block {
 
     /// Finds the efforts, with friction.
     pub(super) fn find_efforts(&mut self, efforts: &mut Efforts) -> Result<(), CheckError> {
-        self.find_without_friction(efforts)?;
-        for (instant, of_instant) in self.instants.iter().zip(&mut self.efforts) {
-            for (freedom, (effort, speed)) in of_instant.iter_mut().zip(&instant.qd).enumerate() {
-                *effort += efforts.dry_friction(freedom, *speed)
-                    + efforts.viscous_friction(freedom, *speed);
-            }
-        }
-        Ok(())
+        let instants = self.instants.each_ref();
+        efforts.of_instants(self.times_s, instants, &mut self.efforts)
     }
 
-    /// Finds the efforts.
+    /// Finds the efforts without friction.
     pub(super) fn find_without_friction(
         &mut self,
         efforts: &mut Efforts,
     ) -> Result<(), CheckError> {
-        let mut of_instants = std::mem::take(&mut self.efforts);
-        self.find(efforts, |Instant { q, qd, qdd }, _| [q, qd, qdd], &mut of_instants)?;
-        self.efforts = of_instants;
-        Ok(())
+        let motions = self.instants.each_ref().map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]);
+        efforts.of_motions(self.times_s, motions, &mut self.efforts)
     }
 
     /// What holds the poses of the instants.
@@ -173,7 +215,9 @@ impl Block {
         efforts: &mut Efforts,
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CheckError> {
-        self.find(efforts, |Instant { q, .. }, still| [q, still, still], out)
+        let still = self.still();
+        let motions = self.instants.each_ref().map(|Instant { q, .. }| [&q[..], &still, &still]);
+        efforts.of_motions(self.times_s, motions, out)
     }
 
     /// What it takes to hold the poses and to accelerate, from rest, by as much as the speeds are.
@@ -182,27 +226,12 @@ impl Block {
         efforts: &mut Efforts,
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CheckError> {
-        self.find(efforts, |Instant { q, qd, .. }, still| [q, still, qd], out)
+        let still = self.still();
+        let motions = self.instants.each_ref().map(|Instant { q, qd, .. }| [&q[..], &still, qd]);
+        efforts.of_motions(self.times_s, motions, out)
     }
 
-    /// Efforts without friction of a motion that is made of each instant and of standing still.
-    fn find(
-        &mut self,
-        efforts: &mut Efforts,
-        motion: impl for<'a> Fn(&'a Instant, &'a [f64]) -> [&'a [f64]; 3],
-        out: &mut [Vec<f64>; LANES],
-    ) -> Result<(), CheckError> {
-        self.still.resize(self.instants[0].qd.len(), 0.0);
-        let motions = self.instants.each_ref().map(|instant| motion(instant, &self.still));
-        if efforts.side_by_side(motions, out).is_err() {
-            // One after the other tells which is none of the rig.
-            let mut single = Vec::new();
-            for (time_s, motion) in self.times_s.iter().zip(motions) {
-                efforts
-                    .without_friction(motion, &mut single)
-                    .map_err(|source| CheckError::Instant { time_s: *time_s, source })?;
-            }
-        }
-        Ok(())
+    fn still(&self) -> Vec<f64> {
+        vec![0.0; self.instants[0].qd.len()]
     }
 }

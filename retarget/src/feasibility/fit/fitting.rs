@@ -84,7 +84,7 @@ impl<'a> Fitting<'a> {
             within,
             share: vec![Vec::new(); mechanism.bodies.len()],
             smoothed: Vec::new(),
-            efforts: Efforts::of(mechanism).map_err(CheckError::Tree)?,
+            efforts: Efforts::asked_by(mechanism, limits).map_err(CheckError::Tree)?,
             still: None,
             fast: vec![false; limits.freedoms.len()],
         })
@@ -92,7 +92,8 @@ impl<'a> Fitting<'a> {
 
     /// Low-passes joints that are too fast, as far as that changes little. Whether nothing is exceeded at all.
     pub(super) fn smooth(&mut self) -> Result<bool, FitError> {
-        let (report, looks) = self.excesses_of_rows(None)?;
+        let mut watched = vec![true; self.limits.freedoms.len()];
+        let (report, mut looks) = self.excesses_of_rows(None, &watched)?;
         if report.excesses.is_empty() {
             return Ok(true);
         }
@@ -121,8 +122,12 @@ impl<'a> Fitting<'a> {
                     None => ended[joint] = true,
                 }
             }
-            // What a low-pass takes away was there before: elsewhere the rounds look.
-            (report, _) = self.excesses_of_rows(Some(&looks))?;
+            for (watched, limits) in watched.iter_mut().zip(&self.limits.freedoms) {
+                *watched = !ended[limits.joint];
+            }
+            // What a low-pass takes away was there before, and of joints that it may still change: elsewhere the rounds
+            // look.
+            (report, looks) = self.excesses_of_rows(Some(&looks), &watched)?;
         }
         self.smoothed = (0..widest.len())
             .filter_map(|joint| {
@@ -133,8 +138,13 @@ impl<'a> Fitting<'a> {
         Ok(false)
     }
 
-    /// What the rows exceed, at all looks or at some; and beside which looks they are too fast or too strong.
-    fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
+    /// What the rows exceed, at all looks or at some; and beside which looks freedoms that are watched are too fast or
+    /// too strong.
+    fn excesses_of_rows(
+        &mut self,
+        at: Option<&[usize]>,
+        watched: &[bool],
+    ) -> Result<(Report, Vec<usize>), FitError> {
         let no_rows = Rows::of(0, &[]);
         let rows = std::mem::replace(&mut self.rows, no_rows);
         let curve = Curve::through(&self.joints, rows, self.dt_s);
@@ -142,6 +152,7 @@ impl<'a> Fitting<'a> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (duration_s * rate_hz).ceil() as usize;
         let mut tally = Tally::new(self.mechanism, self.limits, rate_hz);
+        tally.watched = Some(watched);
         let (mut block, mut beyond) = (Block::default(), Vec::new());
         let count = at.map_or(last + 1, <[usize]>::len);
         let look = |index: usize| at.map_or(index, |at| at[index]);

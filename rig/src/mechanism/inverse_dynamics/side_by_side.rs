@@ -183,6 +183,16 @@ impl Joint {
         qd: &[[f32; LANES]],
         qdd: &[[f32; LANES]],
     ) -> Self {
+        if q.is_empty() {
+            // A joint that stays where it is.
+            let state = body.joint.state(body.placement, &[], &[]).unwrap_or_default();
+            return Self {
+                rotation: Quaternions::of([math::unit(state.pose.rotation); LANES]),
+                arm: Vectors::all(state.pose.translation_m),
+                velocity: [Vectors::ZERO; 2],
+                acceleration: [Vectors::ZERO; 2],
+            };
+        }
         let lane = |numbers: &[[f32; LANES]], lane: usize| -> Vec<f32> {
             numbers.iter().map(|of_lanes| of_lanes[lane]).collect()
         };

@@ -1,4 +1,4 @@
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3, Vec3Swizzles as _};
 
 use super::*;
 use crate::mechanism::{Freedom, Link};
