@@ -193,16 +193,27 @@ pub fn bake_within(
         let baked = bake(&fitted)?;
         let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, FITTED_HZ)?;
         let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
-        if fits == FITS {
-            let freedom = &limits.freedoms[worst.freedom];
-            let (joint, slides) = (freedom.name.clone(), freedom.slides);
-            let Excess { kind, value, limit, .. } = *worst;
-            return Err(BakeError::Rounded { joint, slides, kind, value, limit });
+        let before = fitted.motion;
+        loop {
+            if fits == FITS {
+                return Err(rounded(limits, worst));
+            }
+            fits += 1;
+            tight = tight.tightened(&report);
+            fitted = fit(mechanism, &tight, given, FitSettings::default())?;
+            // Of the same motion the show would be the same.
+            if fitted.motion != before {
+                break;
+            }
         }
-        fits += 1;
-        tight = tight.tightened(&report);
-        fitted = fit(mechanism, &tight, given, FitSettings::default())?;
     }
+}
+
+fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
+    let freedom = &limits.freedoms[worst.freedom];
+    let (joint, slides) = (freedom.name.clone(), freedom.slides);
+    let Excess { kind, value, limit, .. } = *worst;
+    BakeError::Rounded { joint, slides, kind, value, limit }
 }
 
 /// A rate as a show has it: whole samples in whole seconds.
