@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, fit,
+    Report, RigMotion, check, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
@@ -193,16 +193,16 @@ pub fn bake_within(
         let baked = bake(&fitted)?;
         let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, FITTED_HZ)?;
         let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
-        let before = fitted.motion;
         loop {
             if fits == FITS {
                 return Err(rounded(limits, worst));
             }
             fits += 1;
             tight = tight.tightened(&report);
-            fitted = fit(mechanism, &tight, given, FitSettings::default())?;
+            let before = fitted;
+            fitted = refit(mechanism, &tight, given, &before, FitSettings::default())?;
             // Of the same motion the show would be the same.
-            if fitted.motion != before {
+            if fitted.motion != before.motion {
                 break;
             }
         }
