@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, fit,
+    Report, RigMotion, check, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
@@ -193,16 +193,27 @@ pub fn bake_within(
         let baked = bake(&fitted)?;
         let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, FITTED_HZ)?;
         let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
-        if fits == FITS {
-            let freedom = &limits.freedoms[worst.freedom];
-            let (joint, slides) = (freedom.name.clone(), freedom.slides);
-            let Excess { kind, value, limit, .. } = *worst;
-            return Err(BakeError::Rounded { joint, slides, kind, value, limit });
+        loop {
+            if fits == FITS {
+                return Err(rounded(limits, worst));
+            }
+            fits += 1;
+            tight = tight.tightened(&report);
+            let before = fitted;
+            fitted = refit(mechanism, &tight, given, &before, FitSettings::default())?;
+            // Of the same motion the show would be the same.
+            if fitted.motion != before.motion {
+                break;
+            }
         }
-        fits += 1;
-        tight = tight.tightened(&report);
-        fitted = fit(mechanism, &tight, given, FitSettings::default())?;
     }
+}
+
+fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
+    let freedom = &limits.freedoms[worst.freedom];
+    let (joint, slides) = (freedom.name.clone(), freedom.slides);
+    let Excess { kind, value, limit, .. } = *worst;
+    BakeError::Rounded { joint, slides, kind, value, limit }
 }
 
 /// A rate as a show has it: whole samples in whole seconds.

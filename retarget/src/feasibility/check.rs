@@ -9,7 +9,7 @@ use sinew_rig::Mechanism;
 use thiserror::Error;
 
 use super::curve::{Instant, Performance};
-use super::efforts::Efforts;
+use super::efforts::{Block, Efforts};
 use super::limits::Limits;
 
 /// What was exceeded.
@@ -157,15 +157,17 @@ pub fn check(
         return Err(CheckError::Rate(rate_hz));
     }
     let mut efforts = Efforts::of(mechanism)?;
-    let mut tally = Tally::new(mechanism, limits, &mut efforts, rate_hz);
-    let mut instant = Instant::default();
+    let mut tally = Tally::new(mechanism, limits, rate_hz);
     let duration_s = performance.duration_s();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let count = (duration_s * rate_hz).ceil() as usize;
-    for index in 0..=count {
-        let time_s = (index as f64 / rate_hz).min(duration_s);
-        performance.at(time_s, &mut instant);
-        tally.take(time_s, &instant)?;
+    let mut times_s = (0..=count).map(|index| (index as f64 / rate_hz).min(duration_s));
+    let mut block = Block::default();
+    while block.next(performance, &mut times_s) {
+        block.find_efforts(&mut efforts)?;
+        for (time_s, instant, efforts) in block.each() {
+            tally.take(time_s, instant, efforts);
+        }
     }
     Ok(tally.report(duration_s, count + 1))
 }
@@ -173,10 +175,9 @@ pub fn check(
 /// What is known so far.
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
+    /// The freedoms that are told to be beyond; without a list all are.
+    pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
-    pub(super) efforts: &'a mut Efforts,
-    /// Of the last instant.
-    pub(super) of_instant: Vec<f64>,
     /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
     places: Vec<Option<usize>>,
     /// Where in `q` the coordinates of each body are, and its first freedom.
@@ -191,12 +192,7 @@ pub(super) struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    pub(super) fn new(
-        mechanism: &Mechanism,
-        limits: &'a Limits,
-        efforts: &'a mut Efforts,
-        rate_hz: f64,
-    ) -> Self {
+    pub(super) fn new(mechanism: &Mechanism, limits: &'a Limits, rate_hz: f64) -> Self {
         let (mut places, mut joints) = (Vec::new(), Vec::new());
         for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
             let count = link.joint.kind().degrees_of_freedom();
@@ -213,9 +209,8 @@ impl<'a> Tally<'a> {
         };
         Self {
             limits,
+            watched: None,
             dt_s: rate_hz.recip(),
-            efforts,
-            of_instant: Vec::new(),
             places,
             joints,
             heat: vec![0.0; freedoms],
@@ -226,15 +221,12 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Looks at an instant; whether a speed, an acceleration or an effort is beyond its limit.
-    pub(super) fn take(&mut self, time_s: f64, instant: &Instant) -> Result<bool, CheckError> {
-        let mut efforts = std::mem::take(&mut self.of_instant);
-        self.efforts
-            .at(instant, &mut efforts)
-            .map_err(|source| CheckError::Instant { time_s, source })?;
+    /// Looks at an instant and its efforts; whether a speed, an acceleration or an effort that is watched is beyond its
+    /// limit.
+    pub(super) fn take(&mut self, time_s: f64, instant: &Instant, efforts: &[f64]) -> bool {
         let limits = self.limits;
         let mut is_beyond = false;
-        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(&efforts).enumerate() {
+        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(efforts).enumerate() {
             let (speed, acceleration) = (instant.qd[freedom], instant.qdd[freedom]);
             let effort = *effort;
             let peaks = &mut self.peaks[freedom];
@@ -248,8 +240,9 @@ impl<'a> Tally<'a> {
                 peaks.most = peaks.most.max(position);
                 let [least, most] = limits.range;
                 let end = if position < least { least } else { most };
-                let beyond = position < least || position > most;
-                self.note(beyond, freedom, Kind::Range, time_s, position, end);
+                if position < least || position > most {
+                    self.note(freedom, Kind::Range, time_s, position, end);
+                }
             }
             for (kind, value, limit) in [
                 (Kind::Speed, speed, limits.speed),
@@ -257,21 +250,23 @@ impl<'a> Tally<'a> {
                 (Kind::Effort, effort, limits.effort),
             ] {
                 let beyond = value.abs() > limit;
-                is_beyond |= beyond;
-                self.note(beyond, freedom, kind, time_s, value.abs(), limit);
+                if beyond {
+                    is_beyond |= self.watched.is_none_or(|watched| watched[freedom]);
+                    self.note(freedom, kind, time_s, value.abs(), limit);
+                }
             }
             if let Some(heat) = limits.heat {
                 // A low-pass of the square: what warms a motor, over the time that it takes to.
                 let share = self.dt_s / heat.time_s;
                 self.heat[freedom] += (effort * effort - self.heat[freedom]) * share.min(1.0);
                 let mean = libm::sqrt(self.heat[freedom]);
-                let hot = mean > heat.continuous;
-                self.note(hot, freedom, Kind::Heat, time_s, mean, heat.continuous);
+                if mean > heat.continuous {
+                    self.note(freedom, Kind::Heat, time_s, mean, heat.continuous);
+                }
             }
         }
-        self.of_instant = efforts;
         self.take_joined(time_s, instant);
-        Ok(is_beyond)
+        is_beyond
     }
 
     /// Turns of ball joints, and limits that join two joints.
@@ -280,7 +275,9 @@ impl<'a> Tally<'a> {
             let (range, freedom) = self.joints[*body].clone();
             let Some(&[x, y, z, w]) = instant.q.get(range) else { continue };
             let turn = 2.0 * libm::atan2(libm::sqrt(x * x + y * y + z * z), w.abs());
-            self.note(turn > *most, freedom, Kind::Range, time_s, turn, *most);
+            if turn > *most {
+                self.note(freedom, Kind::Range, time_s, turn, *most);
+            }
         }
         for linked in &self.limits.linked {
             let place = |body: usize| self.joints[body].0.start;
@@ -291,24 +288,14 @@ impl<'a> Tally<'a> {
             // What is tied is computed, and has roundings.
             let room = 1e-6;
             let end = if sum < least { least } else { most };
-            let beyond = sum < least - room || sum > most + room;
-            let freedom = self.joints[linked.body].1;
-            self.note(beyond, freedom, Kind::LinkedRange, time_s, sum, end);
+            if sum < least - room || sum > most + room {
+                self.note(self.joints[linked.body].1, Kind::LinkedRange, time_s, sum, end);
+            }
         }
     }
 
-    fn note(
-        &mut self,
-        beyond: bool,
-        freedom: usize,
-        kind: Kind,
-        time_s: f64,
-        value: f64,
-        limit: f64,
-    ) {
-        if !beyond {
-            return;
-        }
+    /// Notes that a freedom is beyond a limit.
+    fn note(&mut self, freedom: usize, kind: Kind, time_s: f64, value: f64, limit: f64) {
         let open = &mut self.open[freedom][kind as usize];
         if let Some(open) = *open {
             let excess = &mut self.excesses[open];

@@ -3,17 +3,22 @@
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::InverseDynamics;
+use sinew_rig::mechanism::{InverseDynamics, LANES};
 
-use super::curve::Instant;
+use super::check::CheckError;
+use super::curve::{Instant, Performance};
+use super::limits::{FreedomLimits, Limits};
 
 /// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.
 #[derive(Debug)]
 pub struct Efforts {
     dynamics: InverseDynamics,
     single: [Vec<f32>; 3],
+    side_by_side: [Vec<[f32; LANES]>; 3],
     /// What friction takes of each freedom: Coulomb's, and per speed.
     friction: Vec<[f64; 2]>,
+    /// Whether anybody asks for them: else they are told as zero.
+    is_asked: bool,
 }
 
 impl Efforts {
@@ -29,8 +34,16 @@ impl Efforts {
         Ok(Self {
             dynamics: InverseDynamics::of(mechanism)?,
             single: [vec![], vec![], vec![]],
+            side_by_side: [vec![], vec![], vec![]],
             friction: mechanism.bodies.iter().flat_map(of_link).collect(),
+            is_asked: true,
         })
+    }
+
+    /// The same for comparing instants with limits: of a rig without a limit of effort or heat no dynamics is computed.
+    pub(super) fn asked_by(mechanism: &Mechanism, limits: &Limits) -> Result<Self, TreeError> {
+        let asks = |limits: &FreedomLimits| limits.effort.is_finite() || limits.heat.is_some();
+        Ok(Self { is_asked: limits.freedoms.iter().any(asks), ..Self::of(mechanism)? })
     }
 
     /// What dry friction takes of a freedom at a speed, N m or N: softened below 0.01 rad/s, so that a joint that
@@ -59,7 +72,7 @@ impl Efforts {
     }
 
     /// The same without friction, of positions, speeds and accelerations.
-    pub(super) fn without_friction(
+    fn without_friction(
         &mut self,
         motion: [&[f64]; 3],
         out: &mut Vec<f64>,
@@ -74,5 +87,151 @@ impl Efforts {
         out.clear();
         out.extend(efforts.iter().map(|effort| f64::from(*effort)));
         Ok(())
+    }
+
+    /// The same of several instants at once, in less time: of each the motion, and where its efforts go.
+    fn side_by_side(
+        &mut self,
+        motions: [[&[f64]; 3]; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CoordinatesError> {
+        if !self.is_asked {
+            for out in out {
+                out.clear();
+                out.resize(self.friction.len(), 0.0);
+            }
+            return Ok(());
+        }
+        for (kind, side_by_side) in self.side_by_side.iter_mut().enumerate() {
+            let count = motions[0][kind].len();
+            side_by_side.resize(count, [0.0; LANES]);
+            for (lane, motion) in motions.iter().enumerate() {
+                #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+                for (of_lanes, wide) in side_by_side.iter_mut().zip(motion[kind]) {
+                    of_lanes[lane] = *wide as f32;
+                }
+            }
+        }
+        let [q, qd, qdd] = &self.side_by_side;
+        let efforts = self.dynamics.efforts_side_by_side(q, qd, qdd)?;
+        for (lane, out) in out.iter_mut().enumerate() {
+            out.clear();
+            out.extend(efforts.iter().map(|of_lanes| f64::from(of_lanes[lane])));
+        }
+        Ok(())
+    }
+
+    /// Efforts with friction of instants at these times.
+    pub(super) fn of_instants(
+        &mut self,
+        times_s: [f64; LANES],
+        instants: [&Instant; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        self.of_motions(times_s, instants.map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]), out)?;
+        for (instant, efforts) in instants.into_iter().zip(out) {
+            for (freedom, (effort, speed)) in efforts.iter_mut().zip(&instant.qd).enumerate() {
+                *effort +=
+                    self.dry_friction(freedom, *speed) + self.viscous_friction(freedom, *speed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Efforts without friction of positions, speeds and accelerations at these times.
+    fn of_motions(
+        &mut self,
+        times_s: [f64; LANES],
+        motions: [[&[f64]; 3]; LANES],
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        if self.side_by_side(motions, out).is_err() {
+            // One after the other tells which is none of the rig.
+            for ((time_s, motion), out) in times_s.into_iter().zip(motions).zip(out) {
+                self.without_friction(motion, out)
+                    .map_err(|source| CheckError::Instant { time_s, source })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Instants of a performance, one behind the other, with what they take.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    /// How many there are: the rest repeat the last one.
+    pub(super) count: usize,
+    pub(super) times_s: [f64; LANES],
+    pub(super) instants: [Instant; LANES],
+    pub(super) efforts: [Vec<f64>; LANES],
+}
+
+impl Block {
+    /// The performance at the next of these times; whether there were any. Without efforts yet.
+    pub(super) fn next(
+        &mut self,
+        performance: &impl Performance,
+        times_s: &mut impl Iterator<Item = f64>,
+    ) -> bool {
+        self.count = 0;
+        for (time_s, instant) in times_s.take(LANES).zip(&mut self.instants) {
+            performance.at(time_s, instant);
+            self.times_s[self.count] = time_s;
+            self.count += 1;
+        }
+        if let Some(last) = self.count.checked_sub(1) {
+            let (taken, rest) = self.instants.split_at_mut(self.count);
+            rest.iter_mut().for_each(|instant| instant.clone_from(&taken[last]));
+        }
+        self.count > 0
+    }
+
+    /// Each instant: when, the motion, the efforts.
+    pub(super) fn each(&self) -> impl Iterator<Item = (f64, &Instant, &[f64])> {
+        let motions = self.times_s.iter().zip(&self.instants).take(self.count);
+        motions
+            .zip(&self.efforts)
+            .map(|((time_s, instant), efforts)| (*time_s, instant, &efforts[..]))
+    }
+
+    /// Finds the efforts, with friction.
+    pub(super) fn find_efforts(&mut self, efforts: &mut Efforts) -> Result<(), CheckError> {
+        let instants = self.instants.each_ref();
+        efforts.of_instants(self.times_s, instants, &mut self.efforts)
+    }
+
+    /// Finds the efforts without friction.
+    pub(super) fn find_without_friction(
+        &mut self,
+        efforts: &mut Efforts,
+    ) -> Result<(), CheckError> {
+        let motions = self.instants.each_ref().map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]);
+        efforts.of_motions(self.times_s, motions, &mut self.efforts)
+    }
+
+    /// What holds the poses of the instants.
+    pub(super) fn holding(
+        &mut self,
+        efforts: &mut Efforts,
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        let still = self.still();
+        let motions = self.instants.each_ref().map(|Instant { q, .. }| [&q[..], &still, &still]);
+        efforts.of_motions(self.times_s, motions, out)
+    }
+
+    /// What it takes to hold the poses and to accelerate, from rest, by as much as the speeds are.
+    pub(super) fn changing(
+        &mut self,
+        efforts: &mut Efforts,
+        out: &mut [Vec<f64>; LANES],
+    ) -> Result<(), CheckError> {
+        let still = self.still();
+        let motions = self.instants.each_ref().map(|Instant { q, qd, .. }| [&q[..], &still, qd]);
+        efforts.of_motions(self.times_s, motions, out)
+    }
+
+    fn still(&self) -> Vec<f64> {
+        vec![0.0; self.instants[0].qd.len()]
     }
 }

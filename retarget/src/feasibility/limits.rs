@@ -4,7 +4,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{Freedom, Link, LinkedRange};
 use sinew_rig::review::Servos;
 
-use super::check::{Kind, Report};
+use super::check::{Excess, Kind, Report};
 
 /// Time over which effort counts as heat, where nobody says: the motor of a small servo.
 const THERMAL_TIME_S: f64 = 60.0;
@@ -99,13 +99,17 @@ const TIGHTER: f64 = 0.93;
 
 impl Limits {
     /// The same, tighter where a report says that they were exceeded: for a motion of which a spline is made once more.
+    /// Each limit once, however often it was exceeded: it is of the whole motion.
     #[must_use]
     pub fn tightened(&self, report: &Report) -> Self {
         let mut limits = self.clone();
-        for excess in &report.excesses {
+        let beyond = |excess: &Excess| (excess.value - excess.limit).abs();
+        for of_limit in report.excesses.chunk_by(|a, b| (a.freedom, a.kind) == (b.freedom, b.kind))
+        {
+            let excess = &of_limit[0];
             let freedom = &mut limits.freedoms[excess.freedom];
             let joint = freedom.joint;
-            let beyond = 1.5 * (excess.value - excess.limit).abs();
+            let beyond = 1.5 * of_limit.iter().map(beyond).fold(0.0, f64::max);
             match excess.kind {
                 Kind::Speed => freedom.speed *= TIGHTER,
                 Kind::Acceleration => freedom.acceleration *= TIGHTER,

@@ -11,7 +11,7 @@ use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 use crate::number::single;
 
 pub use freedom::Freedom;
-pub use inverse_dynamics::InverseDynamics;
+pub use inverse_dynamics::{InverseDynamics, LANES};
 pub use pose::Pose;
 
 /// Acceleration of gravity, m/s², world axes: that of `sinew-core`, f64.

@@ -10,8 +10,8 @@ use std::ops::Range;
 use super::course::Course;
 use super::look::pace;
 use crate::feasibility::check::CheckError;
-use crate::feasibility::curve::{Curve, Instant, Performance as _};
-use crate::feasibility::efforts::Efforts;
+use crate::feasibility::curve::{Curve, Instant};
+use crate::feasibility::efforts::{Block, Efforts};
 use crate::feasibility::limits::Limits;
 
 /// How long before and after what was seen the way is looked at too, s: twice the time of braking, as far as a course
@@ -103,29 +103,27 @@ impl Along<'_> {
     fn places(&mut self, rows: &Range<usize>, parts: usize) -> Result<Vec<Place>, CheckError> {
         let count = (rows.len() - 1) * parts + 1;
         let mut places = Vec::with_capacity(count * self.freedoms.len());
-        let (mut instant, still) = (Instant::default(), vec![0.0; self.limits.freedoms.len()]);
-        let [mut moving, mut changing, mut holding] = [Vec::new(), Vec::new(), Vec::new()];
-        for index in 0..count {
+        let mut block = Block::default();
+        let [mut changing, mut holding] = [Default::default(), Default::default()];
+        let mut times_s = (0..count).map(|index| {
             let row = rows.start as f64 + index as f64 / parts as f64;
-            let time_s = row * self.curve.dt_s();
-            self.curve.at(time_s, &mut instant);
-            let Instant { q, qd, qdd } = &instant;
-            for (motion, out) in [
-                ([&q[..], qd, qdd], &mut moving),
-                ([q, &still, qd], &mut changing),
-                ([q, &still, &still], &mut holding),
-            ] {
-                self.efforts
-                    .without_friction(motion, out)
-                    .map_err(|source| CheckError::Instant { time_s, source })?;
+            row * self.curve.dt_s()
+        });
+        while block.next(self.curve, &mut times_s) {
+            block.find_without_friction(self.efforts)?;
+            block.holding(self.efforts, &mut holding)?;
+            block.changing(self.efforts, &mut changing)?;
+            for ((_, Instant { qd, qdd, .. }, moving), (changing, holding)) in
+                block.each().zip(changing.iter().zip(&holding))
+            {
+                places.extend(self.freedoms.iter().map(|(freedom, _)| Place {
+                    slope: qd[*freedom],
+                    bend: qdd[*freedom],
+                    squared: moving[*freedom] - holding[*freedom],
+                    changing: changing[*freedom] - holding[*freedom],
+                    held: holding[*freedom],
+                }));
             }
-            places.extend(self.freedoms.iter().map(|(freedom, _)| Place {
-                slope: qd[*freedom],
-                bend: qdd[*freedom],
-                squared: moving[*freedom] - holding[*freedom],
-                changing: changing[*freedom] - holding[*freedom],
-                held: holding[*freedom],
-            }));
         }
         Ok(places)
     }

@@ -17,6 +17,11 @@ impl Course {
         Self { dt_s, pace: vec![1.0; rows] }
     }
 
+    /// Whether it is nowhere slower than it was given.
+    pub(super) fn is_as_given(&self) -> bool {
+        self.pace.iter().all(|pace| *pace >= 1.0)
+    }
+
     /// Goes at these shares of its present speed, of rows from `first` on, and smoothly in between.
     pub(super) fn slow_down(&mut self, first: usize, shares: &[f64]) {
         lessen(&mut self.pace, first, shares, BRAKING_S / self.dt_s);
@@ -39,7 +44,7 @@ impl Course {
 
     /// The given time of each row of the new motion, whose rows are as far apart; `None` if it goes as given.
     pub(super) fn given_s(&self) -> Option<Vec<f64>> {
-        if self.pace.iter().all(|pace| *pace >= 1.0) {
+        if self.is_as_given() {
             return None;
         }
         // New time at each given row: the integral of 1 / pace, by the trapezoid rule.

@@ -12,9 +12,9 @@ use super::rest::Rest;
 use super::within::Within;
 use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
 use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
-use crate::feasibility::curve::{Curve, Instant, Performance as _};
-use crate::feasibility::efforts::Efforts;
-use crate::feasibility::limits::Limits;
+use crate::feasibility::curve::{Curve, Performance as _};
+use crate::feasibility::efforts::{Block, Efforts};
+use crate::feasibility::limits::{FreedomLimits, Limits};
 use crate::feasibility::motion::RigMotion;
 use crate::feasibility::rows::Rows;
 
@@ -37,6 +37,16 @@ pub(super) enum Round {
     Hopeless,
 }
 
+/// What was done for a fit, for another one of the same motion to go on from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Progress {
+    widest: Vec<Option<(f64, f64)>>,
+    ended: Vec<bool>,
+    pace: Vec<f64>,
+    share: Vec<Vec<f64>>,
+    room: Vec<f64>,
+}
+
 /// A motion on its way to a fit.
 pub(super) struct Fitting<'a> {
     mechanism: &'a Mechanism,
@@ -53,7 +63,10 @@ pub(super) struct Fitting<'a> {
     course: Course,
     /// Of each joint the share of its way from home at each row; empty where it is whole.
     share: Vec<Vec<f64>>,
-    smoothed: Vec<Smoothed>,
+    /// Of each joint the widest low-pass: how wide, s, and how much it changed.
+    widest: Vec<Option<(f64, f64)>>,
+    /// Joints that no wider one may change.
+    ended: Vec<bool>,
     efforts: Efforts,
     /// The curve in given time, as long as neither rows nor shares change.
     still: Option<Curve>,
@@ -83,74 +96,101 @@ impl<'a> Fitting<'a> {
             rows,
             within,
             share: vec![Vec::new(); mechanism.bodies.len()],
-            smoothed: Vec::new(),
-            efforts: Efforts::of(mechanism).map_err(CheckError::Tree)?,
+            widest: vec![None; mechanism.bodies.len()],
+            ended: vec![false; mechanism.bodies.len()],
+            efforts: Efforts::asked_by(mechanism, limits).map_err(CheckError::Tree)?,
             still: None,
             fast: vec![false; limits.freedoms.len()],
         })
     }
 
+    /// Goes on from what was done for another fit of the motion.
+    pub(super) fn go_on_from(&mut self, before: &Progress) {
+        // Of a motion that was made finer meanwhile nothing was done.
+        if before.pace.len() != self.rows.count {
+            return;
+        }
+        let Progress { widest, ended, pace, share, room } = before.clone();
+        (self.widest, self.ended, self.share) = (widest, ended, share);
+        (self.course.pace, self.within.room) = (pace, room);
+        self.rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
+    }
+
     /// Low-passes joints that are too fast, as far as that changes little. Whether nothing is exceeded at all.
     pub(super) fn smooth(&mut self) -> Result<bool, FitError> {
-        let (report, looks) = self.excesses_of_rows(None)?;
-        if report.excesses.is_empty() {
+        let given = self.rows.clone();
+        for (joint, widest) in self.widest.iter().enumerate() {
+            if let Some((width_s, _)) = widest {
+                let (sigma, rows) = (width_s / self.dt_s, &mut self.rows);
+                smooth::smooth(self.mechanism, joint, &given, rows, sigma, f64::INFINITY);
+            }
+        }
+        let (mut report, mut looks) = self.excesses_of_rows(None)?;
+        let is_whole = self.course.is_as_given() && self.share.iter().all(Vec::is_empty);
+        if report.excesses.is_empty() && is_whole {
             return Ok(true);
         }
-        let given = self.rows.clone();
-        let mut widest: Vec<Option<(f64, f64)>> = vec![None; self.share.len()];
-        let mut ended = vec![false; self.share.len()];
-        let mut report = report;
         for width_s in smooth::WIDTHS_S {
             let mut wanted: Vec<usize> = report
                 .excesses
                 .iter()
                 .filter(|excess| is_fast(excess))
                 .map(|excess| self.limits.freedoms[excess.freedom].joint)
-                .filter(|joint| !ended[*joint])
+                .filter(|joint| !self.ended[*joint])
                 .collect();
-            wanted.sort_unstable();
-            wanted.dedup();
             if wanted.is_empty() {
                 break;
+            }
+            wanted.sort_unstable();
+            wanted.dedup();
+            // Of those that a fit before has smoothed, the next width is wider.
+            wanted.retain(|joint| self.widest[*joint].is_none_or(|(widest, _)| widest < width_s));
+            if wanted.is_empty() {
+                continue;
             }
             for joint in wanted {
                 let sigma = width_s / self.dt_s;
                 let (rows, most) = (&mut self.rows, self.settings.change);
                 match smooth::smooth(self.mechanism, joint, &given, rows, sigma, most) {
-                    Some(change) => widest[joint] = Some((width_s, change)),
-                    None => ended[joint] = true,
+                    Some(change) => self.widest[joint] = Some((width_s, change)),
+                    None => self.ended[joint] = true,
                 }
             }
-            // What a low-pass takes away was there before: elsewhere the rounds look.
-            (report, _) = self.excesses_of_rows(Some(&looks))?;
+            // What a low-pass takes away was there before, and of joints that it may still change: elsewhere the rounds
+            // look.
+            (report, looks) = self.excesses_of_rows(Some(&looks))?;
         }
-        self.smoothed = (0..widest.len())
-            .filter_map(|joint| {
-                let (width_s, change) = widest[joint]?;
-                Some(Smoothed { joint: self.name(joint), width_s, change })
-            })
-            .collect();
         Ok(false)
     }
 
-    /// What the rows exceed, at all looks or at some; and beside which looks they are too fast or too strong.
+    /// What the rows exceed, at all looks or at some; and beside which looks joints that may still be smoothed are too
+    /// fast or too strong.
     fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
+        let may_be_smoothed = |limits: &FreedomLimits| !self.ended[limits.joint];
+        let watched: Vec<bool> = self.limits.freedoms.iter().map(may_be_smoothed).collect();
         let no_rows = Rows::of(0, &[]);
         let rows = std::mem::replace(&mut self.rows, no_rows);
         let curve = Curve::through(&self.joints, rows, self.dt_s);
         let (duration_s, rate_hz) = (curve.duration_s(), self.settings.rate_hz);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (duration_s * rate_hz).ceil() as usize;
-        let mut tally = Tally::new(self.mechanism, self.limits, &mut self.efforts, rate_hz);
-        let (mut instant, mut beyond) = (Instant::default(), Vec::new());
+        let mut tally = Tally::new(self.mechanism, self.limits, rate_hz);
+        tally.watched = Some(&watched);
+        let (mut block, mut beyond) = (Block::default(), Vec::new());
         let count = at.map_or(last + 1, <[usize]>::len);
-        for index in 0..count {
-            let look = at.map_or(index, |at| at[index]);
-            let time_s = (look as f64 / rate_hz).min(duration_s);
-            curve.at(time_s, &mut instant);
-            if tally.take(time_s, &instant)? {
-                let first = beyond.last().map_or(0, |last| last + 1);
-                beyond.extend(first.max(look.saturating_sub(BESIDE))..=(look + BESIDE).min(last));
+        let look = |index: usize| at.map_or(index, |at| at[index]);
+        let mut times_s = (0..count).map(|index| (look(index) as f64 / rate_hz).min(duration_s));
+        let mut seen = 0;
+        while block.next(&curve, &mut times_s) {
+            block.find_efforts(&mut self.efforts)?;
+            for (time_s, instant, efforts) in block.each() {
+                if tally.take(time_s, instant, efforts) {
+                    let first = beyond.last().map_or(0, |last| last + 1);
+                    let look = look(seen);
+                    beyond
+                        .extend(first.max(look.saturating_sub(BESIDE))..=(look + BESIDE).min(last));
+                }
+                seen += 1;
             }
         }
         let report = tally.report(duration_s, count);
@@ -308,8 +348,23 @@ impl<'a> Fitting<'a> {
                 .collect(),
             clamped: clamped.map(|(joint, change)| (self.name(joint), *change)).collect(),
             lightened: if self.share.iter().all(Vec::is_empty) { vec![] } else { self.lightened() },
-            smoothed: std::mem::take(&mut self.smoothed),
+            smoothed: self.smoothed(),
+            progress: Progress {
+                widest: self.widest,
+                ended: self.ended,
+                pace: self.course.pace,
+                share: self.share,
+                room: self.within.room,
+            },
         }
+    }
+
+    fn smoothed(&self) -> Vec<Smoothed> {
+        let of_joint = |(joint, widest): (usize, &Option<(f64, f64)>)| {
+            let (width_s, change) = (*widest)?;
+            Some(Smoothed { joint: self.name(joint), width_s, change })
+        };
+        self.widest.iter().enumerate().filter_map(of_joint).collect()
     }
 
     /// The joints of the pose that is drawn towards which are not at home.

@@ -1,13 +1,13 @@
 //! Where a motion exceeds a limit, and by how much it must be slower or nearer to home there.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::{Freedom, LANES};
 
 use super::interpolated;
 use super::rest::Rest;
 use crate::feasibility::check::{CheckError, Report, Tally};
-use crate::feasibility::curve::{Curve, Instant, Performance as _};
-use crate::feasibility::efforts::Efforts;
+use crate::feasibility::curve::{Curve, Performance as _};
+use crate::feasibility::efforts::{Block, Efforts};
 use crate::feasibility::limits::{FreedomLimits, Limits};
 
 /// Share of its effort that may hold a joint where it is asked for more.
@@ -41,42 +41,52 @@ impl Looking<'_> {
         let Looking { mechanism, limits, rest, efforts, rate_hz, dt_s, rows: count } = self;
         let mut pace_at = vec![1.0; count];
         let mut share = vec![Vec::new(); mechanism.bodies.len()];
-        let (mut instant, mut still) = (Instant::default(), Instant::default());
-        let mut holding = Vec::new();
-        let mut tally = Tally::new(mechanism, limits, efforts, rate_hz);
+        let (mut block, mut holding, mut is_beyond) =
+            (Block::default(), Default::default(), [false; LANES]);
+        let mut tally = Tally::new(mechanism, limits, rate_hz);
         let duration_s = curve.duration_s();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let looks = (duration_s * rate_hz).ceil() as usize;
-        for look in 0..=looks {
-            let time_s = (look as f64 / rate_hz).min(duration_s);
-            curve.at(time_s, &mut instant);
-            if !tally.take(time_s, &instant)? {
+        let mut times_s = (0..=looks).map(|look| (look as f64 / rate_hz).min(duration_s));
+        while block.next(curve, &mut times_s) {
+            block.find_efforts(efforts)?;
+            is_beyond.fill(false);
+            for (is_beyond, (time_s, instant, of_instant)) in is_beyond.iter_mut().zip(block.each())
+            {
+                *is_beyond = tally.take(time_s, instant, of_instant);
+            }
+            if !is_beyond.contains(&true) {
                 continue;
             }
-            still.q.clone_from(&instant.q);
-            still.qd.resize(instant.qd.len(), 0.0);
-            still.qdd.resize(instant.qdd.len(), 0.0);
-            tally
-                .efforts
-                .at(&still, &mut holding)
-                .map_err(|source| CheckError::Instant { time_s, source })?;
-            let given =
-                given_s.map_or(time_s, |given_s| interpolated(given_s, time_s / dt_s)) / dt_s;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
-            let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(count - 1));
-            for (freedom, limits_of) in limits.freedoms.iter().enumerate() {
-                // Friction is the same however slow the course is.
-                let dry = tally.efforts.dry_friction(freedom, instant.qd[freedom]);
-                let (effort, held) = (tally.of_instant[freedom], holding[freedom] + dry);
-                let (qd, qdd) = (instant.qd[freedom], instant.qdd[freedom]);
-                let most = most_held(limits_of, rest.holding[freedom]);
-                let is_heavy = effort.abs().max(held.abs()) > limits_of.effort && held.abs() > most;
-                let pace = pace(limits_of, [qd, qdd], (!is_heavy).then_some([effort, held]));
-                for row in rows {
-                    pace_at[row] = f64::min(pace_at[row], pace);
-                    if is_heavy {
-                        let joint = limits_of.joint;
-                        lower_chain(mechanism, &mut share, joint, [row, count], ratio(held, most));
+            block.holding(efforts, &mut holding)?;
+            let beyond =
+                block.each().zip(&holding).zip(is_beyond).filter(|(_, is_beyond)| *is_beyond);
+            for (((time_s, instant, of_instant), holding), _) in beyond {
+                let given =
+                    given_s.map_or(time_s, |given_s| interpolated(given_s, time_s / dt_s)) / dt_s;
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
+                let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(count - 1));
+                for (freedom, limits_of) in limits.freedoms.iter().enumerate() {
+                    // Friction is the same however slow the course is.
+                    let dry = efforts.dry_friction(freedom, instant.qd[freedom]);
+                    let (effort, held) = (of_instant[freedom], holding[freedom] + dry);
+                    let (qd, qdd) = (instant.qd[freedom], instant.qdd[freedom]);
+                    let most = most_held(limits_of, rest.holding[freedom]);
+                    let is_heavy =
+                        effort.abs().max(held.abs()) > limits_of.effort && held.abs() > most;
+                    let pace = pace(limits_of, [qd, qdd], (!is_heavy).then_some([effort, held]));
+                    for row in rows {
+                        pace_at[row] = f64::min(pace_at[row], pace);
+                        if is_heavy {
+                            let joint = limits_of.joint;
+                            lower_chain(
+                                mechanism,
+                                &mut share,
+                                joint,
+                                [row, count],
+                                ratio(held, most),
+                            );
+                        }
                     }
                 }
             }

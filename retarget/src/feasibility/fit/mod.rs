@@ -20,7 +20,7 @@ use super::check::{CheckError, Excess, Kind, check};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
 use super::motion::{MotionError, RigMotion};
-use fitting::{Fitting, Round};
+use fitting::{Fitting, Progress, Round};
 use rest::Rest;
 use within::Within;
 
@@ -68,6 +68,8 @@ pub struct Fit {
     pub lightened: Vec<(String, f64)>,
     /// The most that any angle or way was brought back into its range, by joint; only those that were.
     pub clamped: Vec<(String, f64)>,
+    /// For [`refit`].
+    progress: Progress,
 }
 
 /// A low-passed joint.
@@ -176,6 +178,33 @@ pub fn fit(
     motion: &RigMotion,
     settings: FitSettings,
 ) -> Result<Fit, FitError> {
+    go_on(mechanism, limits, motion, None, settings)
+}
+
+/// [`fit`](fit()) of the same motion to limits that are tighter than those of a fit before: it goes on from there, in a
+/// part of the time.
+///
+/// # Errors
+/// As [`fit`](fit()).
+pub fn refit(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    motion: &RigMotion,
+    before: &Fit,
+    settings: FitSettings,
+) -> Result<Fit, FitError> {
+    go_on(mechanism, limits, motion, Some(&before.progress), settings)
+        // What was done before may be in the way.
+        .or_else(|_| go_on(mechanism, limits, motion, None, settings))
+}
+
+fn go_on(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    motion: &RigMotion,
+    before: Option<&Progress>,
+    settings: FitSettings,
+) -> Result<Fit, FitError> {
     let rest = Rest::of(mechanism, limits, &mut Within::new(mechanism, settings.room))?;
     let kept = kept(limits, &rest.holding, settings.share);
     let curve = Curve::new(mechanism, motion)?;
@@ -187,6 +216,9 @@ pub fn fit(
     let motion = finer.as_ref().unwrap_or(motion);
     let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
     drop(finer);
+    if let Some(before) = before {
+        fitting.go_on_from(before);
+    }
     if fitting.smooth()? {
         return Ok(fitting.done());
     }

@@ -15,7 +15,7 @@ pub(super) struct Within {
     /// Of each joint its numbers in a row, and its freedoms.
     joints: Vec<[Range<usize>; 2]>,
     /// How far from the ends of its range each joint stays, rad or m.
-    room: Vec<f64>,
+    pub(super) room: Vec<f64>,
     /// The most that a joint was brought back, beyond its room.
     pub(super) clamped: Vec<f64>,
 }
