@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod figure;
 pub mod find;
 pub mod geodesic;
+pub mod output;
 mod parse_message;
 pub mod performance;
 pub mod pipeline;

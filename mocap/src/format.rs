@@ -125,7 +125,7 @@ fn of_other(file: &Path) -> Result<Format, Error> {
     if extension == "c3d" {
         return Err(Error::Markers { file: path() });
     }
-    let bytes = std::fs::read(file).map_err(|source| Error::Io { file: path(), source })?;
+    let bytes = crate::read::bytes(file).map_err(|source| Error::Io { file: path(), source })?;
     Format::of_content(&bytes).ok_or_else(|| Error::Unknown { file: path() })
 }
 

@@ -32,12 +32,14 @@
 pub mod asf_amc;
 pub mod bvh;
 mod clip;
+pub mod damage;
 pub mod deepmimic;
 pub mod files;
 pub mod filter;
 pub mod flips;
 pub mod format;
 pub mod gaps;
+pub mod read;
 mod recording;
 pub mod resample;
 mod skeleton;

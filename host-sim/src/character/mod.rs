@@ -125,6 +125,9 @@ impl Character {
 /// Larger coordinates are damage: no character is a hundred kilometres large.
 pub(crate) const COORDINATE_MAX_M: f64 = 1e5;
 
+/// Longer names are damage, and would make pictures of any width.
+const NAME_BYTES_MAX: usize = 256;
+
 /// Whether a place can be one of a character's; NaN cannot.
 fn is_place(position_m: DVec3) -> bool {
     position_m.abs().max_element() <= COORDINATE_MAX_M && position_m.is_finite()
@@ -140,6 +143,10 @@ fn check_joints(joints: &[Joint]) -> Result<(), Refusal> {
     let mut places = BTreeMap::new();
     for (index, Joint { name, parent, position_m }) in joints.iter().enumerate() {
         let item = || format!("joint {index} `{name}`");
+        if name.len() > NAME_BYTES_MAX {
+            let expected = format!("a name of at most {NAME_BYTES_MAX} bytes");
+            return Err(refuse(format!("joint {index}"), expected, name.len()));
+        }
         if let Some(first) = places.insert(name, index) {
             return Err(refuse(item(), "a name of its own", format!("that of joint {first}")));
         }
@@ -250,7 +257,8 @@ fn parsed(
     parse: impl FnOnce(&[u8], String) -> Result<Character, Refusal>,
 ) -> Result<Character, Error> {
     let file = path.to_path_buf();
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { file: file.clone(), source })?;
+    let bytes = sinew_mocap::read::bytes(path)
+        .map_err(|source| Error::Io { file: file.clone(), source })?;
     parse(&bytes, stem(path)).map_err(|refusal| Error::Refused { file, refusal })
 }
 

@@ -5,7 +5,7 @@
 //! of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left, y up and z
 //! ahead.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DMat3, DVec3};
 use roxmltree::Node;
@@ -35,23 +35,24 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     if links.is_empty() {
         return Err(refuse("the robot", "a link", "none").at(place(robot)));
     }
-    let joints: Vec<UrdfJoint<'_>> = children(robot, "joint")
+    let count = children(robot, "joint").count();
+    if count >= JOINT_COUNT_MAX {
+        let expected = format!("at most {} joints", JOINT_COUNT_MAX - 1);
+        return Err(refuse("the robot", expected, count));
+    }
+    let joints: Vec<UrdfJoint<'_, '_>> = children(robot, "joint")
         .map(|joint| UrdfJoint::read(joint, &links))
         .collect::<Result<_, _>>()?;
-    if joints.len() >= JOINT_COUNT_MAX {
-        let expected = format!("at most {} joints", JOINT_COUNT_MAX - 1);
-        return Err(refuse("the robot", expected, joints.len()));
-    }
     // The joint that moves a link.
     let mut movers: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, joint) in joints.iter().enumerate() {
         if let Some(first) = movers.insert(joint.child, index) {
             let item = format!("link `{}`", joint.child);
             let found = format!("`{}` and `{}`", joints[first].name, joint.name);
-            return Err(refuse(item, "one joint that moves it", found).at(joint.place));
+            return Err(refuse(item, "one joint that moves it", found).at(place(joint.node)));
         }
     }
-    let mut roots = links.keys().filter(|link| !movers.contains_key(**link));
+    let mut roots = links.iter().filter(|link| !movers.contains_key(**link));
     let root = match (roots.next(), roots.next()) {
         (Some(root), None) => *root,
         (None, _) => return Err(refuse("the robot", "a link that no joint moves", "a loop")),
@@ -76,7 +77,7 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
                 return Ok(position_m);
             }
             let item = format!("joint `{}`", joint.name);
-            Err(refuse(item, "ancestors that end at a root", "a loop").at(joint.place))
+            Err(refuse(item, "ancestors that end at a root", "a loop").at(place(joint.node)))
         })
         .collect::<Result<_, _>>()?;
     let mut root_name = root.to_owned();
@@ -111,17 +112,18 @@ const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "float
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 /// A joint of the file, in its parent link's frame.
-struct UrdfJoint<'a> {
+struct UrdfJoint<'a, 'b> {
     name: &'a str,
     parent: &'a str,
     child: &'a str,
     origin_m: DVec3,
     rotation: DMat3,
-    place: Place,
+    /// Its place is looked for where a message needs it: that takes as long as the file is.
+    node: Node<'a, 'b>,
 }
 
-impl<'a> UrdfJoint<'a> {
-    fn read(joint: Node<'a, '_>, links: &BTreeMap<&str, Place>) -> Result<Self, Refusal> {
+impl<'a, 'b> UrdfJoint<'a, 'b> {
+    fn read(joint: Node<'a, 'b>, links: &BTreeSet<&str>) -> Result<Self, Refusal> {
         let name = attribute(joint, "name")?;
         let in_joint = |refusal: Refusal| refusal.of(format!("joint `{name}`")).at(place(joint));
         let joint_type = attribute(joint, "type").map_err(in_joint)?;
@@ -133,7 +135,7 @@ impl<'a> UrdfJoint<'a> {
             let node = only_child(joint, tag)?;
             let node = node.ok_or_else(|| refuse(tag, "an element of this name", "none"))?;
             let link = attribute(node, "link")?;
-            if links.contains_key(link) {
+            if links.contains(link) {
                 return Ok(link);
             }
             let found = format!("`{link}`");
@@ -153,16 +155,16 @@ impl<'a> UrdfJoint<'a> {
         let rotation = DMat3::from_rotation_z(yaw)
             * DMat3::from_rotation_y(pitch)
             * DMat3::from_rotation_x(roll);
-        Ok(Self { name, parent, child, origin_m, rotation, place: place(joint) })
+        Ok(Self { name, parent, child, origin_m, rotation, node: joint })
     }
 }
 
-/// The links by their names, and where they stand.
-fn links<'a>(robot: Node<'a, '_>) -> Result<BTreeMap<&'a str, Place>, Refusal> {
-    let mut links = BTreeMap::new();
+/// The links by their names.
+fn links<'a>(robot: Node<'a, '_>) -> Result<BTreeSet<&'a str>, Refusal> {
+    let mut links = BTreeSet::new();
     for link in children(robot, "link") {
         let name = attribute(link, "name")?;
-        if links.insert(name, place(link)).is_some() {
+        if !links.insert(name) {
             let item = format!("link `{name}`");
             return Err(refuse(item, "a name of its own", "that of another link").at(place(link)));
         }

@@ -10,6 +10,7 @@ use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 use sinew_sim::command::{note, print};
 use sinew_sim::figure::{BodyModel, mapping};
+use sinew_sim::output;
 use sinew_sim::performance::{
     BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, feasibility, led,
     rig_hash,
@@ -21,7 +22,6 @@ use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
 use super::evaluate::scale;
-use super::output::distinct;
 use super::performance::{ON_STAND, OnRig, Performed};
 
 /// Bake a clip into a show, the file that a board plays.
@@ -106,7 +106,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
         ("clip", Some(Path::new(&args.clip))),
         ("mapping", args.mapping.as_deref()),
     ];
-    distinct(&written, &read)?;
+    output::distinct(&written, &read)?;
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.blend);
     let rig = on_rig.rig(rig, ON_STAND)?;
@@ -145,8 +145,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
             (baked, report)
         }
     };
-    std::fs::write(&args.out, &baked.written.bytes)
-        .with_context(|| args.out.display().to_string())?;
+    output::write(&args.out, &baked.written.bytes)?;
     let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
     if let Some(file) = &args.page {
         let page = Page {
@@ -159,7 +158,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
             fitted: done.as_deref(),
             summary: &head,
         };
-        std::fs::write(file, page.html()?).with_context(|| file.display().to_string())?;
+        output::write(file, page.html()?)?;
         note(format_args!("wrote {}", file.display()));
     }
     let rounding = [settings.angle_rad, settings.length_m];
@@ -229,6 +228,8 @@ fn clock(bytes: &[u8]) -> String {
 }
 
 fn of_figure(args: &Args) -> anyhow::Result<()> {
+    let read = [("clip", Some(Path::new(&args.clip))), ("mapping", args.mapping.as_deref())];
+    output::distinct(&[&args.out], &read)?;
     let settings = Settings {
         mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
         ..Settings::default()
@@ -258,7 +259,7 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     )]
     let frames = args.seconds.map_or(usize::MAX, |s| (s / motion.dt_s).round().max(1.0) as usize);
     let bytes = show::bake(&motion, &model, frames)?;
-    std::fs::write(&args.out, &bytes).with_context(|| format!("{}", args.out.display()))?;
+    output::write(&args.out, &bytes)?;
     print(&format!(
         "{}: {} frames of {}, {} bytes\n",
         args.out.display(),

@@ -1,7 +1,7 @@
 //! `sinew blend`: from one clip to another.
 
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
@@ -11,6 +11,7 @@ use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
 use sinew_sim::figure::Mapping;
 use sinew_sim::find::{Part, Reference};
+use sinew_sim::output;
 use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
 use sinew_sim::report::blend as picture;
 use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
@@ -97,12 +98,14 @@ impl Args {
         if folder.is_some_and(|folder| !folder.is_dir()) {
             bail!("--out {}: expected a folder that is there", self.out.display());
         }
-        let place = |file: &PathBuf| file.canonicalize().ok();
-        if let Some(out) = place(&self.out)
-            && [&self.a, &self.b].iter().any(|clip| place(&clip.file) == Some(out.clone()))
-        {
-            bail!("--out {}: expected another file than the clips", self.out.display());
-        }
+        let written: Vec<&Path> =
+            [&self.out].into_iter().chain(&self.picture).map(PathBuf::as_path).collect();
+        let read = [
+            ("clip A", Some(self.a.file.as_path())),
+            ("clip B", Some(self.b.file.as_path())),
+            ("mapping", self.mapping.as_deref()),
+        ];
+        output::distinct(&written, &read)?;
         let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
         let settings = Settings { mapping, ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {
@@ -136,8 +139,9 @@ impl Args {
         let blend = with_progress(2 * half + 1, |done| {
             blend::blend(&pair, nearest.a, nearest.b, half, done)
         })?;
-        bvh::write(&self.out, &blend.clip, a.metres_per_unit)
+        let text = bvh::text(&blend.clip, a.metres_per_unit)
             .with_context(|| format!("--out {}", self.out.display()))?;
+        output::write(&self.out, text)?;
         let side = |recorded: &LoadedClip| {
             (recorded.skipped as f64 * recorded.clip.frame_time_s, recorded.clip.rate_hz())
         };

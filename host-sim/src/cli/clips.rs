@@ -1,6 +1,6 @@
 //! Options that name what is tracked: clips, or motions of a rig's own joints.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
@@ -70,6 +70,13 @@ type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
 pub(super) const RIG_RATE_HZ: f64 = 500.0;
 
 impl ClipArgs {
+    /// The files that are read: what each is, and where.
+    pub(super) fn files(&self) -> Vec<(&'static str, Option<&Path>)> {
+        let clips = self.clips.iter().map(|clip| ("clip", Some(clip.as_path())));
+        let others = [("mapping", self.mapping.as_deref()), ("rig", self.rig.as_deref())];
+        clips.chain(others).collect()
+    }
+
     /// The user's rig, if one is named; what its import changed is said on standard error.
     pub(super) fn rig(&self, on_rig: &OnRig) -> anyhow::Result<Option<Loaded>> {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()

@@ -15,6 +15,7 @@ use sinew_sim::evaluate::{
     EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
 };
 
+use sinew_sim::output::{self, Folder};
 use sinew_sim::rig::{Loaded, review};
 
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
@@ -112,29 +113,27 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.
-    if let Some(folder) = &args.out {
-        fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
-    }
+    let folder = args.out.as_deref().map(|folder| args.folder(folder)).transpose()?;
     if let Some(rig) = rig {
         tell_faults(rig)?;
         if args.clips.of_rig() {
             let takes = args.clips.performances(rig, &args.on_rig)?;
             let plan = args.page.plan(&takes, rig.notes.clone())?;
-            return args.evaluate(&takes, &protocol, |folder, evaluation| {
+            return args.evaluate(&takes, &protocol, folder, |folder, evaluation| {
                 plan.write(folder, &takes, &protocol, evaluation)
             });
         }
         args.clips.ensure_no_clips(&args.on_rig)?;
         let takes = args.clips.exercises(rig, true)?;
         let plan = args.page.plan(&takes, rig.notes.clone())?;
-        return args.evaluate(&takes, &protocol, |folder, evaluation| {
+        return args.evaluate(&takes, &protocol, folder, |folder, evaluation| {
             plan.write(folder, &takes, &protocol, evaluation)
         });
     }
     let (motions, notices) = args.clips.read()?;
     tell(&notices);
     let plan = args.page.plan(&motions, notices)?;
-    args.evaluate(&motions, &protocol, |folder, evaluation| {
+    args.evaluate(&motions, &protocol, folder, |folder, evaluation| {
         plan.write(folder, &motions, &protocol, evaluation)
     })
 }
@@ -159,11 +158,25 @@ impl Args {
         })
     }
 
+    /// The folder of results, locked. What is read must not be one of them.
+    fn folder(&self, folder: &Path) -> anyhow::Result<Folder> {
+        let mut inputs = self.setup.files();
+        inputs.extend(self.clips.files());
+        inputs.push(("sweep", self.page.sweep()));
+        for (what, file) in inputs.iter().filter_map(|(what, file)| Some((*what, (*file)?))) {
+            for name in RESULTS {
+                output::distinct(&[&folder.join(name)], &[(what, Some(file))])?;
+            }
+        }
+        Ok(Folder::open(folder, "evaluate", &inputs)?)
+    }
+
     /// Evaluates, writes the files and `page` where they are asked for, and prints.
     fn evaluate<T: Take>(
         &self,
         takes: &[T],
         protocol: &Protocol,
+        folder: Option<Folder>,
         page: impl FnOnce(&Path, &Evaluation) -> anyhow::Result<()>,
     ) -> anyhow::Result<ExitCode> {
         let result = with_progress(steps_of_all(takes, protocol), |progress| {
@@ -178,9 +191,13 @@ impl Args {
             }
             Err(error) => return Err(error.into()),
         };
+        if let Some(folder) = folder {
+            let stage = folder.stage();
+            write_files(&stage, &evaluation)?;
+            page(&stage, &evaluation)?;
+            folder.finish()?;
+        }
         if let Some(folder) = &self.out {
-            write_files(folder, &evaluation)?;
-            page(folder, &evaluation)?;
             if evaluation.rig.is_some() {
                 note(format_args!("wrote {}", folder.join("index.html").display()));
             }
@@ -224,6 +241,9 @@ fn told_flailing(evaluation: &Evaluation) -> ExitCode {
     }
     code
 }
+
+/// Files of every evaluation; pictures have names of their own.
+const RESULTS: [&str; 5] = ["index.html", "table.txt", "result.json", "result.csv", "clips.csv"];
 
 fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {
     for (name, text) in [

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use sinew_mocap::bvh;
 use sinew_retarget::exchange::{blender, clip, servos, table};
 use sinew_retarget::feasibility::Curve;
 use sinew_sim::command::note;
+use sinew_sim::output;
 
 use super::clips::rate;
-use super::output::distinct;
 use super::performance::{FOR_OTHERS, OnRig};
 
 /// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
@@ -54,7 +54,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         ("clip", Some(&*args.clip)),
         ("mapping", args.mapping.as_deref()),
     ];
-    distinct(&[&args.output], &read)?;
+    output::distinct(&[&args.output], &read)?;
     let rig = args.on_rig.rig(&args.rig, FOR_OTHERS)?;
     let mapping = args.mapping.as_deref();
     let performed = args.on_rig.perform(&rig, &args.clip, mapping, None, FOR_OTHERS)?;
@@ -90,7 +90,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| path.display().to_string())?;
+    output::write(path, text)?;
     note(format_args!("wrote {}", path.display()));
     Ok(())
 }

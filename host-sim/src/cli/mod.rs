@@ -10,7 +10,6 @@ mod find;
 mod latency;
 mod map;
 mod methods;
-mod output;
 mod page;
 mod performance;
 mod play;

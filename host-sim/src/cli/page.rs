@@ -1,5 +1,6 @@
 //! The report that `sinew evaluate --out` writes beside its tables.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -38,6 +39,11 @@ pub(super) struct Plan {
 }
 
 impl PageArgs {
+    /// The file of a sweep.
+    pub(super) fn sweep(&self) -> Option<&Path> {
+        self.sweep.as_deref()
+    }
+
     /// Finds the clip or motion and reads the sweep.
     pub(super) fn plan(&self, takes: &[impl Take], notices: Vec<String>) -> anyhow::Result<Plan> {
         let of_rig = takes.first().is_some_and(|take| take.rig_name().is_some());
@@ -150,7 +156,7 @@ impl Plan {
             settings.push(("Setup, where not the default", differences.join(", ")));
         }
         let report = Report {
-            command: &command(std::env::args()),
+            command: &command(std::env::args_os()),
             settings: &settings,
             notices: &self.notices,
             evaluation,
@@ -172,7 +178,8 @@ fn body(source: BodySource) -> String {
 
 /// The command line as one would type it, without what does not change the result: where it goes, and on
 /// how many threads.
-fn command(arguments: impl Iterator<Item = String>) -> String {
+fn command(arguments: impl Iterator<Item = OsString>) -> String {
+    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
     let mut words = vec!["sinew".to_owned()];
     let mut arguments = arguments.skip(1);
     while let Some(argument) = arguments.next() {
@@ -197,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_command_is_shown_without_threads_and_folder() {
-        let shown = |words: &[&str]| command(words.iter().map(ToString::to_string));
+        let shown = |words: &[&str]| command(words.iter().map(OsString::from));
         assert_eq!(
             shown(&["/usr/bin/sinew", "evaluate", "--out", "a", "--scale", "1.1", "--threads=2"]),
             "sinew evaluate --scale 1.1"

@@ -287,7 +287,7 @@ fn tell(name: &str, rig: &Loaded, taken: &TakenOver) {
 
 /// The motion of a rig whose servos do what the Blender servo animation add-on wrote.
 fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<TakenOver> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = sinew_mocap::read::text(path).with_context(|| path.display().to_string())?;
     let (tracks, fps) =
         blender::read(&text, &rig.description).with_context(|| path.display().to_string())?;
     let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, fps.recip())
@@ -296,7 +296,7 @@ fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<TakenOver> {
 }
 
 fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = sinew_mocap::read::text(path).with_context(|| path.display().to_string())?;
     Mapping::read(&text).with_context(|| path.display().to_string())
 }
 

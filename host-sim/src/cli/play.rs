@@ -17,6 +17,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::Show;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_sim::command::{note, print};
+use sinew_sim::output;
 use sinew_sim::performance::{Marks, bake, bake_within, rig_hash};
 use sinew_sim::play::{
     Director, Drive, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally, put_servos,
@@ -24,7 +25,6 @@ use sinew_sim::play::{
 use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
-use super::output::distinct;
 use super::performance::{ON_STAND, OnRig};
 use live::Live;
 use stop::Stop;
@@ -124,7 +124,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         ("show", Some(Path::new(&args.show))),
         ("mapping", args.mapping.as_deref()),
     ];
-    distinct(&written, &read)?;
+    output::distinct(&written, &read)?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
     let count = put_servos(&mut rig.description, &args.servo)
@@ -226,7 +226,7 @@ impl Args {
     /// The bytes of the show: read, or baked of a clip.
     fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);
-        let read = std::fs::read(path);
+        let read = sinew_mocap::read::bytes(path);
         if let Err(error) = &read
             && path.extension().is_some_and(|extension| extension == "show")
         {

@@ -1,6 +1,6 @@
 //! Options that make a [`Setup`].
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use sinew_rig::Mechanism;
@@ -33,6 +33,11 @@ pub(super) struct SetupArgs {
 }
 
 impl SetupArgs {
+    /// The files that are read: what each is, and where.
+    pub(super) fn files(&self) -> Vec<(&'static str, Option<&Path>)> {
+        vec![("subject", self.subject.as_deref()), ("setup", self.setup.as_deref())]
+    }
+
     /// The setup, on the exact plant instead of the paper's if none is named anywhere.
     pub(super) fn setup_on_exact(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
         self.read(rig, true)
@@ -48,7 +53,7 @@ impl SetupArgs {
         let mut setup = toml::Table::new();
         if let Some(file) = &self.setup {
             let text =
-                std::fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
+                sinew_mocap::read::text(file).with_context(|| format!("{}", file.display()))?;
             // Alone, errors point at the file's lines.
             Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
             setup = text.parse().with_context(|| format!("{}", file.display()))?;

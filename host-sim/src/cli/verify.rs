@@ -1,12 +1,12 @@
 //! `sinew verify`: golden numbers recomputed with the core.
 
-use std::io::{self, Write};
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 use comfy_table::Table;
-use sinew_sim::command::{self, note};
+use sinew_sim::command::{self, note, print};
 use sinew_sim::verify::{Kind, Report, Tally, verify_folder};
 
 /// Recompute golden files with the core, and print its errors and their limits.
@@ -25,7 +25,7 @@ pub(super) struct VerifyArgs {
 /// If a file cannot be computed, or there is no file.
 pub(super) fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     let report = verify_folder(&args.folder, &args.skip)?;
-    let mut out = io::stdout().lock();
+    let mut out = String::new();
     writeln!(out, "{}", table(&report))?;
     for (file, kind) in &report.skipped {
         writeln!(out, "skipped {file}: kind {kind}")?;
@@ -40,6 +40,7 @@ pub(super) fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
         writeln!(out, "FAIL {file}, {}: worst at {}", tally.quantity, tally.worst)?;
         failed += 1;
     }
+    print(&out)?;
     if failed == 0 {
         return Ok(ExitCode::SUCCESS);
     }

@@ -2,7 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
 
-use std::io;
+use std::borrow::Cow;
 use std::process::ExitCode;
 
 use super::output::note;
@@ -10,10 +10,6 @@ use super::output::note;
 /// The exit code of a command. An error is written to standard error.
 pub fn exit_code(result: anyhow::Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
-        // The reader has gone, as in `sinew | head`: nothing is wrong.
-        if error.downcast_ref::<io::Error>().is_some_and(is_broken_pipe) {
-            return ExitCode::SUCCESS;
-        }
         note(format_args!("error: {}", chain(&error)));
         ExitCode::from(2)
     })
@@ -29,9 +25,29 @@ fn chain(error: &anyhow::Error) -> String {
             line = format!("{line}: {cause}");
         }
     }
-    line
+    line.lines().map(shortened).collect::<Vec<_>>().join("\n")
 }
 
-fn is_broken_pipe(error: &io::Error) -> bool {
-    error.kind() == io::ErrorKind::BrokenPipe
+/// A line of a message: what a file has in its place may be of any length.
+fn shortened(line: &str) -> Cow<'_, str> {
+    const LENGTH_MAX: usize = 1500;
+    match line.char_indices().nth(LENGTH_MAX) {
+        None => line.into(),
+        Some((end, _)) => {
+            format!("{}… and {} characters more", &line[..end], line[end..].chars().count()).into()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_has_no_line_without_end() {
+        let error = anyhow::anyhow!("a.{}\nkey", "ä".repeat(15_000)).context("--set");
+        let told = chain(&error);
+        assert!(told.starts_with("--set: a.ä") && told.ends_with("characters more\nkey"), "{told}");
+        assert!(told.chars().count() < 1600);
+    }
 }

@@ -8,6 +8,6 @@ mod threads;
 
 pub use exit::exit_code;
 pub use measure::MeasureArgs;
-pub use output::{note, print, with_progress};
+pub use output::{note, print, print_raw, with_progress};
 pub use table::table;
 pub use threads::ThreadArgs;

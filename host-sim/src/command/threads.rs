@@ -7,6 +7,9 @@ use anyhow::Context as _;
 /// Stack of a thread: an evaluation builds a tracker of some 0.5 MB on it.
 const STACK_BYTES: usize = 16 << 20;
 
+/// More than any machine makes use of; their stacks are 4 GB.
+const THREADS_MAX: usize = 256;
+
 /// The option of the number of threads.
 #[derive(Debug, clap::Args)]
 pub struct ThreadArgs {
@@ -16,7 +19,9 @@ pub struct ThreadArgs {
 }
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    text.trim().parse().map_err(|_| "expected a whole number from 1".into())
+    let threads =
+        text.trim().parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= THREADS_MAX);
+    threads.ok_or_else(|| format!("expected a whole number from 1 to {THREADS_MAX}"))
 }
 
 impl ThreadArgs {

@@ -1,6 +1,7 @@
 //! A clip of any skeleton, read and cleaned for a rig.
 
 use glam::{DQuat, DVec3};
+use sinew_mocap::damage::{LongBone, check_bones, take_out_jumps};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::filter::LowPass;
 use sinew_mocap::resample::resample;
@@ -16,6 +17,9 @@ use crate::pipeline::tpose;
 
 /// The longest gap that is filled, s.
 const GAP_MAX_S: f64 = 0.5;
+
+/// The longest bone that is believed, m: as long as the tallest figure.
+const BONE_MAX_M: f64 = 3.0;
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +87,14 @@ pub enum ClipError {
         /// Frames.
         frames: usize,
     },
+    /// A bone is longer than any body.
+    #[error("{clip}: {source}")]
+    Bone {
+        /// The file.
+        clip: String,
+        /// Which.
+        source: LongBone,
+    },
     /// A gap is too long.
     #[error("{clip}: {source}")]
     Gap {
@@ -148,6 +160,8 @@ impl PreparedClip {
         let metres_per_unit = unit(&recording, &matched, settings.metres_per_unit)
             .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;
         let mut recording = recording.in_metres(metres_per_unit);
+        check_bones(&recording.skeleton, BONE_MAX_M)
+            .map_err(|source| ClipError::Bone { clip: name(), source })?;
         if let Some(turn) = matched.up.as_ref().and_then(|up| to_y_up(up.axis)) {
             notes.push("turned: the file's z axis points up".to_owned());
             turn_all(&mut recording, turn);
@@ -162,8 +176,15 @@ impl PreparedClip {
         if frames < 2 {
             return Err(ClipError::TooShort { clip: name(), frames });
         }
-        let (mut clip, filled) = gaps::fill(recording, frame_time_s, GAP_MAX_S)
-            .map_err(|source| ClipError::Gap { clip: name(), source: source.after(t_pose) })?;
+        let jumps = take_out_jumps(&mut recording, frame_time_s).after(t_pose);
+        if !jumps.is_empty() {
+            notes.push(jumps.to_string());
+        }
+        let (mut clip, filled) =
+            gaps::fill(recording, frame_time_s, GAP_MAX_S).map_err(|source| {
+                let clip = if jumps.is_empty() { name() } else { format!("{}: {jumps}", name()) };
+                ClipError::Gap { clip, source: source.after(t_pose) }
+            })?;
         if !filled.gaps.is_empty() {
             notes.push(filled.after(t_pose).to_string());
         }

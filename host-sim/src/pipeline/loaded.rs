@@ -1,9 +1,10 @@
 //! Clips on their own skeletons, for what compares and joins motions.
 
+use sinew_mocap::damage::take_out_jumps;
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Clip, gaps};
 
-use super::{Error, Notice, Settings, read, tpose};
+use super::{Error, Notice, Settings, believed, read, tpose, unfilled};
 use crate::figure::mapping::{Binding, Mapping};
 
 /// A clip on its own skeleton at its own rate, and what its file tells besides.
@@ -33,6 +34,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     let mut recording = recording.in_metres(mapping.metres_per_unit);
     let binding = Binding::new(mapping, &recording.skeleton)
         .map_err(|source| Error::Mapping { clip: name(), source: source.into() })?;
+    believed(&name(), &binding, &recording.skeleton)?;
     let mut notices = Vec::new();
     if recording.frame_time_s.is_none() {
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
@@ -47,8 +49,12 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
         let rate_hz = frame_time_s.recip();
         return Err(Error::TooShort { clip: name(), frames: 0, rate_hz, skipped, recorded });
     }
+    let jumps = take_out_jumps(&mut recording, frame_time_s).after(skipped);
     let (clip, filled) = gaps::fill(recording, frame_time_s, settings.gap_max_s)
-        .map_err(|source| Error::Gap { clip: name(), source: source.after(skipped) })?;
+        .map_err(|source| unfilled(&name(), &jumps, source.after(skipped)))?;
+    if !jumps.is_empty() {
+        notices.push(Notice::Jumps(jumps));
+    }
     if !filled.gaps.is_empty() {
         notices.push(Notice::GapsFilled(filled.after(skipped)));
     }

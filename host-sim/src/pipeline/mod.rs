@@ -6,16 +6,17 @@ pub mod tpose;
 
 use std::path::PathBuf;
 
+use sinew_mocap::damage::{Jumps, LongBone, check_bones, take_out_jumps};
 use sinew_mocap::files::{self, ClipFile};
 use sinew_mocap::filter::{LowPass, RotationsCancel};
 use sinew_mocap::flips::{self, Flips};
 use sinew_mocap::gaps::{self, Filled, Unfillable};
 use sinew_mocap::resample::resample;
 use sinew_mocap::text::counted;
-use sinew_mocap::{Recording, format};
+use sinew_mocap::{Recording, Skeleton, format};
 
 use crate::figure::FigureMotion;
-use crate::figure::mapping::{self, Binding, Mapping, NoRate};
+use crate::figure::mapping::{self, Binding, Mapping, NoRate, UnlikeSides};
 
 pub use loaded::{LoadedClip, load_clip};
 
@@ -73,6 +74,9 @@ pub enum Notice {
         /// The time asked for.
         seconds: f64,
     },
+    /// Samples that no body can have were taken out.
+    #[error("{0}")]
+    Jumps(Jumps),
     /// Missing samples were made up.
     #[error("{0}")]
     GapsFilled(Filled),
@@ -160,6 +164,22 @@ pub enum Error {
         clip: String,
         /// From the ankle to the crown.
         height_m: f64,
+    },
+    /// A bone is longer than the body.
+    #[error("{clip}: {source}")]
+    Bone {
+        /// Name of the clip.
+        clip: String,
+        /// Which.
+        source: LongBone,
+    },
+    /// Left and right are not of one body.
+    #[error("{clip}: {source}")]
+    Sides {
+        /// Name of the clip.
+        clip: String,
+        /// Which.
+        source: UnlikeSides,
     },
     /// A setting makes no sense.
     #[error("{name}: expected {expected}, found {value}")]
@@ -270,6 +290,7 @@ pub fn prepare(
     if !HEIGHT_M.contains(&height_m) {
         return Err(Error::Height { clip: name, height_m });
     }
+    believed(&name, &binding, &recording.skeleton)?;
     let recorded = recording.frames.len();
     let mut notices = Vec::new();
     if recording.frame_time_s.is_none() {
@@ -297,8 +318,12 @@ pub fn prepare(
     if recording.frames.is_empty() {
         return Err(too_short(0));
     }
+    let jumps = take_out_jumps(&mut recording, frame_time_s).after(skipped);
     let (mut clip, filled) = gaps::fill(recording, frame_time_s, settings.gap_max_s)
-        .map_err(|source| Error::Gap { clip: name.clone(), source: source.after(skipped) })?;
+        .map_err(|source| unfilled(&name, &jumps, source.after(skipped)))?;
+    if !jumps.is_empty() {
+        notices.push(Notice::Jumps(jumps));
+    }
     if !filled.gaps.is_empty() {
         notices.push(Notice::GapsFilled(filled.after(skipped)));
     }
@@ -322,6 +347,23 @@ pub fn prepare(
     }
     let motion = binding.map(&clip);
     Ok((if factor > 1 { motion.interpolated(factor) } else { motion }, notices))
+}
+
+/// Refuses a skeleton in metres that no body has. It is as tall as the longest of figures at most.
+fn believed(clip: &str, binding: &Binding, skeleton: &Skeleton) -> Result<(), Error> {
+    check_bones(skeleton, *HEIGHT_M.end())
+        .map_err(|source| Error::Bone { clip: clip.to_owned(), source })?;
+    binding.check_sides().map_err(|source| Error::Sides { clip: clip.to_owned(), source })
+}
+
+/// A gap that cannot be filled; where samples were taken out, that they were.
+fn unfilled(clip: &str, jumps: &Jumps, source: Unfillable) -> Error {
+    let clip = if jumps.is_empty() {
+        clip.to_owned()
+    } else {
+        format!("{clip}: {jumps}, and cannot be filled")
+    };
+    Error::Gap { clip, source }
 }
 
 /// Frames earlier than `seconds`; the small term keeps 0.1 s at 120 Hz at 12.

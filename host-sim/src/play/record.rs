@@ -1,6 +1,5 @@
 //! A recording of a performance as a Parquet file: one row a tick.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
@@ -16,6 +15,7 @@ use sinew_servo_sim::load::Plant;
 
 use super::parts::Parts;
 use super::stand::Stand;
+use crate::output::Pending;
 
 /// What a recording names itself.
 pub const SCHEMA: &str = "sinew-recording/1";
@@ -33,7 +33,7 @@ const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 /// or N) and `.limiter`; of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known
 /// is null. Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
 pub struct Recorder {
-    writer: SerializedFileWriter<BufWriter<File>>,
+    writer: SerializedFileWriter<BufWriter<Pending>>,
     time_s: Vec<Option<f64>>,
     state: Vec<Option<ByteArray>>,
     joints: Vec<Joint>,
@@ -57,7 +57,7 @@ impl Recorder {
         rig: &str,
         notes: &[(&str, &str)],
     ) -> Result<Self, ParquetError> {
-        let file = BufWriter::new(File::create(path)?);
+        let file = BufWriter::new(Pending::begin(path)?);
         let field = |name: &str, kind: PhysicalType| {
             let logical = (kind == PhysicalType::BYTE_ARRAY).then_some(LogicalType::String);
             Type::primitive_type_builder(name, kind)
@@ -133,7 +133,8 @@ impl Recorder {
     /// What the system says.
     pub fn end(mut self) -> Result<(), ParquetError> {
         self.write()?;
-        self.writer.close()?;
+        let file = self.writer.into_inner()?;
+        file.into_inner().map_err(|error| error.into_error())?.finish()?;
         Ok(())
     }
 

@@ -1,11 +1,13 @@
 //! Pictures as files.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use maud::Markup;
 
 use super::{alone, png};
+use crate::output::Pending;
 
 /// Whether a picture can be written under that name, before any work is done for it.
 ///
@@ -33,7 +35,10 @@ pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
     check(path)?;
     let svg = alone(&picture.0);
     let is_png = path.extension().unwrap_or_default().eq_ignore_ascii_case("png");
-    if is_png { fs::write(path, png::png(&svg)) } else { fs::write(path, svg) }
+    let bytes = if is_png { png::png(&svg) } else { svg.into_bytes() };
+    let mut file = Pending::begin(path)?;
+    file.write_all(&bytes)?;
+    file.finish()
 }
 
 /// Writes pictures as SVG and PNG into a folder, and gives their paths.

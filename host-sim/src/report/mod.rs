@@ -163,7 +163,12 @@ fn alone(svg: &str) -> String {
     } else {
         "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
     };
-    format!("{head}<style>{style}</style>{ground}{content}\n")
+    let svg = format!("{head}<style>{style}</style>{ground}{content}\n");
+    // Names out of files may hold what no XML can, not even escaped.
+    let no_xml = |c: char| {
+        c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}')
+    };
+    if svg.contains(no_xml) { svg.replace(no_xml, "\u{fffd}") } else { svg }
 }
 
 /// Errors over time of one clip with every method.

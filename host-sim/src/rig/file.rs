@@ -31,7 +31,7 @@ pub struct RigFileError {
 /// [`RigFileError`] with file, line and what would be right.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
-    let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    let bytes = sinew_mocap::read::bytes(path).map_err(|error| refused(error.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         refused(format!(
             "expected UTF-8 text, found other bytes from byte {} on",

@@ -10,7 +10,7 @@ use super::error::{SweepError, io};
 use crate::evaluate::Setup;
 
 /// More cells than anybody waits for are a mistake in a list, and would not fit in memory.
-const MOST_CELLS: usize = 1_000_000;
+const MOST_CELLS: usize = 100_000;
 
 /// A sweep file, read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl SweepFile {
     /// # Errors
     /// [`SweepError`] with the file's name and what is wrong where; nothing has been run then.
     pub fn read(path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
-        let text = std::fs::read_to_string(path).map_err(io(path))?;
+        let text = sinew_mocap::read::text(path).map_err(io(path))?;
         Self::parse(text, path, rig)
     }
 

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 use super::error::{SweepError, io};
 use super::plan::{ClipIdentity, Plan, Unit};
@@ -68,12 +69,23 @@ struct Line {
     cell: usize,
     clip: usize,
     outcome: Outcome,
+    /// Of the three above: changed digits are still numbers.
+    sum: String,
+}
+
+impl Line {
+    fn new(Unit { cell, clip }: Unit, outcome: Outcome) -> Self {
+        let text =
+            serde_json::to_string(&(cell, clip, &outcome)).expect("plain data turns into JSON");
+        let sum = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        Self { cell, clip, outcome, sum }
+    }
 }
 
 impl Head {
     fn of(plan: &Plan) -> Self {
         Self {
-            schema: "sinew-sweep/2".to_owned(),
+            schema: "sinew-sweep/3".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             cells: plan.cells.len(),
             cells_sha256: plan.cells_sha256(),
@@ -118,11 +130,12 @@ impl Journal {
             Err(TryLockError::Error(source)) => return Err(io(&path)(source)),
         }
         let mut notices = Vec::new();
-        let text = fs::read_to_string(&path).map_err(io(&path))?;
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        let outcomes = read(&text[..whole], &path, plan)?;
+        let bytes = sinew_mocap::read::bytes(&path).map_err(io(&path))?;
+        let whole = whole_lines(&bytes);
+        let outcomes = read(whole, &path, plan)?;
+        let (whole, length) = (whole.len(), bytes.len());
         // Only now: a journal of another sweep is left as it is.
-        if whole < text.len() {
+        if whole < length {
             notices.push(Notice::Torn);
             file.set_len(whole as u64).map_err(io(&path))?;
         }
@@ -159,7 +172,7 @@ impl Journal {
     /// # Errors
     /// [`SweepError::Io`].
     pub fn add(&mut self, unit: Unit, outcome: Outcome) -> Result<(), SweepError> {
-        self.append(&Line { cell: unit.cell, clip: unit.clip, outcome: outcome.clone() })?;
+        self.append(&Line::new(unit, outcome.clone()))?;
         self.outcomes.insert(unit, outcome);
         if self.synced.elapsed() >= SYNC_EVERY {
             self.sync()?;
@@ -183,14 +196,14 @@ impl Journal {
     /// [`SweepError`] if it is of another sweep, damaged, or has another result for a unit.
     pub fn take_over(&mut self, plan: &Plan, folder: &Path) -> Result<usize, SweepError> {
         let path = folder.join(NAME);
-        let text = fs::read_to_string(&path).map_err(io(&path))?;
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        if whole == 0 {
+        let bytes = sinew_mocap::read::bytes(&path).map_err(io(&path))?;
+        let whole = whole_lines(&bytes);
+        if whole.is_empty() {
             let what = "expected the journal of a sweep, found nothing".to_owned();
             return Err(SweepError::Damaged { journal: path, line: 1, what });
         }
         let mut new = 0;
-        for (unit, outcome) in read(&text[..whole], &path, plan)? {
+        for (unit, outcome) in read(whole, &path, plan)? {
             match self.outcomes.get(&unit) {
                 None => {
                     self.add(unit, outcome)?;
@@ -215,26 +228,38 @@ impl Journal {
     }
 }
 
+/// The lines that have an end: a crash may cut the last one anywhere, within a character, too.
+fn whole_lines(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    &bytes[..end]
+}
+
 /// The finished units in a journal's whole lines.
-fn read(text: &str, path: &Path, plan: &Plan) -> Result<BTreeMap<Unit, Outcome>, SweepError> {
+fn read(bytes: &[u8], path: &Path, plan: &Plan) -> Result<BTreeMap<Unit, Outcome>, SweepError> {
     let damaged =
         |line: usize, what: String| SweepError::Damaged { journal: path.to_path_buf(), line, what };
     let mut outcomes = BTreeMap::new();
-    for (number, line) in (1..).zip(text.lines()) {
+    for (number, line) in (1..).zip(bytes.split_inclusive(|byte| *byte == b'\n')) {
         if number == 1 {
             let head: Head =
-                serde_json::from_str(line).map_err(|error| damaged(number, error.to_string()))?;
+                serde_json::from_slice(line).map_err(|error| damaged(number, error.to_string()))?;
             if let Some(what) = head.difference(&Head::of(plan)) {
                 return Err(SweepError::Foreign { journal: path.to_path_buf(), what });
             }
             continue;
         }
-        let Line { cell, clip, outcome } =
-            serde_json::from_str(line).map_err(|error| damaged(number, error.to_string()))?;
+        let Line { cell, clip, outcome, sum } =
+            serde_json::from_slice(line).map_err(|error| damaged(number, error.to_string()))?;
         if cell >= plan.cells.len() || clip >= plan.clips.len() {
             return Err(damaged(number, format!("there is no cell {cell} on clip {clip}")));
         }
-        outcomes.insert(Unit { cell, clip }, outcome);
+        let unit = Unit { cell, clip };
+        if Line::new(unit, outcome.clone()).sum != sum {
+            return Err(damaged(number, "its checksum is of other contents".to_owned()));
+        }
+        if outcomes.insert(unit, outcome).is_some() {
+            return Err(damaged(number, format!("cell {cell} on clip {clip} is there twice")));
+        }
     }
     Ok(outcomes)
 }

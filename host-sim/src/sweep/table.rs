@@ -1,6 +1,5 @@
 //! The tables of a sweep: a row per cell, and a row per cell and clip, as CSV and as Parquet.
 
-use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +17,7 @@ use super::journal::{Journal, Outcome};
 use super::pareto;
 use super::plan::{Plan, Shard, Unit};
 use crate::evaluate::{Errors, Setup};
+use crate::output::Pending;
 
 /// A column: its name, and its values by row.
 struct Column {
@@ -89,13 +89,10 @@ pub(super) fn write(
     Ok((files, kept))
 }
 
-/// Writes beside the file, then takes its place: whoever reads it has the old one or the new one.
 fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let beside = file.with_added_extension("part");
-    let mut part = File::create(&beside)?;
-    part.write_all(bytes)?;
-    part.sync_all()?;
-    fs::rename(&beside, file)
+    let mut pending = Pending::begin(file)?;
+    pending.write_all(bytes)?;
+    pending.finish()
 }
 
 /// The columns of all rows there are, or of some of them: those have no front.

@@ -110,7 +110,7 @@ pub fn verify_folder(folder: &Path, skip: &[Kind]) -> Result<Report, VerifyError
     let mut unknown = Vec::new();
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let text = fs::read_to_string(&path).map_err(read(&path))?;
+        let text = sinew_mocap::read::text(&path).map_err(read(&path))?;
         let in_file = |source| VerifyError::File { file: name.clone(), source };
         let golden: Golden =
             serde_json::from_str(&text).map_err(|error| in_file(FileError::Malformed(error)))?;
@@ -164,7 +164,8 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
         }
         unknown => return Err(FileError::UnknownSchema { schema: unknown.to_owned() }),
     }
-    Ok(tallies.into_inner())
+    let tallies = tallies.into_inner();
+    if tallies.is_empty() { Err(FileError::NothingCompared) } else { Ok(tallies) }
 }
 
 /// A golden file that cannot be computed.
@@ -254,6 +255,9 @@ pub enum FileError {
     /// There is nothing in it.
     #[error("no cases; expected a list `cases` with at least one")]
     NoCase,
+    /// It cannot fail: its cases have no numbers to compare.
+    #[error("its cases hold nothing to compare: no result could differ")]
+    NothingCompared,
     /// A case is not as its schema has it.
     #[error("case {case}, {field}: {problem}")]
     Case {

@@ -62,6 +62,16 @@ pub(super) struct Quantity<'a> {
     pub(super) scale: f64,
 }
 
+/// An error over its scale. Where all expected numbers are zero there is none: there the error is taken as it is, so that
+/// the limit is one of the absolute error, in the quantity's unit. A scale that is not finite would excuse anything.
+fn relative(error: f64, scale: f64) -> f64 {
+    match scale {
+        0.0 => error,
+        scale if scale.is_finite() => error / scale.abs(),
+        _ => f64::INFINITY,
+    }
+}
+
 /// The tallies of one file, in the order in which their quantities first came up.
 #[derive(Debug, Default)]
 pub(super) struct Tallies(Vec<Tally>);
@@ -74,8 +84,7 @@ impl Tallies {
     /// Adds a comparison by its absolute error. What is not a number counts as infinitely wrong.
     pub(super) fn add_error(&mut self, quantity: Quantity<'_>, at: fmt::Arguments<'_>, error: f64) {
         let error = if error.is_finite() { error.abs() } else { f64::INFINITY };
-        // A state whose numbers are all zero has no scale: only its absolute error says something.
-        let relative = if quantity.scale > 0.0 { error / quantity.scale } else { 0.0 };
+        let relative = relative(error, quantity.scale);
         let tally = self.of(quantity);
         let worse = match tally.limit {
             Limit::Relative(_) => relative > tally.relative_error,

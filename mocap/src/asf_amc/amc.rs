@@ -5,7 +5,7 @@ use glam::DQuat;
 use super::asf::{Asf, Bone};
 use super::lines::{Failure, Line, Lines, Word};
 use super::{Channel, Problem, composed};
-use crate::recording::{self, FRAME_TIME_S, Frames, SAMPLE_COUNT_MAX};
+use crate::recording::{self, FRAME_TIME_S, Frames};
 use crate::skeleton::JointSample;
 use crate::text::{counted, shown};
 
@@ -19,10 +19,12 @@ pub(super) struct Amc {
     pub(super) frame_time_s: Option<f64>,
 }
 
-pub(super) fn parse(text: &str, skeleton: &Asf) -> Result<Amc, Failure> {
+/// `sample_count_max`: what joints times frames may be.
+pub(super) fn parse(text: &str, skeleton: &Asf, sample_count_max: usize) -> Result<Amc, Failure> {
     let mut parser = Parser {
         lines: Lines::new(text),
         skeleton,
+        sample_count_max,
         degrees: skeleton.degrees,
         frame_time_s: None,
         frames: Vec::new(),
@@ -35,6 +37,7 @@ pub(super) fn parse(text: &str, skeleton: &Asf) -> Result<Amc, Failure> {
 struct Parser<'a> {
     lines: Lines<'a>,
     skeleton: &'a Asf,
+    sample_count_max: usize,
     degrees: bool,
     frame_time_s: Option<f64>,
     frames: Frames,
@@ -108,8 +111,8 @@ impl Parser<'_> {
         }
         let joints = self.skeleton.bones.len();
         for missing in (0..new).rev() {
-            if (self.frames.len() + 1) * joints > SAMPLE_COUNT_MAX {
-                let limit = SAMPLE_COUNT_MAX / joints;
+            if (self.frames.len() + 1) * joints > self.sample_count_max {
+                let limit = self.sample_count_max / joints;
                 return Err((key.at, Problem::TooMany { items: "frames", limit }));
             }
             let empty = |bone: &Bone| {

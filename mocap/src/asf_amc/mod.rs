@@ -37,7 +37,7 @@ const METRES_PER_INCH: f64 = 0.0254;
 /// one of the two cannot be read.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let bytes = |path: &Path| {
-        std::fs::read(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })
+        crate::read::bytes(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })
     };
     // First the file that was asked for: if it is not there, its skeleton is not what is missing.
     let amc = bytes(path)?;
@@ -56,7 +56,9 @@ pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Erro
         move |(at, problem)| Error::Syntax { file, at, problem }
     };
     let skeleton = asf::parse(&String::from_utf8_lossy(asf.0)).map_err(in_file(asf.1))?;
-    let motion = amc::parse(&String::from_utf8_lossy(amc.0), &skeleton).map_err(in_file(amc.1))?;
+    let samples = recording::sample_count_max(asf.0.len() + amc.0.len());
+    let motion = amc::parse(&String::from_utf8_lossy(amc.0), &skeleton, samples);
+    let motion = motion.map_err(in_file(amc.1))?;
     Ok(Recording {
         name: recording::stem(amc.1),
         skeleton: skeleton.skeleton(),

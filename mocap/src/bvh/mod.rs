@@ -18,9 +18,7 @@ pub use error::{Error, Problem};
 use token::{Token, Tokens};
 pub use write::{WriteError, text, write};
 
-use super::recording::{
-    self, FRAME_TIME_S, Frames, JOINT_COUNT_MAX, MAGNITUDE_MAX, Recording, SAMPLE_COUNT_MAX,
-};
+use super::recording::{self, FRAME_TIME_S, Frames, JOINT_COUNT_MAX, MAGNITUDE_MAX, Recording};
 use super::text::{Position, shown};
 use crate::skeleton::{JointSample, Skeleton, SkeletonJoint};
 
@@ -30,8 +28,8 @@ use crate::skeleton::{JointSample, Skeleton, SkeletonJoint};
 /// [`Error::Io`] if the file cannot be read, [`Error::Syntax`] with line and column if it is not a
 /// complete BVH motion of finite numbers.
 pub fn read(path: &Path) -> Result<Recording, Error> {
-    let bytes =
-        std::fs::read(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
+    let bytes = crate::read::bytes(path)
+        .map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
     parse(&bytes, path)
 }
 
@@ -43,7 +41,10 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
 /// [`Error::Syntax`], as [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     let text = String::from_utf8_lossy(bytes);
-    let mut parser = Parser { tokens: Tokens::new(&text) };
+    let mut parser = Parser {
+        tokens: Tokens::new(&text),
+        sample_count_max: recording::sample_count_max(bytes.len()),
+    };
     parser.file().map_or_else(
         |(at, problem)| Err(Error::Syntax { file: path.to_path_buf(), at, problem }),
         |(skeleton, frame_time_s, frames)| {
@@ -88,6 +89,8 @@ type Failure = (Position, Problem);
 
 struct Parser<'a> {
     tokens: Tokens<'a>,
+    /// Joints times frames that the file may have.
+    sample_count_max: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -221,8 +224,8 @@ impl<'a> Parser<'a> {
             values.push(finite(token)?);
             lines.add(token.at.line);
             if values.len() == channel_count {
-                if (frames.len() + 1) * joint_count > SAMPLE_COUNT_MAX {
-                    let limit = SAMPLE_COUNT_MAX / joint_count;
+                if (frames.len() + 1) * joint_count > self.sample_count_max {
+                    let limit = self.sample_count_max / joint_count;
                     return Err((token.at, Problem::TooMany { items: "frames", limit }));
                 }
                 frames.push(hierarchy.frame(&values));

@@ -20,7 +20,7 @@ use serde::Deserialize;
 pub use error::{Error, Problem};
 use skeleton::{JOINTS, Kind};
 
-use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording, SAMPLE_COUNT_MAX};
+use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording};
 use crate::skeleton::JointSample;
 
 /// Numbers in a row.
@@ -53,8 +53,8 @@ enum Loop {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read, the others if it is not a humanoid3d motion.
 pub fn read(path: &Path) -> Result<Recording, Error> {
-    let bytes =
-        std::fs::read(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
+    let bytes = crate::read::bytes(path)
+        .map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
     parse(&bytes, path)
 }
 
@@ -116,7 +116,8 @@ fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
 /// The motion at `0, frame_time_s, ..`, up to its end.
 fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Result<Vec<Pose>, Problem> {
     let frames = (times_s[times_s.len() - 1] / frame_time_s).ceil() + 1.0;
-    let limit = SAMPLE_COUNT_MAX / JOINTS.len();
+    // A row is 44 numbers of two characters at least.
+    let limit = recording::sample_count_max(88 * poses.len()) / JOINTS.len();
     if frames > limit as f64 {
         return Err(Problem::TooMany { frames, frame_time_s, limit });
     }

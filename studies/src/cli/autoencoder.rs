@@ -8,11 +8,13 @@ use anyhow::Context as _;
 use clap::ValueEnum;
 use sinew_sim::character;
 use sinew_sim::command::{ThreadArgs, note, print, with_progress};
+use sinew_sim::output::Folder;
 use sinew_sim::weights::{self, Method, weigh};
 use sinew_studies::autoencoder::{self, Plan, Poses, Schedule};
 use sinew_studies::pictures::write_study;
 
-use super::data::DataArgs;
+use super::data::{DataArgs, count};
+use super::results::tell_pictures;
 
 /// Train auto-encoders of poses with five losses, and compare what they reconstruct.
 ///
@@ -29,7 +31,7 @@ pub(super) struct Args {
     data: DataArgs,
 
     /// Latent units of the networks. Default: 150 and 24, or 12 with `--quick`.
-    #[arg(long, value_name = "N,..", value_delimiter = ',')]
+    #[arg(long, value_name = "N,..", value_delimiter = ',', value_parser = count)]
     latent: Vec<NonZeroUsize>,
 
     /// Train every network with seeds from 1 to N. Default: 3, or 1 with `--quick`.
@@ -37,11 +39,11 @@ pub(super) struct Args {
     seeds: Option<u64>,
 
     /// Steps of every training. Default: 5000, or 40 with `--quick`.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     steps: Option<NonZeroUsize>,
 
     /// Poses of every step.
-    #[arg(long, value_name = "N", default_value = "128")]
+    #[arg(long, value_name = "N", default_value = "128", value_parser = count)]
     batch: NonZeroUsize,
 
     /// How much a metre counts in the forward-kinematics loss, against a number of a rotation's two columns.
@@ -108,22 +110,20 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         checkpoints: args.out.as_ref().map(|out| out.join("checkpoints")),
         threads,
     };
+    // Before the work: its checkpoints are of one run, too.
+    let folder = args.out.as_ref().map(|out| Folder::open(out, "autoencoder", &[])).transpose()?;
     let study = with_progress(plan.steps(), |progress| autoencoder::run(&plan, progress))?;
     let times = if args.no_times { Vec::new() } else { autoencoder::time_steps(&plan)? };
     let table = autoencoder::tables(&plan, &study, &times);
     let json = format!("{:#}\n", autoencoder::json(&plan, &study, &times));
-    if let Some(out) = &args.out {
-        let write = |name: &str, text: &str| {
-            let path = out.join(name);
-            fs::write(&path, text).with_context(|| format!("{}: cannot be written", path.display()))
-        };
-        let pictures = write_study(&study, &poses.skeleton, out)
-            .with_context(|| format!("{}: cannot be written", out.display()))?;
-        write("autoencoder.txt", &table)?;
-        write("autoencoder.json", &json)?;
-        for picture in pictures {
-            note(format_args!("{}", picture.display()));
-        }
+    if let Some(folder) = folder {
+        let stage = folder.stage();
+        let write = |name: &str, text: &str| fs::write(stage.join(name), text);
+        write_study(&study, &poses.skeleton, &stage)
+            .and_then(|_| write("autoencoder.txt", &table))
+            .and_then(|()| write("autoencoder.json", &json))
+            .with_context(|| format!("{}: cannot be written", stage.display()))?;
+        tell_pictures(&folder.finish()?);
     }
     print(match args.format {
         Format::Table => &table,

@@ -8,6 +8,7 @@ use sinew_studies::spatial::cost;
 
 use sinew_sim::command::with_progress;
 
+use super::data::count;
 use super::two_classes::TwoClassesArgs;
 
 /// Classify walking and running by the nearest pose, with every distance of poses.
@@ -23,11 +24,11 @@ pub(super) struct Args {
     common: TwoClassesArgs,
 
     /// Sequences of each class in a draw. Default: 10, or 3 with `--quick`.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     each: Option<NonZeroUsize>,
 
     /// Draws of sequences. Default: 50, or 5 with `--quick`.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     draws: Option<NonZeroUsize>,
 }
 

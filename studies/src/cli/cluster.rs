@@ -8,6 +8,7 @@ use sinew_studies::spatial::cost;
 
 use sinew_sim::command::with_progress;
 
+use super::data::count;
 use super::two_classes::TwoClassesArgs;
 
 /// Separate walking from running by two clusters of poses, with every distance of poses.
@@ -25,7 +26,7 @@ pub(super) struct Args {
     common: TwoClassesArgs,
 
     /// Pairs of sequences that are drawn. Default: 100, or 5 with `--quick`.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     pairs: Option<NonZeroUsize>,
 }
 

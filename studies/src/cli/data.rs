@@ -1,6 +1,7 @@
 //! Where a study's data are: one home for `--data`, `--quick` and `SINEW_DATA`.
 
 use std::env;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
@@ -8,6 +9,13 @@ use clap::ValueEnum;
 use sinew_studies::recordings::Recordings;
 
 use sinew_sim::command::note;
+
+/// How many of something: what is beyond the most would not end, or find room.
+pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 100_000;
+    let count = text.trim().parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST);
+    count.ok_or_else(|| format!("expected a whole number from 1 to {MOST}"))
+}
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct DataArgs {
@@ -55,6 +63,14 @@ enum Dataset {
 }
 
 impl RecordingArgs {
+    /// The files that say which recordings there are.
+    pub(super) fn indices(&self) -> Vec<PathBuf> {
+        let data = self.data.data.clone().or_else(of_environment).filter(|_| !self.data.quick);
+        data.iter()
+            .flat_map(|data| ["cmu", "bandai"].map(|set| data.join(set).join("index.csv")))
+            .collect()
+    }
+
     /// The recordings; with `--quick`, the built-in ones.
     pub(super) fn read(&self) -> anyhow::Result<Recordings> {
         Ok(match (self.data.folder()?, self.dataset) {

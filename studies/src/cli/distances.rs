@@ -1,12 +1,13 @@
 //! `sinew-studies distances`: how far all poses of a data set are from each other.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
+use sinew_sim::output::{self, Folder};
 use sinew_sim::spatial::{MeasuredPose, Measuring, SpatialRig};
 use sinew_studies::recordings::{RATE_HZ, Recordings};
 use sinew_studies::spatial::write_distances;
@@ -17,8 +18,8 @@ use super::data::RecordingArgs;
 ///
 /// The file is NumPy's: f32 in the order of SciPy's `pdist`, so that `squareform(numpy.load(FILE))` is the matrix.
 /// Beside it, FILE.csv says which pose is which. Poses are at 12 Hz and on one skeleton; the root's place and
-/// orientation do not count. Distances are written to FILE.npy.part while they are computed: beside the poses (3 kB
-/// each), at most 16 MB are in memory. CMU's poses make 730 MB, Bandai's 1.2 GB.
+/// orientation do not count. Distances are written to a folder beside the file while they are computed: but for the
+/// poses (3 kB each), at most 16 MB are in memory. CMU's poses make 730 MB, Bandai's 1.2 GB.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -43,6 +44,16 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         "--out {}: expected a file named *.npy",
         path.display()
     );
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let name = path.file_name().unwrap_or_default();
+    let names = path.with_extension("csv");
+    let indices = args.recordings.indices();
+    let inputs: Vec<_> = indices.iter().map(|index| ("index", Some(index.as_path()))).collect();
+    output::distinct(&[path.as_path(), &names], &inputs)?;
+    // Before the work. Both files are of one run; whoever reads them has all of them or none.
+    let results = Folder::open(folder, &format!("distances {}", name.display()), &inputs)?;
+    let stage = results.stage();
     let recordings = args.recordings.read()?;
     let rig = SpatialRig::new(&recordings.skeleton, args.measure.root.as_deref())?;
     let measuring = Measuring::new(&rig, args.measure.measure()?);
@@ -56,8 +67,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let pairs = poses.len() * poses.len().saturating_sub(1) / 2;
     let megabytes = 4e-6 * pairs as f64;
     note(format_args!("{} poses, {pairs} pairs, {megabytes:.1} MB", poses.len()));
-    // Whoever reads the file has all of it or none.
-    let part = path.with_extension("npy.part");
+    let part = stage.join(name);
     let cannot = |path: &Path| format!("{}: cannot be written", path.display());
     let file = File::create(&part).with_context(|| cannot(&part))?;
     let start = Instant::now();
@@ -67,9 +77,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     })
     .with_context(|| cannot(&part))?;
     let seconds = start.elapsed().as_secs_f64();
-    let names = path.with_extension("csv");
-    write_names(&recordings, &names).with_context(|| cannot(&names))?;
-    fs::rename(&part, path).with_context(|| cannot(path))?;
+    let part = part.with_extension("csv");
+    write_names(&recordings, &part).with_context(|| cannot(&part))?;
+    results.finish()?;
     note(format_args!("{seconds:.1} s, {:.0} ns a distance", 1e9 * seconds / pairs.max(1) as f64));
 
     let unit = measuring.measure().metric.unit();

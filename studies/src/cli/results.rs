@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use serde_json::Value;
 
 use sinew_sim::command::{note, print};
+use sinew_sim::output::Folder;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ResultArgs {
@@ -28,6 +29,15 @@ enum Format {
     Json,
 }
 
+/// Says where pictures are.
+pub(super) fn tell_pictures(files: &[PathBuf]) {
+    let is_picture =
+        |file: &&PathBuf| file.extension().is_some_and(|of| of == "png" || of == "svg");
+    for picture in files.iter().filter(is_picture) {
+        note(format_args!("{}", picture.display()));
+    }
+}
+
 impl ResultArgs {
     /// Prints tables or JSON; writes both, and the pictures, into the folder.
     pub(super) fn write(
@@ -39,16 +49,14 @@ impl ResultArgs {
     ) -> anyhow::Result<()> {
         let json = format!("{json:#}\n");
         if let Some(out) = &self.out {
-            let pictures =
-                pictures(out).with_context(|| format!("{}: cannot be written", out.display()))?;
+            let folder = Folder::open(out, name, &[])?;
+            let stage = folder.stage();
+            let cannot = || format!("{}: cannot be written", out.display());
+            pictures(&stage).with_context(cannot)?;
             for (extension, text) in [("txt", tables), ("json", &json)] {
-                let path = out.join(format!("{name}.{extension}"));
-                fs::write(&path, text)
-                    .with_context(|| format!("{}: cannot be written", path.display()))?;
+                fs::write(stage.join(format!("{name}.{extension}")), text).with_context(cannot)?;
             }
-            for picture in pictures {
-                note(format_args!("{}", picture.display()));
-            }
+            tell_pictures(&folder.finish()?);
         }
         print(match self.format {
             Format::Table => tables,

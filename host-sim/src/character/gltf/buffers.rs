@@ -1,6 +1,8 @@
 //! The bytes that a file's numbers are in.
 
+use std::collections::BTreeMap;
 use std::path::{Component, Path};
+use std::rc::Rc;
 
 use ::gltf::Document;
 use ::gltf::buffer::Source;
@@ -9,23 +11,45 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::character::error::{Refusal, refuse};
 
+/// Far above any character's: what bounds the memory.
+const BYTES_MAX: usize = 1 << 30;
+
 /// The bytes of every buffer: at least as many as the file says.
-pub(super) struct Buffers(Vec<Vec<u8>>);
+pub(super) struct Buffers(Vec<Rc<[u8]>>);
 
 impl Buffers {
     /// Takes the binary chunk, decodes `data:` URIs and reads files in `folder`.
     ///
     /// # Errors
     /// [`Refusal`] for a buffer that is elsewhere, cannot be read, or is too short.
-    pub(super) fn read(
-        document: &Document,
+    pub(super) fn read<'a>(
+        document: &'a Document,
         mut chunk: Option<Vec<u8>>,
         folder: &Path,
     ) -> Result<Self, Refusal> {
-        let buffer = |buffer: ::gltf::Buffer<'_>| {
+        // A file that several buffers name is there once.
+        let mut by_uri: BTreeMap<&str, Rc<[u8]>> = BTreeMap::new();
+        let mut total = 0;
+        let buffer = |buffer: ::gltf::Buffer<'a>| {
             let bytes = match buffer.source() {
-                Source::Bin => chunk.take().ok_or_else(|| refuse("data", "a binary chunk", "none")),
-                Source::Uri(uri) => from_uri(uri, folder),
+                Source::Bin => {
+                    let chunk =
+                        chunk.take().ok_or_else(|| refuse("data", "a binary chunk", "none"));
+                    chunk.map(Rc::from)
+                }
+                Source::Uri(uri) => match by_uri.get(uri) {
+                    Some(bytes) => Ok(Rc::clone(bytes)),
+                    None => from_uri(uri, folder).and_then(|bytes| {
+                        total += bytes.len();
+                        if total > BYTES_MAX {
+                            let expected = format!("at most {BYTES_MAX} bytes in all buffers");
+                            return Err(refuse("data", expected, total));
+                        }
+                        let bytes: Rc<[u8]> = bytes.into();
+                        by_uri.insert(uri, Rc::clone(&bytes));
+                        Ok(bytes)
+                    }),
+                },
             };
             let bytes = bytes.and_then(|bytes| {
                 if bytes.len() >= buffer.length() {
@@ -59,9 +83,17 @@ fn from_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Refusal> {
         return Err(refuse("URI", expected, format!("`{uri}`")));
     }
     let path = folder.join(path);
-    std::fs::read(&path).map_err(|error| {
-        refuse("URI", "a file that can be read", format!("{}: {error}", path.display()))
-    })
+    let unread =
+        |error| refuse("URI", "a file that can be read", format!("{}: {error}", path.display()));
+    // Links lead out of folders, too.
+    let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let (root, place) =
+        (root.canonicalize().map_err(unread)?, path.canonicalize().map_err(unread)?);
+    if !place.starts_with(root) {
+        let expected = "a file in the folder of this one or below it";
+        return Err(refuse("URI", expected, format!("`{uri}`, a link to elsewhere")));
+    }
+    sinew_mocap::read::bytes(&place).map_err(unread)
 }
 
 /// A URI without its percent signs.

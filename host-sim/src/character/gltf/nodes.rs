@@ -14,6 +14,9 @@ pub(super) struct Nodes {
     flat: Vec<Option<Refusal>>,
 }
 
+/// More than a character has, and few enough that one chain of them takes a moment.
+const NODE_COUNT_MAX: usize = 10_000;
+
 /// How far a rotation's length may be from 1: what it is rounded by where it is stored in 16 bits is far less.
 const LENGTH_TOLERANCE: f64 = 1e-3;
 
@@ -26,6 +29,10 @@ impl Nodes {
     /// # Errors
     /// [`Refusal`] for a node that has two parents or is its own ancestor, and for a rotation that is none.
     pub(super) fn new(document: &Document) -> Result<Self, Refusal> {
+        let count = document.nodes().count();
+        if count > NODE_COUNT_MAX {
+            return Err(refuse("the file", format!("at most {NODE_COUNT_MAX} nodes"), count));
+        }
         let local: Vec<DMat4> =
             document.nodes().map(|node| local(&node)).collect::<Result<_, _>>()?;
         let flat = document.nodes().zip(&local).map(|(node, local)| flat(&node, local)).collect();

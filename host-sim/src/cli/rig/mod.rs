@@ -9,7 +9,7 @@ mod view;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::{Args, Subcommand};
 use sinew_rig::import::Options;
 use sinew_sim::command::note;
@@ -80,7 +80,7 @@ impl Target {
 }
 
 fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| path.display().to_string())?;
+    sinew_sim::output::write(path, text)?;
     note(format_args!("wrote {}", path.display()));
     Ok(())
 }

@@ -50,7 +50,7 @@ fn margin(text: &str) -> Result<f64, String> {
 /// Calibrates, drive after drive; each is written before the next begins.
 pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
-    let mut text = std::fs::read_to_string(&args.rig).with_context(name)?;
+    let mut text = sinew_mocap::read::text(&args.rig).with_context(name)?;
     let rig = toml_file::read(&text)
         .with_context(|| format!("{}: calibration needs a rig.toml", name()))?;
     let servos = of_bus(&rig, args.rig_bus.as_deref())?;

@@ -10,7 +10,7 @@ use anyhow::bail;
 use sinew_service::rig_servo::of_bus;
 use sinew_service::watch::{State, look};
 use sinew_service::{ScanSettings, ServiceError, Servo, scan};
-use sinew_sim::command::{note, print, table};
+use sinew_sim::command::{note, print, print_raw, table};
 
 use super::LineArgs;
 use super::line::PortClient;
@@ -58,7 +58,7 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
             let back =
                 if lines_above > 0 { format!("\x1b[{lines_above}A\x1b[J") } else { String::new() };
             lines_above = text.lines().count();
-            print(&format!("{back}{text}"))?;
+            print_raw(&format!("{back}{text}"))?;
         } else {
             print(&lines(start.elapsed(), &states))?;
         }

@@ -80,7 +80,7 @@ impl Subject {
     /// [`SubjectError`] with the file's name, and line or keys and values.
     pub fn read(path: &Path) -> Result<Self, SubjectError> {
         let file = || path.to_path_buf();
-        let text = std::fs::read_to_string(path)
+        let text = sinew_mocap::read::text(path)
             .map_err(|source| SubjectError::Io { file: file(), source })?;
         let inputs = toml::from_str(&text)
             .map_err(|source| SubjectError::Toml { file: file(), source: Box::new(source) })?;

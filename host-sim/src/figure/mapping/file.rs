@@ -122,7 +122,7 @@ impl Mapping {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = || path.to_path_buf();
         let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { file: file(), source })?;
+            sinew_mocap::read::text(path).map_err(|source| Error::Io { file: file(), source })?;
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })
     }
 }

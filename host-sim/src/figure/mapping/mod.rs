@@ -106,6 +106,21 @@ pub struct NoRate {
     pub mapping: String,
 }
 
+/// The two sides of a skeleton are not of one body.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "{part}: expected sides of about one length, found {left_m:.3} m on the left and {right_m:.3} m on the right: an \
+     offset in the file is damaged, or the mapping wrong"
+)]
+pub struct UnlikeSides {
+    /// The limb.
+    pub part: String,
+    /// On the left.
+    pub left_m: f64,
+    /// On the right.
+    pub right_m: f64,
+}
+
 impl Mapping {
     /// Time between the frames of a recording, in seconds: its own, or else the mapping's.
     ///
@@ -235,6 +250,24 @@ impl Binding {
         let trunk_m: f64 =
             ["abdomen", "thorax", "head"].map(|name| of(name, &self.offset_m)).iter().sum();
         leg_m + trunk_m + of("head", &self.segment_end_m)
+    }
+
+    /// Refuses limbs of which one side is longer by half than the other: both hang on one body.
+    pub(crate) fn check_sides(&self) -> Result<(), UnlikeSides> {
+        for (left, body) in BODIES.iter().enumerate() {
+            let Some(part) = body.name.strip_suffix("_l") else { continue };
+            let other = |other: &super::Body| other.name.strip_suffix("_r") == Some(part);
+            let Some(right) = BODIES.iter().position(other) else { continue };
+            for lengths_m in [&self.offset_m, &self.segment_end_m] {
+                let [left_m, right_m] = [left, right].map(|side| lengths_m[side].length());
+                // Small ones differ by how a maker rounds them.
+                if (left_m - right_m).abs() > 0.1 && left_m.max(right_m) > 1.5 * left_m.min(right_m)
+                {
+                    return Err(UnlikeSides { part: part.to_owned(), left_m, right_m });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// World position of each body's origin joint in one frame of the recording, in metres.

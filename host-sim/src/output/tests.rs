@@ -1,0 +1,99 @@
+use std::fs;
+use std::io::Write as _;
+
+use super::*;
+
+#[test]
+fn a_file_is_the_old_one_until_the_new_one_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.show");
+    write(&file, "old").unwrap();
+    let mut pending = Pending::begin(&file).unwrap();
+    pending.write_all(b"half of the n").unwrap();
+    assert_eq!(fs::read_to_string(&file).unwrap(), "old");
+    drop(pending);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
+    write(&file, "new").unwrap();
+    assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    assert!(write(folder.path(), "no folder is a file").is_err());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_links_and_devices_devices() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a"), "old").unwrap();
+    std::os::unix::fs::symlink("a", at("b")).unwrap();
+    write(&at("b"), "new").unwrap();
+    assert_eq!(fs::read_to_string(at("a")).unwrap(), "new");
+    assert!(at("b").is_symlink());
+    write(Path::new("/dev/null"), "gone").unwrap();
+    assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    assert!(write(Path::new("/dev/full"), "the disk is full").is_err());
+}
+
+#[test]
+fn one_file_is_known_by_all_its_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("more")).unwrap();
+    fs::write(at("a"), "").unwrap();
+    fs::write(at("b"), "").unwrap();
+    fs::hard_link(at("a"), at("more/c")).unwrap();
+    assert!(same(&at("a"), &at("more/../a")) && same(&at("a"), &at("more/c")));
+    assert!(!same(&at("a"), &at("b")) && !same(&at("a"), &at("none")));
+    assert!(same(&at("more/../none"), &at("none")), "files that are to come, too");
+    let refused = distinct(&[&at("more/c")], &[("clip", Some(&at("a")))]).unwrap_err().to_string();
+    assert!(refused.contains("is the clip, which would be lost"), "{refused}");
+    assert!(distinct(&[&at("a"), &at("more/c")], &[]).is_err());
+}
+
+/// Names in a folder, without our own.
+fn listed(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.filter(|name| !name.starts_with(".sinew")).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_folder_has_the_results_of_one_run() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    fs::write(place.join("mine.txt"), "").unwrap();
+    let run = |kind: &str, names: &[&str]| {
+        let folder = Folder::open(place, kind, &[]).unwrap();
+        for name in names {
+            fs::write(folder.stage().join(name), kind).unwrap();
+        }
+        folder
+    };
+    run("mds", &["mds.txt"]).finish().unwrap();
+    run("evaluate", &["table.txt", "ratios-x1.1.png"]).finish().unwrap();
+    // Stopped before its end: all is as it was.
+    drop(run("evaluate", &["table.txt", "other.png"]));
+    assert_eq!(listed(place), ["mds.txt", "mine.txt", "ratios-x1.1.png", "table.txt"]);
+    let files = run("evaluate", &["table.txt", "ratios-x1.png"]).finish().unwrap();
+    assert_eq!(files, ["ratios-x1.png", "table.txt"].map(|name| place.join(name)));
+    assert_eq!(listed(place), ["mds.txt", "mine.txt", "ratios-x1.png", "table.txt"]);
+}
+
+#[test]
+fn two_runs_into_one_folder_and_results_over_inputs_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    let first = Folder::open(place, "evaluate", &[]).unwrap();
+    let busy = Folder::open(place, "mds", &[]).unwrap_err().to_string();
+    assert!(busy.contains("another run writes into this folder"), "{busy}");
+    drop(first);
+
+    let input = place.join("result.csv");
+    fs::write(&input, "a sweep").unwrap();
+    let folder = Folder::open(place, "evaluate", &[("sweep", Some(&input))]).unwrap();
+    fs::write(folder.stage().join("result.csv"), "results").unwrap();
+    let refused = folder.finish().unwrap_err().to_string();
+    assert!(refused.contains("is the sweep, and would be lost"), "{refused}");
+    assert_eq!(fs::read_to_string(&input).unwrap(), "a sweep");
+}

@@ -1,0 +1,263 @@
+//! Inputs that broke something once (`attack/`), each with its command: refused in words, or read rightly.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A file that broke something.
+fn attack(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/attack").join(name)
+}
+
+fn command() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+}
+
+/// A folder for a test, with a copy of each of these files.
+fn folder_with(names: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for name in names {
+        fs::copy(attack(name), folder.path().join(name)).expect("a copy");
+    }
+    folder
+}
+
+/// Runs `sinew` with these words in a folder.
+fn sinew(folder: &Path, words: &[&str]) -> Output {
+    command().current_dir(folder).args(words).output().expect("the command runs")
+}
+
+/// What a command said on standard error, if it was refused.
+fn refused(folder: &Path, words: &[&str]) -> String {
+    let output = sinew(folder, words);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+    assert!(said.lines().any(|line| line.starts_with("error: ")), "{said}");
+    said
+}
+
+/// What a command said on standard error, and that it was done.
+fn done(folder: &Path, words: &[&str]) -> String {
+    let output = sinew(folder, words);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{words:?}: {said}");
+    said
+}
+
+#[test]
+fn golden_numbers_that_are_all_zero_are_held_against_what_comes_out() {
+    for name in ["verify_zero.json", "verify_zero_control.json"] {
+        let folder = folder_with(&[name]);
+        let output = sinew(folder.path(), &["verify", "."]);
+        let printed = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{name}: {printed}");
+        assert!(printed.contains("FAIL"), "{printed}");
+    }
+    // A file without a number to compare cannot fail, and says nothing.
+    let folder = folder_with(&[]);
+    let text = r#"{"schema": "rnea/1", "cases": [{"n": 0, "bodies": [], "states": []}]}"#;
+    fs::write(folder.path().join("empty.json"), text).expect("the folder can be written");
+    refused(folder.path(), &["verify", "."]);
+}
+
+#[test]
+fn a_failed_verification_fails_though_its_reader_is_gone() {
+    let folder = folder_with(&["verify_zero.json"]);
+    let mut child = command()
+        .current_dir(folder.path())
+        .args(["verify", "."])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the command runs");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+}
+
+#[test]
+fn damaged_geometry_is_refused_or_filled_and_told() {
+    let folder = folder_with(&["thigh_404m.bvh", "root_spike_1e9.bvh", "root_spike_10m.bvh"]);
+    let folder = folder.path();
+    let said = refused(folder, &["bake", "thigh_404m.bvh", "--out", "k.show"]);
+    assert!(said.contains("thigh_404m") && said.contains("404."), "{said}");
+    assert!(!folder.join("k.show").exists());
+    for spike in ["root_spike_1e9.bvh", "root_spike_10m.bvh"] {
+        let said = done(folder, &["bake", spike, "--out", "k.show"]);
+        assert!(said.contains("no body jumps faster than 50 m/s: Hips in 1 frame"), "{said}");
+        assert!(said.contains("filled 1 gap"), "{said}");
+    }
+}
+
+#[test]
+fn a_command_keeps_what_it_reads() {
+    let folder = folder_with(&["m21.bvh"]);
+    let folder = folder.path();
+    let clip = fs::read(folder.join("m21.bvh")).expect("the clip");
+    fs::hard_link(folder.join("m21.bvh"), folder.join("linked.bvh")).expect("a link");
+    for out in ["m21.bvh", "./m21.bvh", "linked.bvh"] {
+        let said = refused(folder, &["bake", "m21.bvh", "--out", out]);
+        assert!(said.contains("is the clip, which would be lost"), "{said}");
+        let said = refused(folder, &["blend", "m21.bvh", "m21.bvh", "--out", out]);
+        assert!(said.contains("is the clip A, which would be lost"), "{said}");
+    }
+    let sweep = ["--clips", "m21.bvh", "--out", "."];
+    fs::copy("/dev/null", folder.join("result.csv")).expect("a file");
+    let said = refused(folder, &[&["evaluate", "--sweep", "result.csv"], &sweep[..]].concat());
+    assert!(said.contains("is the sweep, which would be lost"), "{said}");
+    assert_eq!(fs::read(folder.join("m21.bvh")).expect("the clip"), clip);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_old_file() {
+    let folder = folder_with(&["m21.bvh"]);
+    let folder = folder.path();
+    fs::write(folder.join("k.show"), "old").expect("the folder can be written");
+    // The largest file that the shell allows: 1 kB, which is no whole show.
+    let words = format!("ulimit -f 1; '{}' bake m21.bvh --out k.show", env!("CARGO_BIN_EXE_sinew"));
+    let shell = Command::new("sh").current_dir(folder).args(["-c", &words]).output();
+    assert!(!shell.expect("a shell").status.success());
+    assert_eq!(fs::read(folder.join("k.show")).expect("the file"), b"old");
+}
+
+#[test]
+fn names_cannot_break_pictures_or_command_the_terminal() {
+    let folder = folder_with(&["png_ctrl.bvh", "esc.glb"]);
+    let folder = folder.path();
+    done(folder, &["weights", "png_ctrl.bvh", "--metres-per-unit", "0.01", "--picture", "p.png"]);
+    assert!(fs::read(folder.join("p.png")).expect("the picture").starts_with(b"\x89PNG"));
+    let output = sinew(folder, &["weights", "esc.glb"]);
+    assert!(output.status.success());
+    assert!(!output.stdout.contains(&0x1b), "{}", String::from_utf8_lossy(&output.stdout));
+
+    let long = fs::read_to_string(attack("png_ctrl.bvh")).expect("the file");
+    let long = long.replacen("ROOT ", &format!("ROOT {}", "X".repeat(22_000)), 1);
+    fs::write(folder.join("long.bvh"), long).expect("the folder can be written");
+    let said = refused(folder, &["weights", "long.bvh", "--metres-per-unit", "0.01"]);
+    assert!(said.contains("a name of at most 256 bytes"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn words_that_are_not_text_are_words() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = folder_with(&["m21.bvh"]);
+    let words = [
+        "evaluate",
+        "--clips",
+        "m21.bvh",
+        "--seconds",
+        "0.1",
+        "--scale",
+        "1",
+        "--methods",
+        "local",
+        "--out",
+    ];
+    let out = std::ffi::OsStr::from_bytes(b"o\xff");
+    let output = command().current_dir(folder.path()).args(words).arg(out).output();
+    let output = output.expect("the command runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(folder.path().join(out).join("index.html").is_file());
+}
+
+#[test]
+fn keys_without_end_are_refused_in_a_line() {
+    let folder = folder_with(&["m21.bvh"]);
+    let folder = folder.path();
+    let dots = "a.".repeat(15_000);
+    fs::write(folder.join("dots.toml"), format!("[[grid]]\n{dots}a = [1]\n")).expect("a file");
+    let said = [
+        refused(folder, &["sweep", "dots.toml", "--out", "out", "--dry-run"]),
+        refused(folder, &["evaluate", "--clips", "m21.bvh", "--set", &format!("{dots}a=1")]),
+    ];
+    for said in said {
+        assert!(said.len() < 8_000, "{} bytes", said.len());
+    }
+}
+
+#[test]
+fn small_files_cannot_ask_for_much() {
+    let folder = folder_with(&[]);
+    let folder = folder.path();
+    let write = |name: &str, text: String| fs::write(folder.join(name), text).expect("a file");
+    // 1,024 joints, of which one has a channel: two bytes make a frame of 64 kB.
+    let joints: String =
+        (0..1023).map(|j| format!("JOINT j{j} {{ OFFSET 0 1 0 CHANNELS 0\n")).collect();
+    let head = format!(
+        "HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n{joints}{}\n}}",
+        "}".repeat(1023)
+    );
+    write(
+        "amp.bvh",
+        format!("{head}\nMOTION\nFrames: 90000\nFrame Time: 0.01\n{}", "0\n".repeat(90_000)),
+    );
+    let said = refused(folder, &["weights", "amp.bvh", "--metres-per-unit", "1"]);
+    assert!(said.contains("expected at most 976 frames"), "{said}");
+
+    let links: String = (0..20_000).map(|link| format!("<link name='l{link}'/>")).collect();
+    write("links.urdf", format!("<robot name='r'>{links}</robot>"));
+    let said = refused(folder, &["weights", "links.urdf"]);
+    assert!(said.contains("expected one link that no joint moves"), "{said}");
+
+    // A buffer for each of 10,000 names of the file itself.
+    let buffers = vec![r#"{"byteLength": 1, "uri": "self.gltf"}"#; 10_000].join(",");
+    let nodes = vec!["{}"; 10_001].join(",");
+    write("self.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{buffers}]}}"#));
+    let said = refused(folder, &["weights", "self.gltf"]);
+    assert!(said.contains("a node with a mesh and a skin"), "{said}");
+    write("nodes.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}]}}"#));
+    let said = refused(folder, &["weights", "nodes.gltf"]);
+    assert!(said.contains("at most 10000 nodes"), "{said}");
+
+    let list: Vec<String> = (1..=400).map(|value| value.to_string()).collect();
+    let list = list.join(",");
+    write("cells.toml", format!("[[grid]]\ncontroller.kp = [{list}]\ncontroller.kv = [{list}]\n"));
+    let said = refused(folder, &["sweep", "cells.toml", "--out", "out", "--dry-run"]);
+    assert!(said.contains("at most 100000 cells"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_may_never_end_is_no_file() {
+    let folder = folder_with(&[]);
+    let folder = folder.path();
+    let made = Command::new("mkfifo").arg(folder.join("fifo.bvh")).status();
+    assert!(made.expect("mkfifo runs").success());
+    for words in [
+        ["evaluate", "--clips", "/dev/zero"],
+        ["evaluate", "--clips", "fifo.bvh"],
+        ["evaluate", "--setup", "/dev/zero"],
+    ] {
+        let said = refused(folder, &words);
+        assert!(said.contains("found a pipe or a device"), "{said}");
+    }
+    let said = refused(folder, &["weights", "/dev/zero"]);
+    assert!(said.contains("found a pipe or a device"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn buffers_are_in_the_folder_of_their_file() {
+    let folder = folder_with(&[]);
+    let folder = folder.path();
+    fs::create_dir(folder.join("model")).expect("a folder");
+    fs::write(folder.join("secret.bin"), "secret").expect("a file");
+    std::os::unix::fs::symlink("../secret.bin", folder.join("model/data.bin")).expect("a link");
+    let text =
+        r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 6, "uri": "data.bin"}]}"#;
+    fs::write(folder.join("model/a.gltf"), text).expect("a file");
+    let said = refused(folder, &["weights", "model/a.gltf"]);
+    assert!(said.contains("a link to elsewhere"), "{said}");
+}
+
+#[test]
+fn two_runs_into_one_folder_are_refused() {
+    let folder = folder_with(&["m21.bvh"]);
+    let folder = folder.path();
+    fs::create_dir(folder.join("out")).expect("a folder");
+    let lock = fs::File::create(folder.join("out/.sinew")).expect("a file");
+    lock.lock().expect("nobody else has it");
+    let said = refused(folder, &["evaluate", "--clips", "m21.bvh", "--out", "out"]);
+    assert!(said.contains("another run writes into this folder"), "{said}");
+}

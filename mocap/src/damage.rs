@@ -1,0 +1,210 @@
+//! What no body has: bones longer than it, sides unlike each other, jumps. A damaged digit makes them, and nothing later
+//! would notice.
+
+use std::fmt::{self, Display, Formatter};
+
+use crate::text::counted;
+use crate::{JointSample, Recording, Skeleton};
+
+/// Four times as fast as the fastest sprinter, and faster than a fall from a hundred metres; of a joint in its parent's
+/// frame, as of the whole body in the world. Noise of single frames stays far below.
+pub const SPEED_MAX_M_S: f64 = 50.0;
+
+/// A bone that is longer than the whole body.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the bone to {end} is {length_m:.3} m long; expected at most {longest_m:.3} m: the offset in the file is damaged, or \
+     the unit of length is wrong"
+)]
+pub struct LongBone {
+    /// Where it ends.
+    pub end: String,
+    /// Its length.
+    pub length_m: f64,
+    /// What the body allows.
+    pub longest_m: f64,
+}
+
+/// Refuses a bone that is longer than `longest_m`; of the root only its end sites are bones. The skeleton is in metres.
+///
+/// # Errors
+/// [`LongBone`] for the first, by joint.
+pub fn check_bones(skeleton: &Skeleton, longest_m: f64) -> Result<(), LongBone> {
+    let long = |length_m: f64, end: String| {
+        if length_m <= longest_m { Ok(()) } else { Err(LongBone { end, length_m, longest_m }) }
+    };
+    for joint in &skeleton.joints {
+        if joint.parent.is_some() {
+            long(joint.offset_m.length(), format!("joint `{}`", joint.name))?;
+        }
+        for end in &joint.end_sites_m {
+            long(end.length(), format!("the end of joint `{}`", joint.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Samples that were taken out, since no body moves so.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Jumps(Vec<Jump>);
+
+/// The samples of one joint.
+#[derive(Debug, Clone, PartialEq)]
+struct Jump {
+    joint: String,
+    frames: Vec<usize>,
+}
+
+impl Jumps {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Counts frames from `skipped` frames earlier.
+    #[must_use]
+    pub fn after(mut self, skipped: usize) -> Self {
+        for frame in self.0.iter_mut().flat_map(|jump| &mut jump.frames) {
+            *frame += skipped;
+        }
+        self
+    }
+}
+
+impl Display for Jumps {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        const SHOWN_MAX: usize = 3;
+        write!(f, "taken as missing, since no body jumps faster than {SPEED_MAX_M_S} m/s: ")?;
+        for (number, Jump { joint, frames }) in self.0.iter().take(SHOWN_MAX).enumerate() {
+            let comma = if number == 0 { "" } else { ", " };
+            let first = frames.first().copied().unwrap_or_default();
+            write!(
+                f,
+                "{comma}{joint} in {} from frame {first} on",
+                counted(frames.len(), "frame")
+            )?;
+        }
+        match self.0.len().saturating_sub(SHOWN_MAX) {
+            0 => Ok(()),
+            more => write!(f, " and {}", counted(more, "more joint")),
+        }
+    }
+}
+
+/// Takes out samples that no body can reach from those beside them, so that they are a gap to be filled. The recording is
+/// in metres. What the motion is measured against is the first sample that agrees with the next one.
+pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> Jumps {
+    let reach_m = SPEED_MAX_M_S * frame_time_s;
+    let mut jumps = Vec::new();
+    for (joint, place) in recording.skeleton.joints.iter().enumerate() {
+        let frames = unreachable(&recording.frames, joint, reach_m);
+        for frame in &frames {
+            recording.frames[*frame][joint] = None;
+        }
+        if !frames.is_empty() {
+            jumps.push(Jump { joint: place.name.clone(), frames });
+        }
+    }
+    Jumps(jumps)
+}
+
+/// The frames whose sample of a joint is further from the last believed one than `reach_m` for each frame between.
+fn unreachable(frames: &[Vec<Option<JointSample>>], joint: usize, reach_m: f64) -> Vec<usize> {
+    let samples = frames
+        .iter()
+        .enumerate()
+        .filter_map(|(frame, samples)| Some((frame, samples[joint]?.position_m)));
+    let near = |a: &(usize, glam::DVec3), b: &(usize, glam::DVec3)| {
+        a.1.distance(b.1) <= reach_m * a.0.abs_diff(b.0) as f64
+    };
+    // Nearly always there is nothing to do: without a list of all samples then.
+    if samples.clone().zip(samples.clone().skip(1)).all(|(a, b)| near(&a, &b)) {
+        return Vec::new();
+    }
+    let samples: Vec<_> = samples.collect();
+    let Some(start) = samples.windows(2).position(|pair| near(&pair[0], &pair[1])) else {
+        // No two agree: none of them is to be believed.
+        return samples.iter().map(|(frame, _)| *frame).collect();
+    };
+    let mut out = Vec::new();
+    for half in [
+        &mut samples[..start].iter().rev() as &mut dyn Iterator<Item = _>,
+        &mut samples[start + 1..].iter(),
+    ] {
+        let mut believed = samples[start];
+        for sample in half {
+            if near(&believed, sample) {
+                believed = *sample;
+            } else {
+                out.push(sample.0);
+            }
+        }
+    }
+    out.sort_unstable();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::{SkeletonJoint, gaps};
+
+    fn recording(places_m: &[f64]) -> Recording {
+        let joint = |name: &str, parent, offset_m| SkeletonJoint {
+            name: name.to_owned(),
+            parent,
+            offset_m,
+            end_sites_m: vec![0.1 * DVec3::X],
+        };
+        let sample =
+            |x| JointSample { rotation: DQuat::IDENTITY, position_m: DVec3::new(x, 0.0, 0.0) };
+        let joints =
+            vec![joint("Hips", None, 900.0 * DVec3::X), joint("LeftLeg", Some(0), 0.4 * DVec3::X)];
+        Recording {
+            name: "test".to_owned(),
+            skeleton: Skeleton { joints },
+            frame_time_s: Some(0.01),
+            metres_per_unit: Some(1.0),
+            frames: places_m.iter().map(|x| vec![Some(sample(*x)), Some(sample(0.4))]).collect(),
+        }
+    }
+
+    #[test]
+    fn a_spike_becomes_a_gap_that_is_filled_and_told() {
+        for (places_m, frame) in [([0.0, 0.1, 1e9, 0.3], 2), ([10.0, 0.1, 0.2, 0.3], 0)] {
+            let mut recording = recording(&places_m);
+            let jumps = take_out_jumps(&mut recording, 0.01);
+            assert_eq!(jumps, Jumps(vec![Jump { joint: "Hips".to_owned(), frames: vec![frame] }]));
+            let (clip, _) = gaps::fill(recording, 0.01, 0.5).unwrap();
+            assert!(clip.frames.iter().all(|frame| frame[0].position_m.x <= 0.3 + 1e-12));
+            let told = jumps.after(6).to_string();
+            assert!(
+                told.ends_with(&format!("Hips in 1 frame from frame {} on", frame + 6)),
+                "{told}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_a_body_can_do_is_left_alone() {
+        // 0.5 m in a frame of 0.01 s is the most; a cut in an edited clip is bridged, not refused.
+        assert!(take_out_jumps(&mut recording(&[0.0, 0.5, 1.0, 0.5]), 0.01).is_empty());
+        let mut cut = recording(&[0.0, 0.0, 0.9, 0.9, 0.9]);
+        assert_eq!(take_out_jumps(&mut cut, 0.01).0[0].frames, [2]);
+        // Without two that agree nothing is known.
+        assert_eq!(take_out_jumps(&mut recording(&[0.0, 9.0, 0.0]), 0.01).0[0].frames, [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_bone_longer_than_the_body_is_refused_by_name() {
+        let mut skeleton = recording(&[0.0]).skeleton;
+        assert_eq!(check_bones(&skeleton, 1.8), Ok(()), "where the root stands is no bone");
+        skeleton.joints[1].offset_m = 404.0 * DVec3::Y;
+        let refused = check_bones(&skeleton, 1.8).unwrap_err().to_string();
+        assert!(refused.starts_with("the bone to joint `LeftLeg` is 404.000 m long"), "{refused}");
+        skeleton.joints[1].offset_m = DVec3::NAN;
+        assert!(check_bones(&skeleton, 1.8).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! Files as they are read: whole, and never without end.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// Far above any recording: what bounds the memory that a wrong name can ask for.
+const FILE_BYTES_MAX: u64 = 1 << 30;
+
+/// The bytes of a file of at most 1 GiB.
+///
+/// # Errors
+/// What the system says; [`io::ErrorKind::InvalidInput`] for pipes and devices, which may never end,
+/// [`io::ErrorKind::FileTooLarge`] for larger files.
+pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let refused = |kind, what: &str| Err(io::Error::new(kind, what));
+    let told = fs::metadata(path)?;
+    if !told.is_file() && !told.is_dir() {
+        let what = "expected a file, found a pipe or a device: write it into a file first";
+        return refused(io::ErrorKind::InvalidInput, what);
+    }
+    let mut bytes = Vec::new();
+    // A file may grow while it is read.
+    File::open(path)?.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > FILE_BYTES_MAX {
+        return refused(io::ErrorKind::FileTooLarge, "expected a file of at most 1 GiB");
+    }
+    Ok(bytes)
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// Those of [`bytes`]; [`io::ErrorKind::InvalidData`] if it is not UTF-8.
+pub fn text(path: &Path) -> io::Result<String> {
+    String::from_utf8(bytes(path)?).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let what = format!("expected text in UTF-8, found other bytes from byte {at} on");
+        io::Error::new(io::ErrorKind::InvalidData, what)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_may_never_end_is_refused() {
+        for device in ["/dev/zero", "/dev/null"] {
+            let error = bytes(Path::new(device)).unwrap_err().to_string();
+            assert!(error.contains("found a pipe or a device"), "{error}");
+        }
+    }
+
+    #[test]
+    fn files_are_read_up_to_a_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), b"a\xff").unwrap();
+        assert_eq!(bytes(&at("a")).unwrap(), b"a\xff");
+        assert!(text(&at("a")).unwrap_err().to_string().ends_with("from byte 1 on"));
+        assert_eq!(bytes(&at("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert!(bytes(folder.path()).is_err());
+        // Sparse: it takes no room on the disk.
+        File::create(at("large")).unwrap().set_len(FILE_BYTES_MAX + 1).unwrap();
+        assert_eq!(bytes(&at("large")).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+    }
+}
