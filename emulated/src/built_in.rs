@@ -114,6 +114,7 @@ impl Dynamixel {
 }
 
 /// All that was said of it.
+#[expect(clippy::large_enum_variant, reason = "an image has no heap, and there is one")]
 pub(crate) enum Said {
     Arm(Kind),
     Rig { rig: Rig, lines: Vec<Line, LINES>, servos: Vec<Servo, CAPACITY> },

@@ -146,7 +146,7 @@ impl<B: Bytes<Error = Infallible>> Wire for Servos<'_, B> {
 }
 
 /// The host's next message.
-pub(crate) fn take<'h, B: Bytes<Error = Infallible>>(host: &'h mut End<B>) -> ToNode<'h> {
+pub(crate) fn take<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> ToNode<'_> {
     match host.take() {
         Ok(message) => message,
         Err(TakeError::Message) => panic!("the host is of another version"),

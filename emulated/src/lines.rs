@@ -32,7 +32,7 @@ macro_rules! of {
 
 /// All lines.
 pub(crate) struct Lines {
-    lines: Vec<Line, LINES>,
+    buses: Vec<Line, LINES>,
     /// Line and place of each servo.
     places: Vec<(usize, usize), CAPACITY>,
     compares: bool,
@@ -56,7 +56,7 @@ impl Lines {
         });
         Self {
             places: places.collect(),
-            lines: lines.into_iter().collect(),
+            buses: lines.into_iter().collect(),
             compares,
             compared: None,
             failed: None,
@@ -65,7 +65,7 @@ impl Lines {
 
     /// First packets of a line in a tick; none if there is no room for them.
     pub(crate) fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
-        let planned = of!(&mut self.lines[line], bus => bus.plan(out));
+        let planned = of!(&mut self.buses[line], bus => bus.plan(out));
         planned.inspect_err(|why| self.failed = Some(*why)).ok()
     }
 
@@ -76,18 +76,18 @@ impl Lines {
         left_us: u32,
         out: &mut [u8],
     ) -> Option<Request> {
-        let planned = of!(&mut self.lines[line], bus => bus.plan_more(left_us, out));
+        let planned = of!(&mut self.buses[line], bus => bus.plan_more(left_us, out));
         planned.inspect_err(|why| self.failed = Some(*why)).ok()?
     }
 
     /// What servos of a line have said. Whether that is all.
     pub(crate) fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
-        of!(&mut self.lines[line], bus => bus.reply(bytes))
+        of!(&mut self.buses[line], bus => bus.reply(bytes))
     }
 
     fn of(&self, servo: usize) -> Option<(&Line, usize)> {
         let (line, place) = *self.places.get(servo)?;
-        Some((self.lines.get(line)?, place))
+        Some((self.buses.get(line)?, place))
     }
 }
 
@@ -100,11 +100,11 @@ impl ServoBus for AllLines<'_> {
     }
 
     fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
-        let Lines { lines, places, .. } = &mut *self.0.borrow_mut();
+        let Lines { buses, places, .. } = &mut *self.0.borrow_mut();
         let Some((line, place)) = places.get(servo).copied() else {
             return Err(CommandError::Servo { index: servo, count: places.len() });
         };
-        of!(&mut lines[line], bus => bus.command(place, command))
+        of!(&mut buses[line], bus => bus.command(place, command))
     }
 
     fn plan(&mut self, _: &mut [u8]) -> Result<Request, EncodeError> {
@@ -121,19 +121,19 @@ impl ServoBus for AllLines<'_> {
     }
 
     fn compare(&mut self, asked: Option<(usize, Demand)>) {
-        let Lines { lines, places, compares, compared, .. } = &mut *self.0.borrow_mut();
+        let Lines { buses, places, compares, compared, .. } = &mut *self.0.borrow_mut();
         let asked = asked.filter(|_| *compares);
         let place = asked.and_then(|(servo, demand)| Some((*places.get(servo)?, demand)));
         *compared = place.map(|((line, _), _)| line);
-        for (index, line) in lines.iter_mut().enumerate() {
+        for (index, line) in buses.iter_mut().enumerate() {
             let own = place.filter(|((line, _), _)| *line == index);
             of!(line, bus => bus.compare(own.map(|((_, place), demand)| (place, demand))));
         }
     }
 
     fn compared(&self) -> Compared {
-        let Lines { lines, compared, .. } = &*self.0.borrow();
-        let line = compared.and_then(|line| lines.get(line));
+        let Lines { buses, compared, .. } = &*self.0.borrow();
+        let line = compared.and_then(|line| buses.get(line));
         line.map_or(Compared::Nothing, |line| of!(line, bus => bus.compared()))
     }
 

@@ -162,6 +162,7 @@ struct CutOffOf {
 
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "HeatSettings")]
+#[expect(clippy::struct_field_names, reason = "they are the other struct's")]
 struct HeatOf {
     warn_c: f32,
     derate_c: f32,

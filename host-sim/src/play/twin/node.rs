@@ -155,17 +155,17 @@ impl Node {
         let mut command = Command::BeginUpload(item.clone());
         loop {
             let next = match self.ask(command)? {
-                Outcome::Applied(Applied::Upload { next }) => next as usize,
+                Outcome::Applied(Applied::Upload { next }) => next,
                 Outcome::Applied(Applied::Stored(_)) => return Ok(()),
                 Outcome::Refused(refusal) => return Err(TwinError::Refused { what, refusal }),
                 _ => return Err(TwinError::NoAnswer("an upload")),
             };
-            command = match content.get(next..) {
+            command = match content.get(next as usize..) {
                 None | Some([]) => Command::EndUpload,
                 Some(rest) => {
                     let bytes = rest.chunks(sinew_link::message::BLOCK_MAX).next().unwrap_or(&[]);
                     let bytes = bytes.try_into().expect("it is a block");
-                    Command::UploadBlock(Block { offset: next as u32, bytes })
+                    Command::UploadBlock(Block { offset: next, bytes })
                 }
             };
         }
