@@ -6,12 +6,17 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use heapless::Vec;
+use sinew_bus::Request;
 use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;
 
-use crate::message::{Bytes, End, ToHost, ToNode};
+use crate::lines::Lines;
+use crate::message::{Bytes, End, Packets, TakeError, ToHost, ToNode};
 use crate::node::LINE_IN_STEP;
+
+/// Room for the packets of a line at once.
+const OUT_LEN: usize = 2048;
 
 /// Flash that its driver and the processor both see.
 #[derive(Clone, Copy)]
@@ -98,38 +103,62 @@ impl Safety for Pins<'_> {
     }
 }
 
-/// The bus: its servos are the host's.
+/// The lines: their servos are the host's.
 pub(crate) struct Servos<'h, B> {
     pub(crate) host: &'h mut End<B>,
+    pub(crate) lines: &'h RefCell<Lines>,
     pub(crate) now_us: &'h Cell<u64>,
-    /// Known behind the first exchange.
-    pub(crate) left_us: u32,
 }
 
-impl<B: Bytes> Wire for Servos<'_, B> {
-    fn exchange(&mut self, bytes: &[u8], wait_us: u32, mut reply: impl FnMut(&[u8]) -> bool) {
-        self.host.put(&ToHost::Exchange { bytes, wait_us });
+impl<B: Bytes<Error = Infallible>> Wire for Servos<'_, B> {
+    /// All of a tick: the host asks line by line.
+    fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
+        let mut lines = self.lines.borrow_mut();
+        let mut out = [0; OUT_LEN];
+        put(self.host, &ToHost::Exchange);
         loop {
-            match self.host.take() {
-                ToNode::Said(bytes) => {
-                    let is_complete = reply(bytes);
-                    self.host.put(&ToHost::IsComplete(is_complete));
+            let planned = match take(self.host) {
+                ToNode::Plan { line } => lines.plan(line, &mut out),
+                ToNode::PlanMore { line, left_us } => lines.plan_more(line, left_us, &mut out),
+                ToNode::Said { line, bytes } => {
+                    let is_complete = lines.reply(line, bytes);
+                    put(self.host, &ToHost::IsComplete(is_complete));
+                    continue;
                 }
-                ToNode::Over { now_us, left_us } => {
+                ToNode::Over { now_us } => {
                     self.now_us.set(now_us);
-                    self.left_us = left_us;
                     return;
                 }
                 other => panic!("{other:?} in an exchange"),
-            }
+            };
+            let packets = planned.map(|Request { len, reply_len, time_us }| {
+                let bytes = &out[..len];
+                Packets { bytes, reply_len, time_us }
+            });
+            put(self.host, &ToHost::Planned(packets));
         }
     }
+
+    /// What lines want besides they have asked the host for.
     fn left_us(&self) -> u32 {
-        self.left_us
+        0
     }
 }
 
-/// The board as link and storage see it, in a tick.
+/// The host's next message.
+pub(crate) fn take<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> ToNode<'_> {
+    match host.take() {
+        Ok(message) => message,
+        Err(TakeError::Message) => panic!("the host is of another version"),
+    }
+}
+
+/// A message to the host.
+pub(crate) fn put<B: Bytes<Error = Infallible>>(host: &mut End<B>, message: &ToHost<'_>) {
+    let Ok(()) = host.put(message);
+}
+
+/// The board as link and storage see it, while they run.
 pub(crate) struct Desktop<'t, 'm> {
     pub(crate) now_us: u64,
     /// Bytes of the host that are not taken yet.

@@ -2,6 +2,8 @@
 //!
 //! The machine stands still while the host thinks, and nothing interrupts: what it computes depends on what it reads.
 
+use core::convert::Infallible;
+
 // What a critical section is.
 use cortex_m as _;
 use cortex_m_rt::entry;
@@ -30,11 +32,14 @@ struct Host {
 }
 
 impl Bytes for Host {
-    fn read(&mut self, bytes: &mut [u8]) {
+    type Error = Infallible;
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
         files::read(self.input, bytes).expect("the host goes on");
+        Ok(())
     }
-    fn write(&mut self, bytes: &[u8]) {
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Infallible> {
         files::write(self.output, bytes).expect("the host goes on");
+        Ok(())
     }
 }
 

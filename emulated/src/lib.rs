@@ -8,7 +8,8 @@
 //! runs while the other waits, and time is what the host says. So a run is the same each time, and the bytes on its bus
 //! and its line can be compared with those of a node in process.
 //!
-//! - [`arm`]: the rig that it moves, as a board would have it built in: how its servos are driven, and its bus;
+//! - [`built_in`]: what a board of a rig has built in: how its servos are driven, and its lines;
+//! - [`arm`]: the same of the rig that tests move;
 //! - [`message`]: what the two say to each other;
 //! - [`node`]: the node over that, from one power-on to the next.
 
@@ -17,6 +18,9 @@
 #![deny(missing_docs)]
 
 pub mod arm;
+pub mod built_in;
 mod hardware;
+mod lines;
 pub mod message;
 pub mod node;
+mod remote;

@@ -1,12 +1,16 @@
 //! What host and node say to each other: the length in four bytes, little-endian, then the message by postcard.
 //!
-//! The host begins. Behind [`ToNode::PowerOn`] each [`ToNode::Tick`] is answered by [`ToHost::Ticked`]. Between the two
-//! the node may ask for any number of [exchanges](ToHost::Exchange) on its bus, each of which goes on with
-//! [`ToNode::Said`], answered by [`ToHost::IsComplete`], until [`ToNode::Over`].
+//! ```text
+//! host  PowerOn Line.. Servo..     Below      Tick          Plan, PlanMore  Said          Over
+//! node                             Stepped    Exchange      Planned         IsComplete    Ticked
+//! ```
+//! The host begins, and each of its messages from [`ToNode::Tick`] and [`ToNode::Below`] on is answered. A tick of a
+//! node without a rig is over at once. In one with a rig lines may talk side by side: the host asks for what goes over
+//! each of them, when it is its time.
 
 use serde::{Deserialize, Serialize};
 
-use crate::arm::Kind;
+use crate::built_in::{BuiltIn, Line, Servo};
 
 /// Room for the longest message.
 const ROOM: usize = 4096;
@@ -15,49 +19,69 @@ const ROOM: usize = 4096;
 pub const LINE_AT_ONCE: usize = 1024;
 
 /// What the node is told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ToNode<'a> {
-    /// Its first power-on, with blank flash: what it moves.
-    PowerOn(Kind),
-    /// A tick.
+    /// Its first power-on, with blank flash: what it has built in.
+    PowerOn(BuiltIn),
+    /// A line of a [rig](BuiltIn::Rig).
+    Line(Line),
+    /// A servo of a rig.
+    Servo(Servo),
+    /// A tick of the loop.
     Tick {
-        /// When it begins, and when it ends, µs.
-        from_to_us: [u64; 2],
+        /// When it begins, µs.
+        now_us: u64,
         /// Whether the loop of the emergency stop is open.
         is_stopped: bool,
-        /// Steps below the loop.
-        steps: u32,
-        /// What waits on the line, at most [`LINE_AT_ONCE`] bytes.
-        line: &'a [u8],
+    },
+    /// What goes over a line first in this tick?
+    Plan {
+        /// The line.
+        line: usize,
     },
     /// What servos have said.
-    Said(&'a [u8]),
-    /// The exchange is over.
-    Over {
-        /// Its end, µs.
-        now_us: u64,
+    Said {
+        /// On this line.
+        line: usize,
+        /// The bytes.
+        bytes: &'a [u8],
+    },
+    /// What else goes over a line?
+    PlanMore {
+        /// The line.
+        line: usize,
         /// What is left of the tick, µs.
         left_us: u32,
+    },
+    /// No line wants anything more.
+    Over {
+        /// When that was, µs.
+        now_us: u64,
+    },
+    /// Steps below the loop.
+    Below {
+        /// When they are made, µs.
+        now_us: u64,
+        /// How many.
+        steps: u32,
+        /// What waits on the line of the link, at most [`LINE_AT_ONCE`] bytes.
+        line: &'a [u8],
     },
 }
 
 /// What the node says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ToHost<'a> {
-    /// Bytes for servos, and for how long they may answer.
-    Exchange {
-        /// The bytes.
-        bytes: &'a [u8],
-        /// The time, µs.
-        wait_us: u32,
-    },
+    /// Commands of a tick are there: the lines may talk.
+    Exchange,
+    /// Bytes for servos, and for how long they may answer; none if there is nothing to say.
+    Planned(#[serde(borrow)] Option<Packets<'a>>),
     /// Whether the answers are all there.
     IsComplete(bool),
-    /// The tick is over.
-    Ticked {
-        /// What came of the loop; none if there is no rig.
-        #[serde(borrow)]
-        of_loop: Option<OfLoop<'a>>,
+    /// The tick is over: what came of it; none if there is no rig.
+    Ticked(#[serde(borrow)] Option<OfLoop<'a>>),
+    /// The steps below the loop are made.
+    Stepped {
         /// Bytes that it took from the line.
         taken: usize,
         /// Bytes for the line.
@@ -65,6 +89,17 @@ pub enum ToHost<'a> {
         /// It begins anew, with the flash that it has.
         restarts: bool,
     },
+}
+
+/// Bytes for servos.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Packets<'a> {
+    /// The bytes.
+    pub bytes: &'a [u8],
+    /// How many come back, without stuffing.
+    pub reply_len: usize,
+    /// How long all of it takes, µs.
+    pub time_us: u32,
 }
 
 /// What came of the loop in a tick.
@@ -82,19 +117,38 @@ pub struct OfLoop<'a> {
 
 /// Bytes to the other end and from it.
 ///
-/// **Duty**: both come back when all bytes are through, or not at all.
+/// **Duty**: both come back when all bytes are through, or say why they never will be.
 pub trait Bytes {
+    /// Why they are not through.
+    type Error;
+
     /// Fills `bytes` with what the other end has sent.
-    fn read(&mut self, bytes: &mut [u8]);
+    ///
+    /// # Errors
+    /// The other end is gone.
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), Self::Error>;
 
     /// Sends bytes to the other end.
-    fn write(&mut self, bytes: &[u8]);
+    ///
+    /// # Errors
+    /// The other end is gone.
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
+}
+
+/// Why there is no next message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakeError<E> {
+    /// Bytes do not come.
+    Bytes(E),
+    /// They are no message: the other end is of another version.
+    Message,
 }
 
 /// One end, for messages.
 #[derive(Debug)]
 pub struct End<B> {
-    bytes: B,
+    /// What carries them.
+    pub bytes: B,
     room: [u8; ROOM],
 }
 
@@ -106,26 +160,29 @@ impl<B: Bytes> End<B> {
 
     /// Sends a message.
     ///
+    /// # Errors
+    /// The other end is gone.
+    ///
     /// # Panics
     /// If it is longer than the longest.
-    pub fn put(&mut self, message: &impl Serialize) {
+    pub fn put(&mut self, message: &impl Serialize) -> Result<(), B::Error> {
         let (head, body) = self.room.split_first_chunk_mut().expect("there is room for a length");
         let len = postcard::to_slice(message, body).expect("messages have room").len();
         *head = u32::to_le_bytes(u32::try_from(len).expect("it is below the room"));
-        self.bytes.write(&self.room[..head_len() + len]);
+        self.bytes.write(&self.room[..head_len() + len])
     }
 
     /// The next message.
     ///
-    /// # Panics
-    /// If it is none.
-    pub fn take<'a, M: Deserialize<'a>>(&'a mut self) -> M {
+    /// # Errors
+    /// [`TakeError`].
+    pub fn take<'a, M: Deserialize<'a>>(&'a mut self) -> Result<M, TakeError<B::Error>> {
         let mut head = [0; head_len()];
-        self.bytes.read(&mut head);
-        let len = usize::try_from(u32::from_le_bytes(head)).expect("32 bits");
-        let body = self.room.get_mut(..len).expect("messages have room");
-        self.bytes.read(body);
-        postcard::from_bytes(body).expect("the other end is of the same version")
+        self.bytes.read(&mut head).map_err(TakeError::Bytes)?;
+        let len = usize::try_from(u32::from_le_bytes(head)).map_err(|_| TakeError::Message)?;
+        let body = self.room.get_mut(..len).ok_or(TakeError::Message)?;
+        self.bytes.read(body).map_err(TakeError::Bytes)?;
+        postcard::from_bytes(body).map_err(|_| TakeError::Message)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The node, tick by tick as its host says.
 
 use core::cell::{Cell, RefCell};
+use core::convert::Infallible;
 
 use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Found, Mail, Next, NodeSettings, Setup, start};
@@ -8,41 +9,83 @@ use sinew_firmware::supervisor::FaultSet;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_storage::{Area, BoardTable, Capacity};
 
-use crate::arm::{self, Kind};
-use crate::hardware::{Alone, Chip, Desktop, Lent, Pins, Servos};
+use crate::built_in::{BuiltIn, Said};
+use crate::hardware::{Alone, Chip, Desktop, Lent, Pins, Servos, put, take};
+use crate::lines::AllLines;
 use crate::message::{Bytes, End, LINE_AT_ONCE, OfLoop, ToHost, ToNode};
 
-const COUNT: u16 = 8;
+/// Bodies, freedoms and servos that it holds.
+pub const CAPACITY: usize = 40;
 
-/// Bodies, freedoms, servos and coordinates that it holds.
-pub const CAPACITY: usize = COUNT as usize;
+/// Coordinates that it holds: a ball joint has four for three freedoms.
+pub const COORDINATES: usize = CAPACITY + CAPACITY / 3;
 
-/// Sectors as the F446's.
+/// Lines of servos that it has.
+pub const LINES: usize = 4;
+
+/// What the arm's board says that it holds.
+const OF_ARM: u16 = 8;
+
+const fn capacity(of: u16) -> Capacity {
+    Capacity { bodies: of, degrees_of_freedom: of, servos: of }
+}
+
+/// Of the arm's board: sectors as the F446's.
 pub const TABLE: BoardTable = BoardTable {
-    log: Area { start: 0x4000, sector_len: 0x4000, sectors: 2 },
+    log: Area { start: 0x4000, sector_len: SECTOR_LEN, sectors: 2 },
     slots: &[
-        Area { start: 0xC000, sector_len: 0x4000, sectors: 1 },
-        Area { start: 0x1_0000, sector_len: 0x4000, sectors: 1 },
+        Area { start: 0xC000, sector_len: SECTOR_LEN, sectors: 1 },
+        Area { start: 0x1_0000, sector_len: SECTOR_LEN, sectors: 1 },
     ],
-    capacity: Capacity { bodies: COUNT, degrees_of_freedom: COUNT, servos: COUNT },
+    capacity: capacity(OF_ARM),
 };
 
-/// Bytes up to the end of its last slot.
-pub const FLASH_LEN: usize = 0x1_4000;
+/// Of a rig's board: room for minutes.
+const OF_RIGS: BoardTable = BoardTable {
+    slots: &[
+        Area { start: 0xC000, sector_len: SECTOR_LEN, sectors: 16 },
+        Area { start: 0x4_C000, sector_len: SECTOR_LEN, sectors: 16 },
+    ],
+    capacity: capacity(rounded(CAPACITY)),
+    ..TABLE
+};
 
-/// What it says of itself.
+const SECTOR_LEN: u32 = 0x4000;
+
+/// Bytes up to the end of the last slot.
+pub const FLASH_LEN: usize = 0x8_C000;
+
+#[expect(clippy::cast_possible_truncation, reason = "they are small")]
+const fn rounded(count: usize) -> u16 {
+    count as u16
+}
+
+/// What the arm's board says of itself.
 pub const ABOUT: About = About {
     protocol: Version::CURRENT,
     firmware: Release { major: 0, minor: 1, patch: 0 },
     rig: 0,
     capacities: Capacities {
-        bodies: COUNT,
-        coordinates: COUNT,
-        dofs: COUNT,
-        servos: COUNT,
+        bodies: OF_ARM,
+        coordinates: OF_ARM,
+        dofs: OF_ARM,
+        servos: OF_ARM,
         slots: 2,
         slot_bytes: 0,
     },
+};
+
+/// What a rig's board says of itself.
+const ABOUT_RIGS: About = About {
+    capacities: Capacities {
+        bodies: rounded(CAPACITY),
+        coordinates: rounded(COORDINATES),
+        dofs: rounded(CAPACITY),
+        servos: rounded(CAPACITY),
+        slots: 2,
+        slot_bytes: 16 * SECTOR_LEN,
+    },
+    ..ABOUT
 };
 
 /// What the line to the host carries, bit/s.
@@ -65,40 +108,66 @@ pub fn first_session(starts: u16) -> u16 {
 ///
 /// # Panics
 /// If the host says what cannot be.
-pub fn run(host: &mut End<impl Bytes>, flash: &mut [u8], lent: &mut [u8]) -> ! {
-    let ToNode::PowerOn(kind) = host.take() else { panic!("no power-on") };
+pub fn run<B: Bytes<Error = Infallible>>(
+    host: &mut End<B>,
+    flash: &mut [u8],
+    lent: &mut [u8],
+) -> ! {
+    let said = built_in(host);
     flash.fill(0xFF);
     let mut starts = 0_u16;
     loop {
         starts = starts.wrapping_add(1);
-        until_restart(kind, starts, host, flash, lent);
+        until_restart(&said, starts, host, flash, lent);
     }
 }
 
-fn until_restart(
-    kind: Kind,
+fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Said {
+    let rig = match take(host) {
+        ToNode::PowerOn(BuiltIn::Arm(kind)) => return Said::Arm(kind),
+        ToNode::PowerOn(BuiltIn::Rig(rig)) => rig,
+        other => panic!("{other:?} before power-on"),
+    };
+    let lines = (0..rig.lines).map(|_| match take(host) {
+        ToNode::Line(line) => line,
+        other => panic!("{other:?} in place of a line"),
+    });
+    let lines = lines.collect();
+    let servos = (0..rig.servos).map(|_| match take(host) {
+        ToNode::Servo(servo) => servo,
+        other => panic!("{other:?} in place of a servo"),
+    });
+    Said::Rig { rig, lines, servos: servos.collect() }
+}
+
+fn until_restart<B: Bytes<Error = Infallible>>(
+    said: &Said,
     starts: u16,
-    host: &mut End<impl Bytes>,
+    host: &mut End<B>,
     flash: &mut [u8],
     lent: &mut [u8],
 ) {
     let flash = RefCell::new(flash);
     let chip = Chip(&flash);
     let mut lent = Lent(lent);
-    let parts = arm::parts(kind);
+    let parts = said.parts();
     let defaults = NodeSettings::new(parts.settings, parts.schedule);
+    let (table, about) = match said {
+        Said::Arm(_) => (TABLE, ABOUT),
+        Said::Rig { .. } => (OF_RIGS, ABOUT_RIGS),
+    };
     let found = start::<_, CAPACITY, CAPACITY, CAPACITY>(
         chip,
-        TABLE,
+        table,
         &defaults,
         FaultSet::EMPTY,
         &mut [0; RIG_ROOM],
     );
     let Found { store, disarmed, settings, rig, is_bad, start } = found.expect("flash is RAM");
     let rig = rig.as_ref().map(|(rig, crc)| (rig, *crc));
-    let mut bus = parts.bus;
+    let lines = RefCell::new(parts.lines);
     let mut control = rig.and_then(|(rig, _)| {
-        let controller = Controller::<CAPACITY, CAPACITY, CAPACITY, CAPACITY>::new(
+        let controller = Controller::<CAPACITY, CAPACITY, CAPACITY, COORDINATES>::new(
             rig,
             &settings.controller,
             &parts.servos,
@@ -109,50 +178,51 @@ fn until_restart(
     });
     let tick_s = 1e-6 * parts.schedule.tick_us() as f32;
     let rig = rig.filter(|_| control.is_some());
-    let setup = Setup { about: ABOUT, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
+    let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
     let mail = Alone(RefCell::new(Mail::new(disarmed)));
     let mut desk = Desk::new(store, setup, first_session(starts));
     loop {
-        let ToNode::Tick { from_to_us: [from_us, to_us], is_stopped, steps, line } = host.take()
-        else {
-            panic!("no tick")
-        };
-        let came = heapless::Vec::<u8, LINE_AT_ONCE>::from_slice(line).expect("not too many bytes");
-        let now_us = Cell::new(from_us);
-        let mut pins = Pins { now_us: &now_us, is_stopped, outputs: false, is_fed: false };
-        let mut of_loop = None;
-        if let Some(control) = &mut control {
-            let mut wire = Servos { host, now_us: &now_us, left_us: 0 };
-            // What was not whole is told: the watchdog was not fed.
-            let _ = control.tick(&mut pins, &mail, &mut bus, &mut wire, &mut [0; 1024]);
-            of_loop = Some((control.controller().report().state, bytes_of(control.controller())));
-        }
-        let mut port = Desktop {
-            now_us: to_us,
-            came: &came,
-            said: heapless::Vec::new(),
-            chip,
-            lent: &mut lent,
-        };
-        let restarts = (0..steps).any(|_| desk.step(&mut port, &mail) == Next::Restart);
-        let of_loop = of_loop.as_ref().map(|(state, commanded)| OfLoop {
-            is_fed: pins.is_fed,
-            outputs: pins.outputs,
-            state: state.number(),
-            commanded,
-        });
-        let taken = came.len() - port.came.len();
-        host.put(&ToHost::Ticked { of_loop, taken, line: &port.said, restarts });
-        if restarts {
-            return;
+        match take(host) {
+            ToNode::Tick { now_us, is_stopped } => {
+                let now_us = Cell::new(now_us);
+                let mut pins = Pins { now_us: &now_us, is_stopped, outputs: false, is_fed: false };
+                let Some(control) = &mut control else {
+                    put(host, &ToHost::Ticked(None));
+                    continue;
+                };
+                let mut wire = Servos { host, lines: &lines, now_us: &now_us };
+                // What was not whole is told: the watchdog was not fed.
+                let _ = control.tick(&mut pins, &mail, &mut AllLines(&lines), &mut wire, &mut []);
+                let controller = control.controller();
+                let of_loop = OfLoop {
+                    is_fed: pins.is_fed,
+                    outputs: pins.outputs,
+                    state: controller.report().state.number(),
+                    commanded: &bytes_of(controller),
+                };
+                put(host, &ToHost::Ticked(Some(of_loop)));
+            }
+            ToNode::Below { now_us, steps, line } => {
+                let came = heapless::Vec::<u8, LINE_AT_ONCE>::from_slice(line);
+                let came = came.expect("not too many bytes");
+                let said = heapless::Vec::new();
+                let mut port = Desktop { now_us, came: &came, said, chip, lent: &mut lent };
+                let restarts = (0..steps).any(|_| desk.step(&mut port, &mail) == Next::Restart);
+                let taken = came.len() - port.came.len();
+                put(host, &ToHost::Stepped { taken, line: &port.said, restarts });
+                if restarts {
+                    return;
+                }
+            }
+            other => panic!("{other:?} between ticks"),
         }
     }
 }
 
 /// Bytes of what is commanded to all freedoms.
-type Commanded = heapless::Vec<u8, { CAPACITY * 4 * size_of::<f32>() }>;
+type Commanded = heapless::Vec<u8, { (COORDINATES + 3 * CAPACITY) * size_of::<f32>() }>;
 
-fn bytes_of(controller: &Controller<'_, CAPACITY, CAPACITY, CAPACITY, CAPACITY>) -> Commanded {
+fn bytes_of(controller: &Controller<'_, CAPACITY, CAPACITY, CAPACITY, COORDINATES>) -> Commanded {
     commanded(controller).flat_map(f32::to_le_bytes).collect()
 }
 

@@ -40,7 +40,8 @@ Commands:
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
   node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes
-            of its bus and its line, and all that it commands, with the same in process
+            of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
+            `sinew play`: an arm, and with SINEW_DATA two robots
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   retargeting

@@ -1,11 +1,13 @@
 //! The node of `sinew-emulated` in place of the board in process: the same line, the same servos, the same clock. It
 //! runs in a thread here, and as an image in QEMU.
 
+use std::convert::Infallible;
 use std::io::{BufReader, Read, Write, pipe};
 use std::process::{Child, Command as Program, Stdio};
 use std::{env, panic, thread};
 
-use sinew_emulated::message::{Bytes, End, LINE_AT_ONCE, OfLoop, ToHost, ToNode};
+use sinew_emulated::built_in::BuiltIn;
+use sinew_emulated::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
 use sinew_emulated::node::{self, FLASH_LEN};
 use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::State;
@@ -35,15 +37,12 @@ struct Pipes<R, W> {
 }
 
 impl<R: Read, W: Write> Bytes for Pipes<R, W> {
-    fn read(&mut self, bytes: &mut [u8]) {
-        if self.from.read_exact(bytes).is_err() {
-            left();
-        }
+    type Error = Infallible;
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        self.from.read_exact(bytes).map_err(|_| left())
     }
-    fn write(&mut self, bytes: &[u8]) {
-        if self.to.write_all(bytes).is_err() {
-            left();
-        }
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Infallible> {
+        self.to.write_all(bytes).map_err(|_| left())
     }
 }
 
@@ -61,7 +60,8 @@ impl Emulated {
             let (mut flash, mut lent) = (vec![0; FLASH_LEN], vec![0; 1 << 20]);
             node::run(&mut End::new(host), &mut flash, &mut lent)
         };
-        thread::spawn(run);
+        // Its capacities are those of an image, all on the stack.
+        thread::Builder::new().stack_size(64 << 20).spawn(run).unwrap();
         Self::new(kind, Box::new(from_node), Box::new(to_node), None)
     }
 
@@ -85,54 +85,77 @@ impl Emulated {
     fn new(kind: Kind, from: Box<dyn Read>, to: Box<dyn Write>, qemu: Option<Child>) -> Self {
         let from = Box::new(BufReader::new(from));
         let mut node = End::new(Pipes { from: from as Box<dyn Read>, to });
-        node.put(&ToNode::PowerOn(kind));
+        node.put(&ToNode::PowerOn(BuiltIn::Arm(kind))).unwrap();
         Self { node, state: None, qemu }
+    }
+
+    fn put(&mut self, message: &ToNode<'_>) {
+        self.node.put(message).unwrap();
+    }
+
+    fn take(&mut self) -> ToHost<'_> {
+        self.node.take().unwrap()
     }
 
     /// A tick of a world, from `base_s` to `end_s` of its bench.
     pub(crate) fn tick(&mut self, world: &mut World, [base_s, end_s]: [f64; 2]) {
-        let (to_us, start_us) = (world.now_us(), world.pins.clock_us.get());
-        let World { bench, host, hash, pins, commanded, starts, steps, .. } = world;
-        assert!(host.reads, "the line takes all");
-        let waits: Vec<u8> = host.there.bytes.iter().copied().take(LINE_AT_ONCE).collect();
-        let (is_stopped, steps) = (pins.is_stopped, *steps);
-        let from_to_us = [start_us, to_us];
-        self.node.put(&ToNode::Tick { from_to_us, is_stopped, steps, line: &waits });
+        let (now_us, is_stopped) = (world.pins.clock_us.get(), world.pins.is_stopped);
+        self.put(&ToNode::Tick { now_us, is_stopped });
+        match self.take() {
+            ToHost::Exchange => self.exchange(world, [base_s, end_s]),
+            ToHost::Ticked(None) => {}
+            other => panic!("{other:?} in place of a tick"),
+        }
+        self.below(world);
+    }
+
+    /// All that goes over the bus in a tick, and what came of it.
+    fn exchange(&mut self, world: &mut World, [base_s, end_s]: [f64; 2]) {
+        let start_us = world.pins.clock_us.get();
+        let World { bench, hash, pins, commanded, .. } = world;
+        let clock_us = pins.clock_us.clone();
+        let mut wire = Servos { bench, base_s, end_s, clock_us, start_us, hash };
+        self.put(&ToNode::Plan { line: 0 });
         loop {
-            match self.node.take() {
-                ToHost::Exchange { bytes, wait_us } => {
-                    let bytes = bytes.to_vec();
-                    let clock_us = pins.clock_us.clone();
-                    let mut wire = Servos { bench, base_s, end_s, clock_us, start_us, hash };
-                    wire.exchange(&bytes, wait_us, |said| {
-                        self.node.put(&ToNode::Said(said));
-                        match self.node.take() {
-                            ToHost::IsComplete(is_complete) => is_complete,
-                            other => panic!("{other:?} in an exchange"),
-                        }
-                    });
-                    let left_us = wire.left_us();
-                    self.node.put(&ToNode::Over { now_us: pins.clock_us.get(), left_us });
+            let ToHost::Planned(planned) = self.take() else { panic!("nothing is planned") };
+            let Some(Packets { bytes, time_us, .. }) = planned else { break };
+            let bytes = bytes.to_vec();
+            wire.exchange(&bytes, time_us, |bytes| {
+                self.put(&ToNode::Said { line: 0, bytes });
+                match self.take() {
+                    ToHost::IsComplete(is_complete) => is_complete,
+                    other => panic!("{other:?} in an exchange"),
                 }
-                ToHost::Ticked { of_loop, taken, line, restarts } => {
-                    if let Some(OfLoop { is_fed, outputs, state, commanded: numbers }) = of_loop {
-                        assert!(is_fed, "a tick was not whole");
-                        pins.fed += 1;
-                        pins.outputs = outputs;
-                        hash_of(commanded, numbers);
-                        self.state = Some(State::ALL[usize::from(state)]);
-                    }
-                    host.give(taken);
-                    host.take(line, to_us);
-                    if restarts {
-                        *starts += 1;
-                        pins.outputs = false;
-                        self.state = None;
-                    }
-                    return;
-                }
-                ToHost::IsComplete(_) => panic!("it has an answer, and was not asked"),
-            }
+            });
+            self.put(&ToNode::PlanMore { line: 0, left_us: wire.left_us() });
+        }
+        self.put(&ToNode::Over { now_us: pins.clock_us.get() });
+        let of_loop = match self.take() {
+            ToHost::Ticked(Some(of_loop)) => of_loop,
+            other => panic!("{other:?} behind an exchange"),
+        };
+        let OfLoop { is_fed, outputs, state, commanded: numbers } = of_loop;
+        assert!(is_fed, "a tick was not whole");
+        pins.fed += 1;
+        pins.outputs = outputs;
+        hash_of(commanded, numbers);
+        self.state = Some(State::ALL[usize::from(state)]);
+    }
+
+    /// Steps below the loop.
+    fn below(&mut self, world: &mut World) {
+        let now_us = world.now_us();
+        let World { host, pins, starts, steps, .. } = world;
+        assert!(host.reads, "the line takes all");
+        let line: Vec<u8> = host.there.bytes.iter().copied().take(LINE_AT_ONCE).collect();
+        self.put(&ToNode::Below { now_us, steps: *steps, line: &line });
+        let ToHost::Stepped { taken, line, restarts } = self.take() else { panic!("no step") };
+        host.give(taken);
+        host.take(line, now_us);
+        if restarts {
+            *starts += 1;
+            pins.outputs = false;
+            self.state = None;
         }
     }
 }

@@ -20,7 +20,8 @@ use sinew_sim::command::{note, print};
 use sinew_sim::output;
 use sinew_sim::performance::{Marks, bake, bake_within, rig_hash};
 use sinew_sim::play::{
-    Director, Drive, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally, put_servos,
+    Director, Drive, Emulator, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally,
+    Twin, put_servos,
 };
 use sinew_sim::rig::Loaded;
 
@@ -70,6 +71,13 @@ pub(super) struct Args {
     /// Bits per second of all buses. Default: 4000000; of Feetech servos 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
+
+    /// Let the whole node of boards (link, storage, loop) drive the servos, as an Arm image in QEMU. It gets rig,
+    /// settings, show and commands over its link; what it says is compared with the controller in this program.
+    ///
+    /// `cargo xtask node` builds the image; SINEW_NODE_IMAGE names another one. It is slower than real time.
+    #[arg(long)]
+    qemu: bool,
 
     /// As fast as it goes. Default where standard output is no terminal.
     #[arg(long, conflicts_with = "real_time")]
@@ -125,6 +133,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         ("mapping", args.mapping.as_deref()),
     ];
     output::distinct(&written, &read)?;
+    // What is missing is said before anything is fitted.
+    let emulator = args.qemu.then(Emulator::start).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
     let count = put_servos(&mut rig.description, &args.servo)
@@ -149,6 +159,9 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let bytes = args.bytes(&rig, &mut parts, bare)?;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let mut stand = Stand::new(&parts, &bytes, &mut memories, parts.arms()).with_context(of_rig)?;
+    if let Some(emulator) = emulator {
+        stand = stand.with_twin(Twin::new(emulator, &parts, &bytes)?);
+    }
     let mut recorder = args.recorder(&rig, &parts)?;
     let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
@@ -163,6 +176,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let ended = loop {
         let ended = director.tick(&mut stand, stop.times() > 0 || is_over(&tally));
+        stand.check_twin()?;
         tally.note(&stand);
         if let Some(recorder) = &mut recorder {
             recorder.note(&stand).with_context(of_record)?;
@@ -180,6 +194,11 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(recorder) = recorder {
         recorder.end().with_context(of_record)?;
         note(format_args!("wrote {}", of_record()));
+    }
+    if let Some([ticks, packets]) = stand.check_twin()? {
+        note(format_args!(
+            "QEMU: {packets} packets in {ticks} ticks of the image, each the same as in process"
+        ));
     }
     print(&tally.table(&stand, director.raised()))?;
     Ok(match ended {

@@ -1,6 +1,6 @@
 //! All buses of a rig as one: servos in the rig's order, lines in turn.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use sinew_bus::settings::Demand;
@@ -10,11 +10,14 @@ use sinew_bus::{
 };
 
 use super::SERVOS;
+use super::twin::{Twin, Twinned};
 
 /// The bus of one line.
 pub(super) enum Protocol {
     Dynamixel(Box<dynamixel::Bus<SERVOS>>),
     Feetech(Box<feetech::Bus<SERVOS>>),
+    /// One of these, and that of a twin.
+    Twinned(Box<Twinned>),
 }
 
 macro_rules! of {
@@ -22,8 +25,39 @@ macro_rules! of {
         match $bus {
             Protocol::Dynamixel($it) => $do,
             Protocol::Feetech($it) => $do,
+            Protocol::Twinned($it) => $do,
         }
     };
+}
+
+impl ServoBus for Protocol {
+    fn len(&self) -> usize {
+        of!(self, bus => bus.len())
+    }
+    fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
+        of!(self, bus => bus.command(servo, command))
+    }
+    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
+        of!(self, bus => bus.plan(out))
+    }
+    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        of!(self, bus => bus.plan_more(left_us, out))
+    }
+    fn reply(&mut self, bytes: &[u8]) -> bool {
+        of!(self, bus => bus.reply(bytes))
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        of!(self, bus => bus.compare(asked));
+    }
+    fn compared(&self) -> Compared {
+        of!(self, bus => bus.compared())
+    }
+    fn feedback(&self, servo: usize) -> Option<Feedback> {
+        of!(self, bus => bus.feedback(servo))
+    }
+    fn health(&self, servo: usize) -> Option<Health> {
+        of!(self, bus => bus.health(servo))
+    }
 }
 
 /// The buses of a rig.
@@ -41,6 +75,14 @@ pub(super) struct Buses {
 impl Buses {
     pub(super) fn new(lines: Vec<Protocol>, places: Vec<(usize, usize)>) -> Self {
         Self { lines, places, turn: Rc::default() }
+    }
+
+    /// The same, with the packets of a twin.
+    pub(super) fn with_twin(mut self, twin: &Rc<RefCell<Twin>>) -> Self {
+        let twinned = |(line, own)| Twinned::new(own, Rc::clone(twin), line);
+        let lines = self.lines.into_iter().enumerate();
+        self.lines = lines.map(|line| Protocol::Twinned(Box::new(twinned(line)))).collect();
+        self
     }
 
     pub(super) fn turn(&self) -> Rc<Cell<usize>> {

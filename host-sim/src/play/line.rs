@@ -104,6 +104,20 @@ impl Parts {
 
     fn bus(&self, line: &Line, schedule: Schedule) -> Result<Protocol, PartsError> {
         let failed = |reason| PartsError::Bus { bus: line.name.clone(), reason };
+        Ok(match self.of_line(line) {
+            OfLine::Dynamixel(setups, settings) => {
+                let bus = dynamixel::Bus::new(&setups, schedule, settings).map_err(failed)?;
+                Protocol::Dynamixel(Box::new(bus))
+            }
+            OfLine::Feetech(setups, settings) => {
+                let bus = feetech::Bus::new(&setups, schedule, settings).map_err(failed)?;
+                Protocol::Feetech(Box::new(bus))
+            }
+        })
+    }
+
+    /// What a line's bus is made of.
+    pub(super) fn of_line(&self, line: &Line) -> OfLine {
         let of = |index: &usize| {
             let (part, setup) = (&self.servos[*index], &self.setups[*index]);
             let encoder = encoder(part);
@@ -130,9 +144,7 @@ impl Parts {
                         speed_rad_s,
                     });
                 }
-                let settings = dynamixel::Settings { fast: true, retries: 1 };
-                let bus = dynamixel::Bus::new(&setups, schedule, settings).map_err(failed)?;
-                Ok(Protocol::Dynamixel(Box::new(bus)))
+                OfLine::Dynamixel(setups, dynamixel::Settings { fast: true, retries: 1 })
             }
             RegisterTable::Feetech(table) => {
                 let setup = |index: &usize| {
@@ -141,13 +153,18 @@ impl Parts {
                     let mode = feetech::Mode::Position;
                     feetech::ServoSetup { id, mode, range_rad, pwm: 1.0, speed_rad_s }
                 };
-                let setups: Vec<_> = line.servos.iter().map(setup).collect();
+                let setups = line.servos.iter().map(setup).collect();
                 let family = table.model.family;
                 let settings =
                     feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
-                let bus = feetech::Bus::new(&setups, schedule, settings).map_err(failed)?;
-                Ok(Protocol::Feetech(Box::new(bus)))
+                OfLine::Feetech(setups, settings)
             }
         }
     }
+}
+
+/// Servos of a line, and how it is read.
+pub(super) enum OfLine {
+    Dynamixel(Vec<dynamixel::ServoSetup>, dynamixel::Settings),
+    Feetech(Vec<feetech::ServoSetup>, feetech::Settings),
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
 //!                       └─> Stand (controller, buses, benches), a tick a call ─> Tally, Recorder
-//! stop ─> Director (arm, play, stop) ─────┘
+//! stop ─> Director (arm, play, stop) ─────┘       └─ Twin (the node in QEMU), if there is one
 //! ```
 //! All is in simulated time: the same show gives the same bytes on every run.
 
@@ -17,6 +17,7 @@ mod servo_part;
 mod servos;
 mod stand;
 mod tally;
+mod twin;
 
 pub use director::{Director, Ended};
 pub use line::Line;
@@ -27,6 +28,7 @@ pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};
 pub use stand::{Memory, Stand, StandError, Wires};
 pub use tally::{Errors, Tally};
+pub use twin::{Emulator, Twin, TwinError};
 
 use sinew_firmware::controller::Controller;
 use sinew_rig::board::BoardRig;

@@ -1,6 +1,6 @@
 //! Servos, their lines and the controller, in lock-step: a tick a call.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use sinew_bus::dynamixel::table::address;
@@ -22,6 +22,7 @@ use thiserror::Error;
 use super::bus::Buses;
 use super::parts::{Parts, PartsError};
 use super::servo_part::mode;
+use super::twin::{Twin, TwinError};
 use super::{FREEDOMS, Loop, SERVOS};
 
 /// Registers of one servo.
@@ -78,6 +79,8 @@ pub struct Stand<'a, P> {
     /// Ticks that were not whole: the watchdog was not fed.
     incomplete: u64,
     last: Option<Incomplete>,
+    /// Another controller, whose packets the servos get.
+    twin: Option<Rc<RefCell<Twin>>>,
 }
 
 impl<'a, P: Plant> Stand<'a, P> {
@@ -131,7 +134,28 @@ impl<'a, P: Plant> Stand<'a, P> {
             ticks: 0,
             incomplete: 0,
             last: None,
+            twin: None,
         })
+    }
+
+    /// The same, with the packets of a twin, which must be those of the controller here.
+    #[must_use]
+    pub fn with_twin(mut self, twin: Twin) -> Self {
+        let twin = Rc::new(RefCell::new(twin));
+        self.buses = self.buses.with_twin(&twin);
+        self.twin = Some(twin);
+        self
+    }
+
+    /// Ticks and packets of the twin until now, if there is one.
+    ///
+    /// # Errors
+    /// What it said that was different, or why it is gone.
+    pub fn check_twin(&self) -> Result<Option<[u64; 2]>, TwinError> {
+        let Some(twin) = &self.twin else { return Ok(None) };
+        let mut twin = twin.borrow_mut();
+        twin.check()?;
+        Ok(Some(twin.compared()))
     }
 
     /// A tick; the host's link is heard in each.
@@ -145,6 +169,9 @@ impl<'a, P: Plant> Stand<'a, P> {
             jog: None,
         };
         self.ticks += 1;
+        if let Some(twin) = &self.twin {
+            twin.borrow_mut().begin(command);
+        }
         let Self { controller, buses, benches, wires, .. } = self;
         let begun = controller.begin(&inputs, &mut (), buses);
         let start_s: Vec<f64> = benches.iter().map(Bench::time_s).collect();
@@ -156,7 +183,11 @@ impl<'a, P: Plant> Stand<'a, P> {
         };
         let took_s = benches.iter().zip(start_s).map(|(bench, start_s)| bench.time_s() - start_s);
         let took_us = whole_us(took_s.fold(0.0, f64::max)) + self.parts.settings.compute_us;
-        match controller.end(begun, exchanged, took_us) {
+        let ended = controller.end(begun, exchanged, took_us);
+        if let Some(twin) = &self.twin {
+            twin.borrow_mut().end(took_us, ended.is_ok(), controller);
+        }
+        match ended {
             Ok(_) => {}
             Err(why) => {
                 self.incomplete += 1;

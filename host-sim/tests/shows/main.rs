@@ -2,6 +2,7 @@
 
 mod face;
 mod humanoid;
+mod in_qemu;
 mod independent;
 mod loops;
 #[cfg(unix)]

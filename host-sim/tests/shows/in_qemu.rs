@@ -1,0 +1,85 @@
+//! `sinew play --qemu`: the node of boards, as an Arm image, says on the wire what is said in process.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::{done, path};
+
+/// Plays in process, then in QEMU: the same table, hash and states. Returns the table, and how much was compared.
+#[track_caller]
+fn same_in_qemu(play: &[&str]) -> [String; 2] {
+    let [own, own_notes] = done(play);
+    let [table, notes] = done(&[play, &["--qemu"]].concat());
+    assert!(own.contains("faults: none") && own.contains(" 0 not whole"), "{own}");
+    assert_eq!(table, own, "{play:?}");
+    let (compared, others): (Vec<&str>, Vec<&str>) =
+        notes.lines().partition(|line| line.starts_with("QEMU: "));
+    assert_eq!(others, own_notes.lines().collect::<Vec<_>>(), "{play:?}");
+    [table, compared.concat()]
+}
+
+#[test]
+#[ignore = "needs the image that `cargo xtask node` builds"]
+fn an_arm_says_in_qemu_what_it_says_in_process() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, map] = ["arm.toml", "map.toml"].map(|name| path(folder.path(), name));
+    done(&["rig", "new", "--arm", "3", "-o", &rig]);
+    let joint = &super::mechanism(&rig).bodies[2].joint_name;
+    let curve = format!(
+        "rig = \"arm\"\nclip = \"punches_01\"\n\n[[curve]]\nclip = \"forearm_l\"\naxis = [0, 0, 1]\nrig = \"{joint}\"\n\
+         points_deg = [[-180, -60], [180, 60]]\n"
+    );
+    std::fs::write(&map, curve).unwrap();
+    for drive in ["current", "position"] {
+        let play = ["play", "punches_01", "--rig", &rig, "--mapping", &map, "--seconds", "2"];
+        let [_, compared] = same_in_qemu(&[&play[..], &["--drive", drive]].concat());
+        println!("an arm by {drive}: {compared}");
+    }
+}
+
+/// The first 10 s of a walk and of a fight, on two robots. Prints rows of docs/play.md.
+#[test]
+#[ignore = "needs SINEW_DATA, and the image that `cargo xtask node` builds"]
+fn robots_say_in_qemu_what_they_say_in_process() {
+    let data: PathBuf = std::env::var_os("SINEW_DATA").expect("SINEW_DATA").into();
+    let folder = tempfile::tempdir().unwrap();
+    let import = |file: &str, more: &[&str], name: &str| {
+        let (file, rig) = (data.join("urdf").join(file), path(folder.path(), name));
+        let import = ["rig", "import", file.to_str().unwrap(), "--repair-inertia", "-o", &rig];
+        done(&[&import[..], more].concat());
+        rig
+    };
+    let op3 = import("robotis-op3/robotis_op3.urdf", &[], "op3.toml");
+    let poppy = "poppy-humanoid/Poppy_Humanoid.urdf";
+    let poppy = import(poppy, &["--turn-axis", "l_knee_y"], "poppy.toml");
+    for (name, rig, servo, drive, clip) in [
+        ("OP3", &op3, "xm430", "current", "walk/07_01.bvh"),
+        ("OP3", &op3, "xm430", "current", "fight/02_05.bvh"),
+        ("Poppy", &poppy, "mx-64", "position", "walk/07_01.bvh"),
+        ("Poppy", &poppy, "mx-64", "position", "fight/02_05.bvh"),
+    ] {
+        let file = data.join("cmu").join(clip);
+        let play = ["play", file.to_str().unwrap(), "--rig", rig, "--servo", servo];
+        let [table, compared] =
+            same_in_qemu(&[&play[..], &["--drive", drive, "--seconds", "10"]].concat());
+        let hash = table.split("hash ").nth(1).expect(&table).trim();
+        println!("| {name} | {clip} | {drive} | `{hash}` | {compared} |");
+    }
+}
+
+#[test]
+fn what_is_missing_for_qemu_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = path(folder.path(), "arm.toml");
+    done(&["rig", "new", "--arm", "3", "-o", &rig]);
+    let none = Path::new("no/such/image");
+    let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(["play", "punches_01", "--rig", &rig, "--seconds", "1", "--qemu"])
+        .env("SINEW_NODE_IMAGE", none)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    let command = "no/such/image: there is no image of the node. `cargo xtask node` builds it";
+    assert!(told.contains(command), "{told}");
+}
