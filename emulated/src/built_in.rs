@@ -36,8 +36,6 @@ pub struct Rig {
     pub latest: usize,
     /// Method and gains.
     pub tracker: TrackerSettings,
-    /// Whether servos' registers are compared before the rig is armed.
-    pub compares: bool,
 }
 
 /// A line of servos.
@@ -133,7 +131,7 @@ impl Said {
         match self {
             Self::Arm(kind) => {
                 let arm::Parts { settings, servos, schedule, bus, .. } = arm::parts(*kind);
-                let lines = Lines::new([BusLine::Arm(bus)], [0; arm::SERVOS], true);
+                let lines = Lines::new([BusLine::Arm(bus)], [0; arm::SERVOS]);
                 let servos = Vec::from_slice(&servos).expect("the arm is small");
                 Parts { settings, servos, schedule, lines }
             }
@@ -152,7 +150,7 @@ impl Said {
                     },
                     servos: servos.iter().map(|servo| servo.setup).collect(),
                     schedule: schedule(&lines[rig.latest]),
-                    lines: Lines::new(buses, servos.iter().map(|servo| servo.line), rig.compares),
+                    lines: Lines::new(buses, servos.iter().map(|servo| servo.line)),
                 }
             }
         }

@@ -35,7 +35,6 @@ pub(crate) struct Lines {
     buses: Vec<Line, LINES>,
     /// Line and place of each servo.
     places: Vec<(usize, usize), CAPACITY>,
-    compares: bool,
     /// The line whose servo is compared.
     compared: Option<usize>,
     /// Why a packet of this tick did not go out.
@@ -47,7 +46,6 @@ impl Lines {
     pub(crate) fn new(
         lines: impl IntoIterator<Item = Line>,
         line_of: impl IntoIterator<Item = usize>,
-        compares: bool,
     ) -> Self {
         let mut counts = [0; LINES];
         let places = line_of.into_iter().map(|line| {
@@ -57,7 +55,6 @@ impl Lines {
         Self {
             places: places.collect(),
             buses: lines.into_iter().collect(),
-            compares,
             compared: None,
             failed: None,
         }
@@ -121,8 +118,7 @@ impl ServoBus for AllLines<'_> {
     }
 
     fn compare(&mut self, asked: Option<(usize, Demand)>) {
-        let Lines { buses, places, compares, compared, .. } = &mut *self.0.borrow_mut();
-        let asked = asked.filter(|_| *compares);
+        let Lines { buses, places, compared, .. } = &mut *self.0.borrow_mut();
         let place = asked.and_then(|(servo, demand)| Some((*places.get(servo)?, demand)));
         *compared = place.map(|((line, _), _)| line);
         for (index, line) in buses.iter_mut().enumerate() {

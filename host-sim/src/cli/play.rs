@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
-use sinew_firmware::supervisor::TABLE;
+use sinew_firmware::supervisor::{Refused, TABLE};
 use sinew_retarget::feasibility::Fit;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -208,6 +208,10 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
                 note(format_args!("{}: {} {}", row.fault, row.when, row.remedy));
             }
             ExitCode::from(1)
+        }
+        Some(Ended::Refused(why @ Refused::RegisterDiffers(differs))) => {
+            let name = &parts.servos[usize::from(differs.servo)].own.name;
+            bail!("the controller refused (servo {} is `{name}`): {why}", differs.servo)
         }
         Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
         None => {

@@ -1,6 +1,6 @@
-//! All buses of a rig as one: servos in the rig's order, lines in turn.
+//! All buses of a rig as one: servos in the rig's order.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use sinew_bus::settings::Demand;
@@ -60,21 +60,20 @@ impl ServoBus for Protocol {
     }
 }
 
-/// The buses of a rig.
+/// The buses of a rig, for its controller.
 ///
-/// In a tick a line is asked when the one before wants nothing more. Each has a clock of its own, so in simulated time
-/// they talk side by side, as on a board with a serial port for each.
+/// What goes over the lines each of them plans for itself: see [`exchange`](super::exchange).
 pub(super) struct Buses {
-    lines: Vec<Protocol>,
+    pub(super) lines: Vec<Protocol>,
     /// Line and place of each servo.
     places: Vec<(usize, usize)>,
-    /// The line that talks, as the wire must know it.
-    turn: Rc<Cell<usize>>,
+    /// The line whose servo is compared.
+    compares: Option<usize>,
 }
 
 impl Buses {
     pub(super) fn new(lines: Vec<Protocol>, places: Vec<(usize, usize)>) -> Self {
-        Self { lines, places, turn: Rc::default() }
+        Self { lines, places, compares: None }
     }
 
     /// The same, with the packets of a twin.
@@ -83,14 +82,6 @@ impl Buses {
         let lines = self.lines.into_iter().enumerate();
         self.lines = lines.map(|line| Protocol::Twinned(Box::new(twinned(line)))).collect();
         self
-    }
-
-    pub(super) fn turn(&self) -> Rc<Cell<usize>> {
-        Rc::clone(&self.turn)
-    }
-
-    fn talks(&mut self) -> Option<&mut Protocol> {
-        self.lines.get_mut(self.turn.get())
     }
 
     fn of(&self, servo: usize) -> Option<(&Protocol, usize)> {
@@ -111,32 +102,31 @@ impl ServoBus for Buses {
         of!(&mut self.lines[line], bus => bus.command(place, command))
     }
 
-    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
-        self.turn.set(0);
-        let Some(first) = self.talks() else { return Ok(Request::default()) };
-        of!(first, bus => bus.plan(out))
+    /// Nothing: its lines talk side by side, each with packets of its own.
+    fn plan(&mut self, _: &mut [u8]) -> Result<Request, EncodeError> {
+        Ok(Request::default())
     }
 
-    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
-        let Some(talks) = self.talks() else { return Ok(None) };
-        let more = of!(talks, bus => bus.plan_more(left_us, out))?;
-        if more.is_some() {
-            return Ok(more);
+    fn plan_more(&mut self, _: u32, _: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        Ok(None)
+    }
+
+    fn reply(&mut self, _: &[u8]) -> bool {
+        true
+    }
+
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        let place = asked.and_then(|(servo, demand)| Some((*self.places.get(servo)?, demand)));
+        self.compares = place.map(|((line, _), _)| line);
+        for (index, line) in self.lines.iter_mut().enumerate() {
+            let own = place.filter(|((line, _), _)| *line == index);
+            of!(line, bus => bus.compare(own.map(|((_, place), demand)| (place, demand))));
         }
-        self.turn.set(self.turn.get() + 1);
-        let Some(next) = self.talks() else { return Ok(None) };
-        of!(next, bus => bus.plan(out)).map(Some)
     }
-
-    fn reply(&mut self, bytes: &[u8]) -> bool {
-        self.talks().is_none_or(|talks| of!(talks, bus => bus.reply(bytes)))
-    }
-
-    /// These servos are set up by whoever simulates them: there is nothing to compare.
-    fn compare(&mut self, _: Option<(usize, Demand)>) {}
 
     fn compared(&self) -> Compared {
-        Compared::Nothing
+        let line = self.compares.and_then(|line| self.lines.get(line));
+        line.map_or(Compared::Nothing, |line| of!(line, bus => bus.compared()))
     }
 
     fn feedback(&self, servo: usize) -> Option<Feedback> {

@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
-//!                       └─> Stand (controller, buses, benches), a tick a call ─> Tally, Recorder
+//!                       └─> Stand (controller, buses, one bench), a tick a call ─> Tally, Recorder
 //! stop ─> Director (arm, play, stop) ─────┘       └─ Twin (the node in QEMU), if there is one
 //! ```
 //! All is in simulated time: the same show gives the same bytes on every run.
 
 mod bus;
 mod director;
+mod exchange;
 mod line;
 mod parts;
 mod record;
@@ -42,3 +43,6 @@ const COORDINATES: usize = 192;
 
 type Board = BoardRig<BODIES, FREEDOMS, SERVOS>;
 type Loop<'a> = Controller<'a, BODIES, FREEDOMS, SERVOS, COORDINATES>;
+
+#[cfg(test)]
+mod tests;

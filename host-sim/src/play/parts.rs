@@ -8,6 +8,7 @@ use sinew_rig::mechanism::Freedom;
 use sinew_rig::{Description, Mechanism};
 use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::rig::{RigServosError, servos};
+use sinew_servo_sim::supply::Supply;
 use thiserror::Error;
 
 use super::Board;
@@ -202,15 +203,22 @@ impl Parts {
         self.schedule.tick_us()
     }
 
-    /// What the servos of each line move, each alone.
-    pub fn arms(&self) -> Vec<Vec<Arm>> {
-        let of_line = |line: &Line| line.servos.iter().map(|s| self.servos[*s].own.load).collect();
-        self.lines.iter().map(of_line).collect()
+    /// What the servos move, each alone, line after line.
+    pub fn arms(&self) -> Vec<Arm> {
+        let servos = self.lines.iter().flat_map(|line| &line.servos);
+        servos.map(|servo| self.servos[*servo].own.load).collect()
     }
 
-    /// Recommended voltage of a line's first servo, V.
-    pub(super) fn voltage_v(&self, line: usize) -> f64 {
-        self.servos[self.lines[line].servos[0]].own.kind.voltage_v
+    /// Where a servo stands among all, line after line.
+    pub(super) fn place_on_bench(&self, servo: usize) -> usize {
+        let (line, place) = self.servos[servo].place;
+        place + self.lines[..line].iter().map(|line| line.servos.len()).sum::<usize>()
+    }
+
+    /// A supply for each line, of the voltage of its first servo.
+    pub(super) fn stiff_supplies(&self) -> Vec<Supply> {
+        let first = |line: &Line| &self.servos[line.servos[0]].own;
+        self.lines.iter().map(|line| Supply::stiff(first(line).kind.voltage_v)).collect()
     }
 }
 

@@ -1,35 +1,31 @@
 //! Servos, their lines and the controller, in lock-step: a tick a call.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use sinew_bus::dynamixel::table::address;
-use sinew_bus::{Effort, ServoBus as _};
+use sinew_bus::{Effort, ServoBus as _, settings};
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
-use sinew_firmware::controller::{
-    ControllerError, Incomplete, Inputs, Report, Start, Wire, exchange,
-};
+use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};
 use sinew_firmware::supervisor::{Command, FaultSet, Permission};
-use sinew_servo_sim::bench::Bench;
+use sinew_servo_sim::bench::{Bench, Branch};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
+use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::registers::RegisterTable;
-use sinew_servo_sim::supply::Supply;
 use sinew_show::ShowError;
 use thiserror::Error;
 
 use super::bus::Buses;
+use super::exchange::exchange;
 use super::parts::{Parts, PartsError};
-use super::servo_part::mode;
 use super::twin::{Twin, TwinError};
 use super::{FREEDOMS, Loop, SERVOS};
 
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
 
-/// Room for the packets of a tick of one line.
-const OUT_LEN: usize = 2048;
 /// Of FNV-1a, 64 bits.
 const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
 
@@ -73,7 +69,7 @@ pub struct Stand<'a, P> {
     pub parts: &'a Parts,
     controller: Box<Loop<'a>>,
     buses: Buses,
-    benches: Vec<Bench<'a, P>>,
+    lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
     ticks: u64,
     /// Ticks that were not whole: the watchdog was not fed.
@@ -84,8 +80,8 @@ pub struct Stand<'a, P> {
 }
 
 impl<'a, P: Plant> Stand<'a, P> {
-    /// A stand just before power comes on, each servo where the rig's home has it. `memories`: one for each servo;
-    /// `plants`: what the servos of each line move.
+    /// A stand just before power comes on, each servo where the rig's home has it, set up as `sinew servo apply` would.
+    /// `memories`: one for each servo; `plant`: what the servos move, line after line.
     ///
     /// # Errors
     /// [`StandError`].
@@ -93,7 +89,7 @@ impl<'a, P: Plant> Stand<'a, P> {
         parts: &'a Parts,
         show: &'a [u8],
         memories: &'a mut [Memory],
-        plants: Vec<P>,
+        plant: P,
     ) -> Result<Self, StandError> {
         let start = Start::default();
         let controller =
@@ -101,35 +97,27 @@ impl<'a, P: Plant> Stand<'a, P> {
         let mut controller = Box::new(controller);
         controller.load_show(Some(show))?;
         let mut servos: Vec<Vec<Servo>> = parts.lines.iter().map(|_| Vec::new()).collect();
-        for (part, memory) in parts.servos.iter().zip(memories) {
-            let failed = |reason| StandError::Servo { servo: part.own.name.clone(), reason };
-            let id = part.own.id.unwrap_or_default();
-            let mut servo = Servo::new(&part.own.kind, id, memory).map_err(failed)?;
-            let line = part.place.0;
-            servo.set_baud(parts.lines[line].baud).map_err(failed)?;
-            if let Some(RegisterTable::Dynamixel(_)) = RegisterTable::of(&part.own.kind.name) {
-                // Return delay 2 µs; writes are not answered.
-                for (register, value) in [
-                    (address::RETURN_DELAY, 1),
-                    (address::STATUS_LEVEL, 1),
-                    (address::OPERATING_MODE, mode(part.drive).number().into()),
-                ] {
-                    servo.set(register, value);
-                }
-            }
-            servo.place(part.own.home_rad);
-            servos[line].push(servo);
+        for (index, memory) in (0..parts.servos.len()).zip(memories) {
+            servos[parts.servos[index].place.0].push(servo(parts, index, memory)?);
         }
-        let lines = servos.into_iter().zip(plants).enumerate();
-        let benches = lines.map(|(line, (servos, plant))| {
-            Bench::new(servos, plant, Supply::stiff(parts.voltage_v(line)))
-        });
+        let counts: Vec<usize> = servos.iter().map(Vec::len).collect();
+        let line_of = |place| {
+            let mut end = 0;
+            let ends = counts.iter().map(|count| {
+                end += count;
+                end
+            });
+            ends.take_while(|end| *end <= place).count()
+        };
+        let servos = servos.into_iter().flatten().collect();
+        let bench = Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of);
+        let lines = Branch::of(bench, &counts).into_iter().map(Line::of_master).collect();
         let places = parts.servos.iter().map(|part| part.place).collect();
         Ok(Self {
             parts,
             controller,
             buses: Buses::new(parts.buses()?, places),
-            benches: benches.collect(),
+            lines,
             wires: Wires { sent: 0, answered: 0, hash: FNV.0 },
             ticks: 0,
             incomplete: 0,
@@ -172,17 +160,15 @@ impl<'a, P: Plant> Stand<'a, P> {
         if let Some(twin) = &self.twin {
             twin.borrow_mut().begin(command);
         }
-        let Self { controller, buses, benches, wires, .. } = self;
+        let Self { controller, buses, lines, wires, .. } = self;
         let begun = controller.begin(&inputs, &mut (), buses);
-        let start_s: Vec<f64> = benches.iter().map(Bench::time_s).collect();
-        let end_s = 1e-6 * (self.ticks * tick_us) as f64;
-        let mut out = [0; OUT_LEN];
-        let exchanged = {
-            let mut line = Lines { benches, turn: buses.turn(), end_s, wires };
-            exchange(buses, &mut line, &mut out)
-        };
-        let took_s = benches.iter().zip(start_s).map(|(bench, start_s)| bench.time_s() - start_s);
-        let took_us = whole_us(took_s.fold(0.0, f64::max)) + self.parts.settings.compute_us;
+        let begin_ns = lines[0].servos.now_ns();
+        let end_ns = self.ticks * tick_us * 1000;
+        let exchanged = exchange(&mut buses.lines, lines, end_ns, wires);
+        let took_us = (lines[0].servos.now_ns() - begin_ns) / 1000;
+        let took_us = u32::try_from(took_us)
+            .unwrap_or(u32::MAX)
+            .saturating_add(self.parts.settings.compute_us);
         let ended = controller.end(begun, exchanged, took_us);
         if let Some(twin) = &self.twin {
             twin.borrow_mut().end(took_us, ended.is_ok(), controller);
@@ -194,9 +180,7 @@ impl<'a, P: Plant> Stand<'a, P> {
                 self.last = Some(why);
             }
         }
-        for bench in benches {
-            bench.run_us(whole_us(end_s - bench.time_s()));
-        }
+        run_all(lines, end_ns);
     }
 
     /// What became of the last tick.
@@ -277,54 +261,62 @@ impl<'a, P: Plant> Stand<'a, P> {
         self.wires
     }
 
+    /// Sets a register of a simulated servo, as somebody else might before power comes on.
+    #[cfg(test)]
+    pub(super) fn set_register(&mut self, servo: usize, register: u16, raw: i32) {
+        let place = self.parts.place_on_bench(servo);
+        self.lines[0].servos.bench_mut().servos_mut()[place].set(register, raw);
+    }
+
     /// How many simulated servos have their torque on, by their registers.
     pub fn servos_on(&self) -> usize {
-        let on = |part: &super::ServoPart| {
-            let (line, place) = part.place;
+        let on = |servo: &usize| {
+            let part = &self.parts.servos[*servo];
             let register = match RegisterTable::of(&part.own.kind.name) {
                 Some(RegisterTable::Dynamixel(_)) => address::TORQUE_ENABLE,
                 _ => sinew_bus::feetech::table::address::TORQUE_ENABLE.into(),
             };
-            self.benches[line].servos()[place].get(register) == 1
+            let bench = self.lines[0].servos.bench();
+            bench.servos()[self.parts.place_on_bench(*servo)].get(register) == 1
         };
-        self.parts.servos.iter().filter(|part| on(part)).count()
+        (0..self.parts.servos.len()).filter(on).count()
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
-fn whole_us(seconds: f64) -> u32 {
-    (1e6 * seconds).round().max(0.0) as u32
-}
-
-/// The lines during one tick.
-struct Lines<'s, 'a, P> {
-    benches: &'s mut Vec<Bench<'a, P>>,
-    turn: Rc<Cell<usize>>,
-    end_s: f64,
-    wires: &'s mut Wires,
-}
-
-impl<P: Plant> Wire for Lines<'_, '_, P> {
-    fn exchange(&mut self, bytes: &[u8], wait_us: u32, mut reply: impl FnMut(&[u8]) -> bool) {
-        let Self { benches, turn, wires, .. } = self;
-        wires.sent += bytes.len() as u64;
-        wires.note(bytes);
-        benches[turn.get()].exchange(bytes, wait_us, |said| {
-            wires.answered += said.len() as u64;
-            wires.note(said);
-            reply(said)
-        });
+/// A servo at home, with the registers that the controller compares before it arms.
+fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Servo<'a>, StandError> {
+    let part = &parts.servos[index];
+    let failed = |reason| StandError::Servo { servo: part.own.name.clone(), reason };
+    let mut servo =
+        Servo::new(&part.own.kind, part.own.id.unwrap_or_default(), memory).map_err(failed)?;
+    servo.set_baud(parts.lines[part.place.0].baud).map_err(failed)?;
+    let demand = parts.setups[index].demand(&parts.board.servos()[index].servo);
+    let mut set = |setting: settings::Setting| servo.set(setting.item.address, setting.raw);
+    match RegisterTable::of(&part.own.kind.name) {
+        Some(RegisterTable::Dynamixel(table)) => {
+            settings::dynamixel(table, demand).for_each(&mut set);
+        }
+        Some(RegisterTable::Feetech(table)) => {
+            settings::feetech(table.model.family, demand).for_each(&mut set);
+        }
+        // `Parts` has refused servos that take pulses.
+        None => {}
     }
-
-    fn left_us(&self) -> u32 {
-        // No line talks any more once all have had their turn.
-        self.benches
-            .get(self.turn.get())
-            .map_or(0, |bench| whole_us((self.end_s - bench.time_s()).max(0.0)))
-    }
+    servo.place(part.own.home_rad);
+    Ok(servo)
 }
 
 impl Wires {
+    pub(super) fn sent(&mut self, bytes: &[u8]) {
+        self.sent += bytes.len() as u64;
+        self.note(bytes);
+    }
+
+    pub(super) fn answered(&mut self, bytes: &[u8]) {
+        self.answered += bytes.len() as u64;
+        self.note(bytes);
+    }
+
     fn note(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.hash = (self.hash ^ u64::from(*byte)).wrapping_mul(FNV.1);

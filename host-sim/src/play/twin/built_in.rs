@@ -29,8 +29,6 @@ pub(super) fn tell(node: &mut Node, parts: &Parts) -> Result<(), TwinError> {
         rate_hz: parts.rate_hz,
         latest: latest.unwrap_or_default(),
         tracker: parts.settings.tracker,
-        // Nor are they in process: whoever simulates the servos has set them up.
-        compares: false,
     })))?;
     let of_lines: Vec<OfLine> = parts.lines.iter().map(|line| parts.of_line(line)).collect();
     for (line, of_line) in parts.lines.iter().zip(&of_lines) {
