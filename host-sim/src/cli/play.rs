@@ -75,7 +75,7 @@ pub(super) struct Args {
     /// Let the whole node of boards (link, storage, loop) drive the servos, as an Arm image in QEMU. It gets rig,
     /// settings, show and commands over its link; what it says is compared with the controller in this program.
     ///
-    /// `cargo xtask node` builds the image; SINEW_NODE_IMAGE names another one. It is slower than real time.
+    /// `cargo xtask node` builds the image; `SINEW_NODE_IMAGE` names another one. It is slower than real time.
     #[arg(long)]
     qemu: bool,
 
