@@ -87,9 +87,10 @@ fn killed_in_the_middle_it_ends_with_the_bytes_of_an_unbroken_run() {
     assert!(!folder.join("killed/sweep.csv").exists(), "it was killed too late");
 
     // And what a full disk or a crash of the system may do to the last line.
-    let mut text = fs::read_to_string(&journal).unwrap();
-    text.push_str("{\"cell\":3,\"cl");
-    fs::write(&journal, text).unwrap();
+    let mut bytes = fs::read(&journal).unwrap();
+    // Inside a character.
+    bytes.extend(b"{\"cell\":3,\"cl\xc3");
+    fs::write(&journal, bytes).unwrap();
 
     let told = succeed(folder, "killed", &["--threads", "2"]);
     assert!(told.contains(&format!("{finished} taken over")), "{told}");
@@ -186,10 +187,27 @@ fn a_folder_of_another_sweep_is_left_alone() {
     assert!(error.contains("out/journal.jsonl: of another sweep: its grids differ"), "{error}");
 
     fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
-    let damaged = String::from_utf8(before).unwrap().replacen("{\"cell\"", "{\"cull\"", 1);
-    fs::write(folder.join("out/journal.jsonl"), damaged).unwrap();
-    let error = refuse(folder, "out", &[]);
-    assert!(error.contains("journal.jsonl:2: "), "{error}");
+    let before = String::from_utf8(before).unwrap();
+    let lines: Vec<&str> = before.lines().collect();
+    let changed = |line: usize, new: &str| {
+        let mut lines = lines.clone();
+        lines[line] = new;
+        lines.join("\n") + "\n"
+    };
+    // A key that is none; digits that still are numbers; a row that is there twice.
+    let digits = lines[1].to_owned();
+    let place = digits.find("e-").or_else(|| digits.find('.')).unwrap() - 1;
+    let digit = if digits.as_bytes()[place] == b'7' { "8" } else { "7" };
+    let digits = format!("{}{digit}{}", &digits[..place], &digits[place + 1..]);
+    for (journal, told) in [
+        (changed(1, &lines[1].replacen("{\"cell\"", "{\"cull\"", 1)), "journal.jsonl:2: "),
+        (changed(1, &digits), "journal.jsonl:2: its checksum is of other contents"),
+        (changed(2, lines[1]), "journal.jsonl:3: cell"),
+    ] {
+        fs::write(folder.join("out/journal.jsonl"), journal).unwrap();
+        let error = refuse(folder, "out", &[]);
+        assert!(error.contains(told), "{error}");
+    }
 }
 
 #[test]

@@ -1,10 +1,9 @@
-//! What no body has: bones longer than it, sides unlike each other, jumps. A damaged digit makes them, and nothing later
-//! would notice.
+//! What no body has: bones longer than it, and jumps. A damaged digit makes them, and nothing later would notice.
 
 use std::fmt::{self, Display, Formatter};
 
 use crate::text::counted;
-use crate::{JointSample, Recording, Skeleton};
+use crate::{JointSample, Recording};
 
 /// Four times as fast as the fastest sprinter, and faster than a fall from a hundred metres; of a joint in its parent's
 /// frame, as of the whole body in the world. Noise of single frames stays far below.
@@ -13,8 +12,8 @@ pub const SPEED_MAX_M_S: f64 = 50.0;
 /// A bone that is longer than the whole body.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "the bone to {end} is {length_m:.3} m long; expected at most {longest_m:.3} m: the offset in the file is damaged, or \
-     the unit of length is wrong"
+    "the bone to {end} is {length_m:.3} m long; expected at most {longest_m:.3} m: the offset in the file is damaged, \
+     or the unit of length is wrong"
 )]
 pub struct LongBone {
     /// Where it ends.
@@ -25,16 +24,19 @@ pub struct LongBone {
     pub longest_m: f64,
 }
 
-/// Refuses a bone that is longer than `longest_m`; of the root only its end sites are bones. The skeleton is in metres.
+/// Refuses a bone that is longer than `longest_m`. Neither the root has one nor a joint whose place the frames say, as
+/// some files have a pelvis below a root on the floor. The recording is in metres.
 ///
 /// # Errors
 /// [`LongBone`] for the first, by joint.
-pub fn check_bones(skeleton: &Skeleton, longest_m: f64) -> Result<(), LongBone> {
+pub fn check_bones(recording: &Recording, longest_m: f64) -> Result<(), LongBone> {
     let long = |length_m: f64, end: String| {
         if length_m <= longest_m { Ok(()) } else { Err(LongBone { end, length_m, longest_m }) }
     };
-    for joint in &skeleton.joints {
-        if joint.parent.is_some() {
+    for (index, joint) in recording.skeleton.joints.iter().enumerate() {
+        let mut samples = recording.frames.iter().filter_map(|frame| frame[index]);
+        let is_placed = samples.any(|sample| sample.position_m != joint.offset_m);
+        if joint.parent.is_some() && !is_placed {
             long(joint.offset_m.length(), format!("joint `{}`", joint.name))?;
         }
         for end in &joint.end_sites_m {
@@ -91,8 +93,8 @@ impl Display for Jumps {
     }
 }
 
-/// Takes out samples that no body can reach from those beside them, so that they are a gap to be filled. The recording is
-/// in metres. What the motion is measured against is the first sample that agrees with the next one.
+/// Takes out samples that no body can reach from those beside them, so that they are a gap to be filled. The recording
+/// is in metres. What the motion is measured against is the first sample that agrees with the next one.
 pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> Jumps {
     let reach_m = SPEED_MAX_M_S * frame_time_s;
     let mut jumps = Vec::new();
@@ -149,7 +151,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::{SkeletonJoint, gaps};
+    use crate::{Skeleton, SkeletonJoint, gaps};
 
     fn recording(places_m: &[f64]) -> Recording {
         let joint = |name: &str, parent, offset_m| SkeletonJoint {
@@ -167,6 +169,7 @@ mod tests {
             skeleton: Skeleton { joints },
             frame_time_s: Some(0.01),
             metres_per_unit: Some(1.0),
+            notes: Vec::new(),
             frames: places_m.iter().map(|x| vec![Some(sample(*x)), Some(sample(0.4))]).collect(),
         }
     }
@@ -199,12 +202,16 @@ mod tests {
 
     #[test]
     fn a_bone_longer_than_the_body_is_refused_by_name() {
-        let mut skeleton = recording(&[0.0]).skeleton;
-        assert_eq!(check_bones(&skeleton, 1.8), Ok(()), "where the root stands is no bone");
-        skeleton.joints[1].offset_m = 404.0 * DVec3::Y;
-        let refused = check_bones(&skeleton, 1.8).unwrap_err().to_string();
+        let mut recording = recording(&[0.0]);
+        assert_eq!(check_bones(&recording, 1.8), Ok(()), "where the root stands is no bone");
+        let leg = |recording: &mut Recording, length_m: f64| {
+            recording.skeleton.joints[1].offset_m = length_m * DVec3::X;
+            recording.frames[0][1].as_mut().unwrap().position_m = length_m * DVec3::X;
+        };
+        leg(&mut recording, 404.0);
+        let refused = check_bones(&recording, 1.8).unwrap_err().to_string();
         assert!(refused.starts_with("the bone to joint `LeftLeg` is 404.000 m long"), "{refused}");
-        skeleton.joints[1].offset_m = DVec3::NAN;
-        assert!(check_bones(&skeleton, 1.8).is_err());
+        recording.frames[0][1].as_mut().unwrap().position_m = 0.4 * DVec3::X;
+        assert_eq!(check_bones(&recording, 1.8), Ok(()), "where the frames place the joint");
     }
 }

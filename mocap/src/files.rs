@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::format::{self, Format};
+use crate::format;
 use crate::recording;
 
 /// Paths that do not name clips.
@@ -43,28 +43,51 @@ pub struct ClipFile {
     pub path: PathBuf,
     /// The file's stem, and as much of its folders as distinguishes it from others of that stem.
     pub name: String,
+    /// Whether it was not named itself, but its folder.
+    pub from_folder: bool,
+}
+
+/// What a list of paths names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Expanded {
+    /// The clips.
+    pub clips: Vec<ClipFile>,
+    /// What else is in the folders, and why it is no clip.
+    pub left_out: Vec<(PathBuf, &'static str)>,
 }
 
 impl ClipFile {
     /// The clip in `path`, by itself: called after the file's stem.
     pub fn new(path: &Path) -> Self {
-        Self { path: path.to_path_buf(), name: recording::stem(path) }
+        Self { path: path.to_path_buf(), name: recording::stem(path), from_folder: false }
     }
 }
 
-/// The clips that `paths` name: files as given, folders as the files in them whose names tell a format
-/// (not those in their subfolders), in order of name.
+/// The clips that `paths` name, see [`expand_all`].
+///
+/// # Errors
+/// As there.
+pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
+    expand_all(paths).map(|expanded| expanded.clips)
+}
+
+/// The clips that `paths` name: files as given, folders as the files in them whose names tell a format, or texts whose
+/// content does (not those in their subfolders), in order of name.
 ///
 /// # Errors
 /// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two of the paths name.
-pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
-    let mut files = Vec::new();
+pub fn expand_all(paths: &[PathBuf]) -> Result<Expanded, Error> {
+    let (mut files, mut left_out) = (Vec::new(), Vec::new());
+    let mut from_folder = Vec::new();
     for path in paths {
         if path.is_dir() {
-            files.extend(in_folder(path)?);
+            let (clips, others) = in_folder(path)?;
+            files.extend(clips);
+            left_out.extend(others);
         } else {
             files.push(path.clone());
         }
+        from_folder.resize(files.len(), path.is_dir());
     }
     let mut seen = BTreeMap::new();
     for file in &files {
@@ -75,21 +98,37 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
         }
     }
     let names = names(&files);
-    Ok(files.into_iter().zip(names).map(|(path, name)| ClipFile { path, name }).collect())
+    let clip = |((path, name), from_folder)| ClipFile { path, name, from_folder };
+    let clips = files.into_iter().zip(names).zip(from_folder).map(clip).collect();
+    Ok(Expanded { clips, left_out })
 }
 
-fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+type InFolder = (Vec<PathBuf>, Vec<(PathBuf, &'static str)>);
+
+fn in_folder(folder: &Path) -> Result<InFolder, Error> {
     let listed = || -> std::io::Result<Vec<PathBuf>> {
         std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect()
     };
     let mut files =
         listed().map_err(|source| Error::Folder { folder: folder.to_path_buf(), source })?;
-    files.retain(|file| Format::of_name(file).is_some());
-    if files.is_empty() {
+    files.sort();
+    let (clips, others): (Vec<_>, Vec<_>) =
+        files.into_iter().partition(|file| format::is_motion(file));
+    if clips.is_empty() {
         return Err(Error::NoClips { folder: folder.to_path_buf() });
     }
-    files.sort();
-    Ok(files)
+    Ok((clips, others.into_iter().map(|file| (file.clone(), why_not(&file))).collect()))
+}
+
+/// Why a file in a folder is no clip.
+fn why_not(file: &Path) -> &'static str {
+    if file.is_dir() {
+        "a folder in the folder is not searched"
+    } else if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("asf")) {
+        "a skeleton, which its motions find themselves"
+    } else {
+        "neither its name nor its content is that of a motion"
+    }
 }
 
 /// A name for each file, unlike all others.
@@ -158,10 +197,16 @@ mod tests {
         ] {
             std::fs::write(at(name), "").unwrap();
         }
-        let files = expand(&[at("c.txt"), folder.path().to_path_buf()]).unwrap();
+        std::fs::write(at("walk.txt"), "{\"Frames\": []}").unwrap();
+        std::fs::write(at("settings.txt"), "{\"frames\": 3}").unwrap();
+        let paths = [at("c.txt"), folder.path().to_path_buf()];
+        let Expanded { clips: files, left_out } = expand_all(&paths).unwrap();
         let paths: Vec<_> = files.iter().map(|file| file.path.clone()).collect();
-        let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc"];
+        let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc", "walk.txt"];
         assert_eq!(paths, expected.map(at));
+        let out: Vec<_> = left_out.iter().map(|(file, _)| file.clone()).collect();
+        assert_eq!(out, ["LICENSE.txt", "c.txt", "more", "settings.txt", "t.asf"].map(at));
+        assert_eq!(files.iter().filter(|file| file.from_folder).count(), 5);
     }
 
     #[test]

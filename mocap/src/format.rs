@@ -63,11 +63,24 @@ pub enum Error {
         file: PathBuf,
     },
     /// Neither name nor content says.
-    #[error("{}: expected a motion in {NAMES}, found another kind of file", file.display())]
+    #[error("{}: expected a motion in {NAMES}, found {}", file.display(), kind_of(file))]
     Unknown {
         /// The file.
         file: PathBuf,
     },
+}
+
+/// What a file is by its name, for those who took it for a motion.
+fn kind_of(file: &Path) -> &'static str {
+    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "glb" | "gltf" | "vrm" => {
+            "a glTF character, whose animations are not read: export them as BVH (Blender does)"
+        }
+        "fbx" => "FBX, which is not read: export it as BVH (Blender does)",
+        "urdf" | "xacro" | "toml" | "xml" => "a rig or settings",
+        _ => "another kind of file",
+    }
 }
 
 impl Format {
@@ -100,6 +113,23 @@ impl Format {
         } else {
             None
         }
+    }
+}
+
+/// Whether a file in a folder is a motion: by its name, or a text by its content.
+pub(crate) fn is_motion(file: &Path) -> bool {
+    if Format::of_name(file).is_some() {
+        return true;
+    }
+    if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt")) {
+        return false;
+    }
+    let text = crate::read::bytes(file).unwrap_or_default();
+    let has_frames = || text.windows(8).any(|word| word == b"\"Frames\"");
+    match Format::of_content(&text) {
+        // Any JSON begins so.
+        Some(Format::DeepMimic) => has_frames(),
+        other => other.is_some(),
     }
 }
 

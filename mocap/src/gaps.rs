@@ -248,6 +248,7 @@ mod tests {
             skeleton: Skeleton { joints: vec![joint("root", None), joint("knee", Some(0))] },
             frame_time_s: Some(0.1),
             metres_per_unit: Some(1.0),
+            notes: Vec::new(),
             frames: samples.iter().map(|s| vec![Some(still), s.map(sample)]).collect(),
         }
     }

@@ -39,6 +39,8 @@ pub struct Recording {
     pub frame_time_s: Option<f64>,
     /// Length of the file's unit in metres, if the file says.
     pub metres_per_unit: Option<f64>,
+    /// What the reader overlooked, for whoever made the file.
+    pub notes: Vec<String>,
 }
 
 impl Recording {

@@ -70,6 +70,7 @@ fn what_cannot_be_is_refused_with_what_could() {
     for (arguments, part) in [
         (&["--data", "nowhere"][..], "nowhere: expected a folder"),
         (&["--latent", "0"], "--latent"),
+        (&["--latent", "9223372036854775807"], "a whole number from 1 to 100000"),
         (&["--position-per-m", "nan"], "a number from 0 to 1000000"),
         (&["--quick", "--data", "nowhere"], "cannot be used with"),
     ] {

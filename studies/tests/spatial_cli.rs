@@ -66,7 +66,7 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
     // NumPy's magic, and a header of a multiple of 64 bytes.
     assert!(bytes.starts_with(b"\x93NUMPY") && poses > 100);
     assert!((bytes.len() - 4 * pairs).is_multiple_of(64) && bytes.len() < 4 * pairs + 256);
-    assert!(!path("a.npy.part").exists());
+    assert!(!path(".sinew-part").exists());
     let with_threads = ["distances", "--quick", "--metric", "positions", "--threads", "3"];
     printed(&[&with_threads[..], &["--out", &out("b.npy")]].concat());
     assert_eq!(std::fs::read(path("b.npy")).unwrap(), bytes);
@@ -74,7 +74,7 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
     for (more, part) in [
         (&["--out", "a.txt"][..], "--out a.txt: expected a file named *.npy"),
         (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected with"),
-        (&["--out", "/nowhere/a.npy"], "/nowhere/a.npy.part: cannot be written"),
+        (&["--out", "/nowhere/a.npy"], "/nowhere: expected a folder that is there"),
     ] {
         let output = study(&[&["distances", "--quick"], more].concat());
         let told = String::from_utf8_lossy(&output.stderr);

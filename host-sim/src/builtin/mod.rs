@@ -49,6 +49,7 @@ pub fn strikes(name: &str) -> Option<Vec<Strike>> {
 
 fn clip(script: &Script) -> Recording {
     Recording {
+        notes: Vec::new(),
         name: script.name.clone(),
         skeleton: skeleton::skeleton(),
         frame_time_s: Some(1.0 / RATE_HZ),

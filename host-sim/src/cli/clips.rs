@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use rayon::prelude::*;
+use sinew_mocap::files::{ClipFile, Expanded, expand_all};
 use sinew_sim::builtin;
 use sinew_sim::evaluate::Take;
 use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
@@ -24,6 +25,10 @@ pub(super) struct ClipArgs {
     /// motions of its own joints.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
+
+    /// End at a clip in a folder whose skeleton no mapping is for. Default: it is left out, and named.
+    #[arg(long, requires = "clips", conflicts_with = "rig")]
+    strict: bool,
 
     /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew map`. Default: chosen among the
     /// known ones; of a rig by names and geometry.
@@ -103,7 +108,8 @@ impl ClipArgs {
         rig: &Loaded,
         on_rig: &OnRig,
     ) -> anyhow::Result<Vec<RigClip>> {
-        let files = sinew_mocap::files::expand(&self.clips)?;
+        let Expanded { clips: files, left_out } = expand_all(&self.clips)?;
+        tell(&told(&left_out));
         let mechanism = Arc::new(rig.mechanism.clone());
         let rate_hz = self.rate.unwrap_or(RIG_RATE_HZ);
         files
@@ -172,26 +178,40 @@ impl ClipArgs {
             frame_rate_hz: self.frames,
             ..Settings::default()
         };
-        let prepared: Vec<Prepared> = if self.clips.is_empty() {
+        let mut lines = Vec::new();
+        let prepared: Vec<(bool, Prepared)> = if self.clips.is_empty() {
             builtin::clips()
                 .into_par_iter()
-                .map(|clip| pipeline::prepare(clip, &settings))
+                .map(|clip| (false, pipeline::prepare(clip, &settings)))
                 .collect()
         } else {
-            sinew_mocap::files::expand(&self.clips)?
-                .par_iter()
-                .map(|file| pipeline::prepare(pipeline::load(file, &settings)?, &settings))
-                .collect()
+            let Expanded { clips, left_out } = expand_all(&self.clips)?;
+            lines = told(&left_out);
+            let prepare =
+                |file: &ClipFile| pipeline::prepare(pipeline::load(file, &settings)?, &settings);
+            let may_lack = |file: &ClipFile| file.from_folder && !self.strict;
+            clips.par_iter().map(|file| (may_lack(file), prepare(file))).collect()
         };
-        let (mut motions, mut lines) = (Vec::with_capacity(prepared.len()), Vec::new());
-        for prepared in prepared {
-            let (motion, notices) = prepared?;
+        let mut motions = Vec::with_capacity(prepared.len());
+        let mut unknown = None;
+        for (may_lack, prepared) in prepared {
+            let (motion, notices) = match prepared {
+                Err(error @ pipeline::Error::Mapping { .. }) if may_lack => {
+                    lines.push(format!("left out: {error}"));
+                    unknown = unknown.or(Some(error));
+                    continue;
+                }
+                prepared => prepared?,
+            };
             for notice in notices {
                 lines.push(format!("{}: {notice}", motion.name));
             }
             motions.push(motion);
         }
-        Ok((motions, lines))
+        match unknown.filter(|_| motions.is_empty()) {
+            Some(error) => Err(error.into()),
+            None => Ok((motions, lines)),
+        }
     }
 }
 
@@ -206,6 +226,11 @@ pub(super) fn what(rig: Option<&Loaded>, count: usize) -> String {
 /// The figure's dimensions, in a report. A rig has its own.
 pub(super) fn dimensions(rig: Option<&Loaded>, scale: f64) -> String {
     rig.map_or_else(|| format!(", {scale} times the dimensions"), |_| String::new())
+}
+
+/// What is left out of folders, a line for each file.
+fn told(left_out: &[(PathBuf, &'static str)]) -> Vec<String> {
+    left_out.iter().map(|(file, why)| format!("left out: {}: {why}", file.display())).collect()
 }
 
 /// Tells what was done to the clips.

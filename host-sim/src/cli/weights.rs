@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_sim::character::{self, Mesh, Options, VertexArea};
+use glam::DVec3;
+use sinew_sim::character::{self, Character, Mesh, Options, VertexArea};
 use sinew_sim::report::weights as picture;
 use sinew_sim::weights::radii::{self, Radii};
 use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
@@ -111,6 +112,22 @@ fn metres_per_unit(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Says so where a character is not of a believable size: most often the unit of its file is another.
+fn tell_size(character: &Character) {
+    let [mut least, mut most] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    for joint in character.joints() {
+        least = least.min(joint.position_m);
+        most = most.max(joint.position_m);
+    }
+    let size_m = (most - least).max_element();
+    if !(0.1..=3.0).contains(&size_m) {
+        note(format_args!(
+            "note: {size_m:.3} m from joint to joint: is the unit of the file another? Shares of the whole do not \
+             depend on it, lengths do"
+        ));
+    }
+}
+
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let options = Options { metres_per_unit: args.metres_per_unit, frame: args.frame };
@@ -144,6 +161,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         .map(|method| weigh(&character, *method, &settings))
         .collect::<Result<_, _>>()
         .with_context(of_file)?;
+    tell_size(&character);
     if let Some(path) = &args.picture {
         picture::write(path, &character, &weighings)
             .with_context(|| format!("--picture {}", path.display()))?;

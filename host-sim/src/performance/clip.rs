@@ -146,7 +146,7 @@ impl PreparedClip {
         // A known skeleton's files may have a rate that they do not tell.
         let known = mapping::choose(&recording.skeleton).ok();
         let known_s = known.and_then(|known| known.rate_hz).map(f64::recip);
-        let mut notes = Vec::new();
+        let mut notes = recording.notes.clone();
         if let (None, Some(frame_time_s)) = (recording.frame_time_s, known_s) {
             let rate_hz = frame_time_s.recip();
             notes.push(format!(
@@ -160,7 +160,7 @@ impl PreparedClip {
         let metres_per_unit = unit(&recording, &matched, settings.metres_per_unit)
             .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;
         let mut recording = recording.in_metres(metres_per_unit);
-        check_bones(&recording.skeleton, BONE_MAX_M)
+        check_bones(&recording, BONE_MAX_M)
             .map_err(|source| ClipError::Bone { clip: name(), source })?;
         if let Some(turn) = matched.up.as_ref().and_then(|up| to_y_up(up.axis)) {
             notes.push("turned: the file's z axis points up".to_owned());

@@ -34,8 +34,8 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     let mut recording = recording.in_metres(mapping.metres_per_unit);
     let binding = Binding::new(mapping, &recording.skeleton)
         .map_err(|source| Error::Mapping { clip: name(), source: source.into() })?;
-    believed(&name(), &binding, &recording.skeleton)?;
-    let mut notices = Vec::new();
+    believed(&name(), &binding, &recording)?;
+    let mut notices: Vec<_> = recording.notes.drain(..).map(Notice::File).collect();
     if recording.frame_time_s.is_none() {
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }

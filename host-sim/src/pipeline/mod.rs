@@ -13,7 +13,7 @@ use sinew_mocap::flips::{self, Flips};
 use sinew_mocap::gaps::{self, Filled, Unfillable};
 use sinew_mocap::resample::resample;
 use sinew_mocap::text::counted;
-use sinew_mocap::{Recording, Skeleton, format};
+use sinew_mocap::{Recording, format};
 
 use crate::figure::FigureMotion;
 use crate::figure::mapping::{self, Binding, Mapping, NoRate, UnlikeSides};
@@ -57,6 +57,9 @@ const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
+    /// The file is not as it says.
+    #[error("{0}")]
+    File(String),
     /// The mapping gave the frame rate.
     #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
     RateAssumed {
@@ -290,9 +293,9 @@ pub fn prepare(
     if !HEIGHT_M.contains(&height_m) {
         return Err(Error::Height { clip: name, height_m });
     }
-    believed(&name, &binding, &recording.skeleton)?;
+    believed(&name, &binding, &recording)?;
     let recorded = recording.frames.len();
-    let mut notices = Vec::new();
+    let mut notices: Vec<_> = recording.notes.drain(..).map(Notice::File).collect();
     if recording.frame_time_s.is_none() {
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }
@@ -349,9 +352,9 @@ pub fn prepare(
     Ok((if factor > 1 { motion.interpolated(factor) } else { motion }, notices))
 }
 
-/// Refuses a skeleton in metres that no body has. It is as tall as the longest of figures at most.
-fn believed(clip: &str, binding: &Binding, skeleton: &Skeleton) -> Result<(), Error> {
-    check_bones(skeleton, *HEIGHT_M.end())
+/// Refuses a recording in metres whose skeleton no body has. It is as tall as the longest of figures at most.
+fn believed(clip: &str, binding: &Binding, recording: &Recording) -> Result<(), Error> {
+    check_bones(recording, *HEIGHT_M.end())
         .map_err(|source| Error::Bone { clip: clip.to_owned(), source })?;
     binding.check_sides().map_err(|source| Error::Sides { clip: clip.to_owned(), source })
 }

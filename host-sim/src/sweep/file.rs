@@ -267,7 +267,7 @@ mod tests {
             ),
             (
                 &format!("[[grid]]\n[[grid]]\n{seeds}"),
-                "grid 2: expected at most 1000000 cells in all grids, found 1000 x 1000 of them after 1",
+                "grid 2: expected at most 100000 cells in all grids, found 1000 x 1000 of them after 1",
             ),
         ] {
             let error = parse(text).unwrap_err();

@@ -28,6 +28,8 @@ pub use error::{Error, Problem};
 use super::recording::{self, Recording};
 
 const METRES_PER_INCH: f64 = 0.0254;
+/// The `length` of CMU's files: a unit of theirs is an inch, and 0.45 of it a number in the file.
+const CMU_LENGTH: f64 = 0.45;
 
 /// Reads the motion in the AMC file at `path` and the ASF file that [`find_asf`] finds for it; the clip
 /// is named after the AMC's stem.
@@ -59,12 +61,15 @@ pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Erro
     let samples = recording::sample_count_max(asf.0.len() + amc.0.len());
     let motion = amc::parse(&String::from_utf8_lossy(amc.0), &skeleton, samples);
     let motion = motion.map_err(in_file(amc.1))?;
+    // What others mean by `length` is not agreed on: metres, inches, or nothing.
+    let is_cmu = (skeleton.length_unit - CMU_LENGTH).abs() < 1e-9;
     Ok(Recording {
         name: recording::stem(amc.1),
         skeleton: skeleton.skeleton(),
         frames: motion.frames,
         frame_time_s: motion.frame_time_s,
-        metres_per_unit: Some(METRES_PER_INCH / skeleton.length_unit),
+        metres_per_unit: is_cmu.then_some(METRES_PER_INCH / skeleton.length_unit),
+        notes: Vec::new(),
     })
 }
 

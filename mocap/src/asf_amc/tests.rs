@@ -117,6 +117,9 @@ fn reads_skeleton_and_motion() {
     assert_eq!(recording.name, "s_1");
     assert_eq!(recording.frame_time_s, None);
     assert!((recording.metres_per_unit.unwrap() - 0.0254 / 0.45).abs() < 1e-15);
+    // Endorphin's files have metres, and this `length`.
+    let other = good(&ASF.replace("length 0.45", "length 0.01"), AMC);
+    assert_eq!(other.metres_per_unit, None);
     let joints = &recording.skeleton.joints;
     let names: Vec<_> = joints.iter().map(|joint| (joint.name.as_str(), joint.parent)).collect();
     let expected = [
@@ -399,7 +402,7 @@ fn finds_the_skeleton_of_a_motion() {
 /// Nothing but finite numbers and unit rotations leaves the reader.
 fn check(read: Result<Recording, Error>) {
     let Ok(recording) = read else { return };
-    assert!(recording.metres_per_unit.is_some_and(|metres| metres > 0.0));
+    assert!(recording.metres_per_unit.is_none_or(|metres| metres > 0.0));
     for frame in &recording.frames {
         assert_eq!(frame.len(), recording.skeleton.joints.len());
         for sample in frame.iter().flatten() {

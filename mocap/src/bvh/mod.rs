@@ -47,13 +47,14 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     };
     parser.file().map_or_else(
         |(at, problem)| Err(Error::Syntax { file: path.to_path_buf(), at, problem }),
-        |(skeleton, frame_time_s, frames)| {
+        |(skeleton, frame_time_s, (frames, notes))| {
             Ok(Recording {
                 name: recording::stem(path),
                 skeleton,
                 frames,
                 frame_time_s: Some(frame_time_s),
                 metres_per_unit: None,
+                notes,
             })
         },
     )
@@ -94,7 +95,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn file(&mut self) -> Result<(Skeleton, f64, Frames), Failure> {
+    fn file(&mut self) -> Result<(Skeleton, f64, (Frames, Vec<String>)), Failure> {
         self.keyword("HIERARCHY")?;
         self.keyword("ROOT")?;
         let hierarchy = self.hierarchy()?;
@@ -130,6 +131,8 @@ impl<'a> Parser<'a> {
                 self.joint(&mut hierarchy, &mut open)?;
             } else if token.is("End") {
                 self.keyword("Site")?;
+                // Some makers name it, which nothing needs.
+                self.tokens.rest_of_line();
                 self.keyword("{")?;
                 let end = self.offset()?;
                 self.keyword("}")?;
@@ -208,8 +211,12 @@ impl<'a> Parser<'a> {
         Ok(recording::snapped_s(time_s))
     }
 
-    /// The values of all frames, to the end of the file.
-    fn frames(&mut self, hierarchy: &Hierarchy, frame_count: usize) -> Result<Frames, Failure> {
+    /// The values of all frames, to the end of the file. Some writers miscount their rows by one, which is noted.
+    fn frames(
+        &mut self,
+        hierarchy: &Hierarchy,
+        frame_count: usize,
+    ) -> Result<(Frames, Vec<String>), Failure> {
         let joint_count = hierarchy.skeleton.joints.len();
         let channel_count = hierarchy.channels.iter().map(Vec::len).sum();
         let mut token = self.tokens.next();
@@ -233,6 +240,10 @@ impl<'a> Parser<'a> {
             }
             token = self.tokens.next();
         }
+        if frames.len() + 1 == frame_count && !frames.is_empty() && values.is_empty() {
+            let note = format!("has {} frames, one fewer than it says", frames.len());
+            return Ok((frames, vec![note]));
+        }
         if frames.len() < frame_count {
             let problem = Problem::MissingValues {
                 frames: frame_count,
@@ -244,14 +255,19 @@ impl<'a> Parser<'a> {
             return Err((token.at, problem));
         }
         if token.is_end() {
-            return Ok(frames);
+            return Ok((frames, Vec::new()));
         }
         let at = token.at;
-        let mut extra = 0;
+        let (mut extra, mut is_numbers) = (0, true);
         while !token.is_end() {
             extra += 1;
+            is_numbers &= finite(token).is_ok();
             lines.add(token.at.line);
             token = self.tokens.next();
+        }
+        if extra == channel_count && is_numbers && !frames.is_empty() {
+            let note = format!("has a frame more than the {frame_count} that it says: left out");
+            return Ok((frames, vec![note]));
         }
         let problem = Problem::ExtraValues {
             frames: frame_count,

@@ -237,16 +237,45 @@ fn refuses_values_that_do_not_fill_the_frames() {
          the first that is not one frame: it has 10 values"
     );
     assert_eq!(
-        error("Frames: 2", "Frames: 3"),
-        "21:1: the file ends after 2 frames of 3: expected 9 values in each, found 0 of the next"
+        error("Frames: 2", "Frames: 4"),
+        "21:1: the file ends after 2 frames of 4: expected 9 values in each, found 0 of the next"
     );
     assert_eq!(
-        error("Frames: 2", "Frames: 1"),
-        "20:1: expected the end of the file after 1 frame of 9 values, found 9 more"
+        error_of(&(VALID.to_owned() + &"0 ".repeat(18))),
+        "21:1: expected the end of the file after 2 frames of 9 values, found 18 more; line 21 is \
+         the first that is not one frame: it has 18 values"
     );
     assert_eq!(error("10 11 13", "10 inf 13"), "20:4: expected a finite number, found `inf`");
     assert_eq!(error("10 11 13", "10 1e10 13"), "20:4: expected a finite number, found `1e10`");
-    assert_eq!(error("10 11 13", "10 # 13"), "20:4: expected a finite number, found `#`");
+    assert_eq!(error("10 11 13", "10 ? 13"), "20:4: expected a finite number, found `?`");
+}
+
+#[test]
+fn rows_that_were_miscounted_by_one_are_noted() {
+    let few = recording(&VALID.replace("Frames: 2", "Frames: 3"));
+    assert_eq!(few.frames.len(), 2);
+    assert_eq!(few.notes, ["has 2 frames, one fewer than it says"]);
+    let many = recording(&(VALID.to_owned() + "1 2 3 4 5 6 7 8 9\n"));
+    assert_eq!(many.frames, recording(VALID).frames);
+    assert_eq!(many.notes, ["has a frame more than the 2 that it says: left out"]);
+    assert!(recording(VALID).notes.is_empty());
+    assert!(read_text(&(VALID.to_owned() + "1 2 3 4 5 6 7 8 nine\n")).is_err());
+}
+
+#[test]
+fn comments_and_named_end_sites_are_read_over() {
+    let expected = recording(VALID);
+    for text in [
+        VALID.replace("End Site", "End Site tip # of the foot"),
+        VALID.replace("Left Knee:1", "Left Knee:1 // below"),
+        VALID.replace("OFFSET 0 -4 0\n", "# where it is\nOFFSET 0 -4 0 # cm\n"),
+    ] {
+        assert_eq!(recording(&text), expected, "{text}");
+    }
+    assert_eq!(
+        recording(&VALID.replace("Knee:1", "Knee#1")).skeleton.joints[1].name,
+        "Left Knee#1"
+    );
 }
 
 #[test]

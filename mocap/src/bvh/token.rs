@@ -34,9 +34,13 @@ impl<'a> Tokens<'a> {
         Self { text, at: Position { line: 1, column: 1 } }
     }
 
-    /// The next word.
+    /// The next word; comments, which begin with `#` or `//`, are none.
     pub(super) fn next(&mut self) -> Token<'a> {
         self.skip_while(char::is_whitespace);
+        while is_comment(self.text) {
+            self.skip_while(|c| !is_line_end(c));
+            self.skip_while(char::is_whitespace);
+        }
         let at = self.at;
         let text = if self.text.starts_with(is_mark) {
             let (mark, rest) = self.text.split_at(1);
@@ -54,7 +58,10 @@ impl<'a> Tokens<'a> {
         self.skip_while(|c| c.is_whitespace() && !is_line_end(c));
         let at = self.at;
         let rest = self.skip_while(|c| !is_line_end(c) && c != '{' && c != '}');
-        Token { text: rest.trim_end(), at }
+        // A name may hold `#`, but does not begin a word with it.
+        let comment = rest.match_indices(char::is_whitespace).map(|(place, _)| place);
+        let comment = comment.into_iter().find(|place| is_comment(rest[*place..].trim_start()));
+        Token { text: rest[..comment.unwrap_or(rest.len())].trim_end(), at }
     }
 
     /// Goes on to the first character that is not wanted; what lies before it.
@@ -74,6 +81,10 @@ impl<'a> Tokens<'a> {
         self.text = rest;
         skipped
     }
+}
+
+fn is_comment(text: &str) -> bool {
+    text.starts_with('#') || text.starts_with("//")
 }
 
 fn is_mark(c: char) -> bool {

@@ -40,6 +40,17 @@ pub enum Problem {
         /// Rows in the file.
         frames: usize,
     },
+    /// All rows are of another length.
+    #[error(
+        "`Frames`: expected rows of {expected} numbers, those of a humanoid3d, found {found}: the motion of another \
+         character (a dog3d has 84, a laikago 19), which is not read"
+    )]
+    OtherCharacter {
+        /// Numbers of a humanoid3d.
+        expected: usize,
+        /// Numbers in every row.
+        found: usize,
+    },
     /// A row of another length.
     #[error("`Frames`, frame {frame}: expected {expected} numbers, found {found}")]
     RowLength {

@@ -35,16 +35,18 @@ const TIME_RATIO_MAX: f64 = 100.0;
 
 #[derive(Deserialize)]
 struct File {
-    #[serde(rename = "Loop")]
+    #[serde(rename = "Loop", default)]
     _loop: Loop,
     #[serde(rename = "Frames")]
     frames: Vec<Vec<f64>>,
 }
 
-#[derive(Deserialize)]
+/// Not in the files of all that use the format.
+#[derive(Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Loop {
     Wrap,
+    #[default]
     None,
 }
 
@@ -74,6 +76,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
         frames: frames.into_iter().map(|frame| frame.into_iter().map(Some).collect()).collect(),
         frame_time_s: Some(frame_time_s),
         metres_per_unit: Some(1.0),
+        notes: Vec::new(),
     })
 }
 
@@ -83,6 +86,10 @@ type Pose = Vec<JointSample>;
 fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
     if rows.len() < 2 {
         return Err(Problem::TooFew { frames: rows.len() });
+    }
+    let found = rows[0].len();
+    if found != ROW && rows.iter().all(|row| row.len() == found) {
+        return Err(Problem::OtherCharacter { expected: ROW, found });
     }
     let mut times_s = vec![0.0];
     let mut steps_s = Vec::with_capacity(rows.len());

@@ -89,6 +89,11 @@ fn refuses_what_is_no_humanoid3d() {
     );
     assert_eq!(error(|rows| rows.truncate(1)), "`Frames`: expected at least 2 rows, found 1");
     assert_eq!(
+        error(|rows| rows.iter_mut().for_each(|row| row.resize(84, 0.0))),
+        "`Frames`: expected rows of 44 numbers, those of a humanoid3d, found 84: the motion of another character (a \
+         dog3d has 84, a laikago 19), which is not read"
+    );
+    assert_eq!(
         error(|rows| rows[1].truncate(43)),
         "`Frames`, frame 1: expected 44 numbers, found 43"
     );

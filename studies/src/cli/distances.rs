@@ -46,17 +46,19 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
+    ensure!(folder.is_dir(), "{}: expected a folder that is there", folder.display());
     let name = path.file_name().unwrap_or_default();
     let names = path.with_extension("csv");
     let indices = args.recordings.indices();
     let inputs: Vec<_> = indices.iter().map(|index| ("index", Some(index.as_path()))).collect();
     output::distinct(&[path.as_path(), &names], &inputs)?;
+    let measure = args.measure.measure()?;
+    let recordings = args.recordings.read()?;
+    let rig = SpatialRig::new(&recordings.skeleton, args.measure.root.as_deref())?;
     // Before the work. Both files are of one run; whoever reads them has all of them or none.
     let results = Folder::open(folder, &format!("distances {}", name.display()), &inputs)?;
     let stage = results.stage();
-    let recordings = args.recordings.read()?;
-    let rig = SpatialRig::new(&recordings.skeleton, args.measure.root.as_deref())?;
-    let measuring = Measuring::new(&rig, args.measure.measure()?);
+    let measuring = Measuring::new(&rig, measure);
     let mut poses: Vec<MeasuredPose> = Vec::new();
     for sequence in &recordings.sequences {
         for (frame, pose) in sequence.frames.iter().enumerate() {
