@@ -148,7 +148,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-    let mut stand = Stand::new(&parts, &bytes, &mut memories, parts.arms()).with_context(of_rig)?;
+    let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
+    let mut stand = Stand::new(&parts, &bytes, &mut memories, plant).with_context(of_rig)?;
     let mut recorder = args.recorder(&rig, &parts)?;
     let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
