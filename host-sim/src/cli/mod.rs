@@ -14,6 +14,7 @@ mod output;
 mod page;
 mod performance;
 mod play;
+mod report;
 mod rig;
 mod robustness;
 mod servo;
@@ -52,6 +53,7 @@ enum Command {
     Map(map::Args),
     Bake(bake::Args),
     Play(play::Args),
+    Report(report::Args),
     Export(export::Args),
     Figure(figure::Args),
     Sweep(sweep::Args),
@@ -75,6 +77,7 @@ impl Command {
             Self::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
+            Self::Report(args) => report::run(args),
             Self::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
             Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
             Self::Sweep(args) => sweep::run(args),
