@@ -98,11 +98,13 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
         match Recording::open(Path::new(&cut)) {
             Ok(recording) => {
                 assert!(!recording.is_whole(), "at {at}");
+                if !found.insert(recording.rows()) {
+                    continue;
+                }
                 let parts: Vec<Part> = recording.parts().map(Result::unwrap).collect();
                 // NaN is not itself.
                 let [read, written] = [&parts, &whole[..parts.len()]].map(|p| format!("{p:?}"));
                 assert!(read == written, "at {at}");
-                found.insert(parts.len());
             }
             Err(RecordingError::Nothing) => assert!(found.is_empty(), "at {at}"),
             Err(RecordingError::NotParquet) => assert!(at < 8, "at {at}"),
@@ -110,8 +112,10 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
         }
     }
     // The last part has the end of the file itself.
-    let expected: Vec<usize> = (1..whole.len()).collect();
-    assert!(whole.len() > 2 && found.iter().eq(&expected), "{found:?} of {}", whole.len());
+    let lens = whole.iter().map(|part| part.time_s.len());
+    let ends: Vec<usize> =
+        lens.scan(0, |end, len| Some(*end + len).inspect(|to| *end = *to)).collect();
+    assert!(ends.len() > 2 && found.iter().eq(&ends[..ends.len() - 1]), "{found:?} of {ends:?}");
     std::fs::write(&cut, &bytes[..bytes.len() - 1]).unwrap();
     let [_, notes] = done(&["report", &cut]);
     // Parts of 2,500 ticks at 500 Hz.
