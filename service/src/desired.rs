@@ -36,7 +36,8 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
             .map(|own| single(own) + middle_rad),
         torque_nm: single(rig.torque_nm.unwrap_or(model.stall_torque_nm.value)),
         stall_nm: single(model.stall_torque_nm.value),
-        friction_nm: single(model.friction_nm.value),
+        // As a board has it.
+        friction_nm: single(model.friction_nm.value) + rig.joint_friction_nm,
         torque_constant_nm_a: single(model.torque_constant_nm_a.value),
         shutdown_c: single(model.shutdown_c.value),
     };

@@ -1,6 +1,7 @@
 //! Servos of a rig file, and the same on a line.
 
 use sinew_rig::Description;
+use sinew_rig::actuation::JointFriction;
 use sinew_rig::description::{Address, ServoModel};
 
 use crate::{Client, Exchange, Protocol, ServiceError, Servo, Table};
@@ -18,6 +19,8 @@ pub struct RigServo {
     pub range_rad: Option<[f64; 2]>,
     /// The most torque that it is asked for; none for as much as its kind has.
     pub torque_nm: Option<f64>,
+    /// What friction of its joint takes beside its own, N m.
+    pub joint_friction_nm: f32,
 }
 
 impl RigServo {
@@ -82,9 +85,12 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
             )));
         }
     };
-    on_bus()
-        .filter(|servo| servo.bus == bus)
-        .map(|servo| {
+    // Of a rig whose drives are not described yet there is none.
+    let frictions = rig.actuation().map(|actuation| actuation.joint_friction(rig));
+    let frictions = frictions.unwrap_or_else(|_| vec![JointFriction::default(); rig.servos.len()]);
+    (rig.servos.iter().zip(frictions))
+        .filter(|(servo, _)| matches!(servo.address, Address::Id(_)) && servo.bus == bus)
+        .map(|(servo, friction)| {
             let model = rig.servo_model(&servo.model);
             let model = model
                 .ok_or_else(|| refused(format!("there is no kind of servo {:?}", servo.model)))?;
@@ -95,6 +101,7 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
                 model,
                 range_rad: servo.range_rad.first().copied(),
                 torque_nm: servo.torque_nm,
+                joint_friction_nm: friction.coulomb_nm,
             })
         })
         .collect()

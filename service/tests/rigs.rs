@@ -209,6 +209,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
             model,
             range_rad: Some([-1.0, 1.0]),
             torque_nm: Some(1e3),
+            joint_friction_nm: 0.0,
         };
         let Some(table) = rig.table() else { continue };
         for mode in [Mode::Position, Mode::CurrentPosition, Mode::Current, Mode::Pwm] {
@@ -251,6 +252,7 @@ fn a_board_comes_to_the_same_counts() {
                 model: model.clone(),
                 range_rad: Some([-most, 0.9 * most]),
                 torque_nm: (tenths < 1800).then_some(stall_nm * f64::from(tenths) / 1800.0),
+                joint_friction_nm: 0.0,
             };
             let Some(table) = rig.table() else { continue };
             let demand = Demand {

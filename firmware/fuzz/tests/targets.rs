@@ -1,4 +1,5 @@
-//! A target for what a host may write, and one for all that it may say, in every state.
+//! A target for what a host may write, and one for all that it may say, in every state: each takes the corpus, then what
+//! bolero thinks of.
 
 #![allow(dead_code, unused_imports, reason = "tests of the node use the rest")]
 
@@ -16,6 +17,8 @@ mod host;
 mod hostile;
 #[path = "../../tests/node/ideal.rs"]
 mod ideal;
+#[path = "../../tests/node/inputs.rs"]
+mod inputs;
 #[path = "../../tests/node/line.rs"]
 mod line;
 #[path = "../../tests/controller/stand.rs"]
@@ -29,6 +32,10 @@ mod world;
 
 #[test]
 fn settings() {
+    inputs::settings().for_each(|bytes| {
+        decoders::settings(&bytes);
+    });
+    #[cfg(feature = "bolero")]
     bolero::check!().for_each(|bytes: &[u8]| {
         decoders::settings(bytes);
     });
@@ -37,6 +44,10 @@ fn settings() {
 /// A run takes seconds of the rig's time: give it minutes.
 #[test]
 fn node() {
+    inputs::node().for_each(|bytes| {
+        decoders::node(&bytes);
+    });
+    #[cfg(feature = "bolero")]
     bolero::check!().for_each(|bytes: &[u8]| {
         decoders::node(bytes);
     });

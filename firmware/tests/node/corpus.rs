@@ -1,20 +1,14 @@
-//! Bytes that are or were interesting, `corpus/*.hex`, one input in a line: through the fuzz targets of `../../fuzz`.
+//! The corpus through the fuzz targets of `../../fuzz`.
 
 use std::collections::BTreeSet;
 
 use sinew_firmware::supervisor::State;
 
-use crate::decoders;
-
-fn inputs(text: &str) -> impl Iterator<Item = Vec<u8>> {
-    let byte = |at: &[u8]| u8::from_str_radix(std::str::from_utf8(at).unwrap(), 16).unwrap();
-    let lines = text.lines().filter(|line| !line.starts_with('#'));
-    lines.map(move |line| line.as_bytes().chunks(2).map(byte).collect())
-}
+use crate::{decoders, inputs};
 
 #[test]
 fn settings() {
-    let read = inputs(include_str!("corpus/settings.hex")).map(|bytes| decoders::settings(&bytes));
+    let read = inputs::settings().map(|bytes| decoders::settings(&bytes));
     let read: Vec<bool> = read.collect();
     assert!(read.contains(&true) && read.contains(&false));
 }
@@ -23,7 +17,7 @@ fn settings() {
 #[test]
 fn node() {
     let mut said = BTreeSet::new();
-    for bytes in inputs(include_str!("corpus/node.hex")) {
+    for bytes in inputs::node() {
         said.extend(decoders::node(&bytes));
     }
     let states: BTreeSet<u8> = said.iter().map(|(state, _)| *state).collect();

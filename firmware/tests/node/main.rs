@@ -24,6 +24,7 @@ mod host;
 mod hostile;
 mod hour;
 mod ideal;
+mod inputs;
 mod line;
 mod live;
 mod mismatch;

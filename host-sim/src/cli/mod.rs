@@ -13,6 +13,7 @@ mod methods;
 mod page;
 mod performance;
 mod play;
+mod report;
 mod rig;
 mod robustness;
 mod servo;
@@ -51,6 +52,7 @@ enum Command {
     Map(map::Args),
     Bake(bake::Args),
     Play(play::Args),
+    Report(report::Args),
     Export(export::Args),
     Figure(figure::Args),
     Sweep(sweep::Args),
@@ -74,6 +76,7 @@ impl Command {
             Self::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
+            Self::Report(args) => report::run(args),
             Self::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
             Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
             Self::Sweep(args) => sweep::run(args),

@@ -158,7 +158,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-    let mut stand = Stand::new(&parts, &bytes, &mut memories, parts.arms()).with_context(of_rig)?;
+    let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
+    let mut stand = Stand::new(&parts, &bytes, &mut memories, plant).with_context(of_rig)?;
     if let Some(emulator) = emulator {
         stand = stand.with_twin(Twin::new(emulator, &parts, &bytes)?);
     }

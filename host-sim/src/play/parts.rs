@@ -4,9 +4,10 @@ use sinew_bus::Schedule;
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_rig::board::BakeError;
+use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::Freedom;
 use sinew_rig::{Description, Mechanism};
-use sinew_servo_sim::load::Arm;
+use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
 use thiserror::Error;
@@ -14,7 +15,7 @@ use thiserror::Error;
 use super::Board;
 use super::line::{Line, lines};
 use super::schedule::{Load, Needs, RateError, choose};
-use super::servo_part::{Drive, ServoPart, drives, set_stops, setup};
+use super::servo_part::{Drive, ServoPart, drives, setup};
 use crate::performance::rig_hash;
 
 /// What may be chosen. Default: what each servo can do, and the lines have time for.
@@ -100,6 +101,7 @@ pub struct Parts {
     /// Of the line whose readings come latest.
     pub(super) schedule: Schedule,
     pub(super) schedules: Vec<Schedule>,
+    supply: Option<RigSupply>,
     /// Lines, in the order in which the rig's servos name them.
     pub lines: Vec<Line>,
     /// Servos, in the rig's order.
@@ -131,8 +133,7 @@ impl Parts {
         }
         let board = Board::bake(rig, mechanism)?;
         let (rig_crc, _) = rig_hash(rig, mechanism);
-        let mut own = servos(rig, mechanism)?;
-        set_stops(&board, &mut own);
+        let own = servos(rig, mechanism)?;
         let mut lines = lines(&own, options.baud)?;
         let drives = drives(&board, &own, options.drive)?;
         let mut parts = Vec::new();
@@ -167,6 +168,7 @@ impl Parts {
             setups,
             schedule,
             schedules,
+            supply: rig.supply,
             lines,
             servos: parts,
             names: mechanism.freedom_names(),
@@ -203,10 +205,18 @@ impl Parts {
         self.schedule.tick_us()
     }
 
-    /// What the servos move, each alone, line after line.
-    pub fn arms(&self) -> Vec<Arm> {
+    /// The rig on the shafts of its servos, whatever their line.
+    ///
+    /// # Errors
+    /// [`RigServosError`].
+    pub fn plant(
+        &self,
+        rig: &Description,
+        mechanism: &Mechanism,
+    ) -> Result<RigPlant, RigServosError> {
         let servos = self.lines.iter().flat_map(|line| &line.servos);
-        servos.map(|servo| self.servos[*servo].own.load).collect()
+        let names: Vec<&str> = servos.map(|servo| self.servos[*servo].own.name.as_str()).collect();
+        RigPlant::new(rig, mechanism, &names)
     }
 
     /// Where a servo stands among all, line after line.
@@ -215,7 +225,12 @@ impl Parts {
         place + self.lines[..line].iter().map(|line| line.servos.len()).sum::<usize>()
     }
 
-    /// A supply for each line, of the voltage of its first servo.
+    /// What feeds all servos, as the rig's file says.
+    pub(super) fn supply(&self) -> Option<Supply> {
+        self.supply.map(|supply| Supply::limited(supply.voltage_v, supply.current_a))
+    }
+
+    /// For a rig whose file says nothing: a supply for each line, of the voltage of its first servo.
     pub(super) fn stiff_supplies(&self) -> Vec<Supply> {
         let first = |line: &Line| &self.servos[line.servos[0]].own;
         self.lines.iter().map(|line| Supply::stiff(first(line).kind.voltage_v)).collect()

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataWriter};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
@@ -19,23 +19,40 @@ use crate::output::Pending;
 
 /// What a recording names itself.
 pub const SCHEMA: &str = "sinew-recording/1";
-/// Rows that are written at once: 20 s at 500 Hz.
-const GROUP: usize = 10_000;
+/// Of the format's first version, as its writer makes it.
+const VERSION: i32 = 1;
+const CREATED_BY: &str = concat!("sinew ", env!("CARGO_PKG_VERSION"));
+/// Rows that are written at once, a part: 5 s at 500 Hz.
+const GROUP: usize = 2_500;
+/// What ends between the parts say of themselves.
+pub(super) const UNFINISHED: &str = "unfinished";
+/// So many times as long as the last end must be what was written since, before another one is.
+const END_SHARE: usize = 5;
 
 /// Columns of each joint.
-const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
+pub(super) const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
 /// Columns of each servo.
-const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
+pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 
 /// Writes a recording.
 ///
-/// Columns: `time_s` and `state`; of each joint `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m,
-/// or N) and `.limiter`; of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known
-/// is null. Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
+/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick); of each joint
+/// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N) and `.limiter`; of each servo
+/// `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null. Joints are degrees of
+/// freedom; of a ball joint positions are the rotation vector's.
+///
+/// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
+/// too, where readers look over it: what was cut off is whole up to the last one.
 pub struct Recorder {
     writer: SerializedFileWriter<BufWriter<Pending>>,
+    kept: Vec<KeyValue>,
+    /// Bytes up to the last end, and how many that has.
+    ended: usize,
+    end_len: usize,
     time_s: Vec<Option<f64>>,
     state: Vec<Option<ByteArray>>,
+    runs: Vec<Option<bool>>,
+    faults: Vec<Option<ByteArray>>,
     joints: Vec<Joint>,
     servos: Vec<[Vec<Option<f32>>; 3]>,
 }
@@ -68,6 +85,8 @@ impl Recorder {
         };
         let mut fields = vec![field("time_s", PhysicalType::DOUBLE)?];
         fields.push(field("state", PhysicalType::BYTE_ARRAY)?);
+        fields.push(field("runs", PhysicalType::BOOLEAN)?);
+        fields.push(field("faults", PhysicalType::BYTE_ARRAY)?);
         for name in &parts.names {
             for of in OF_JOINT {
                 fields.push(field(&format!("{name}.{of}"), PhysicalType::FLOAT)?);
@@ -88,13 +107,18 @@ impl Recorder {
         kept.push(note("rate_hz", &parts.rate_hz.to_string()));
         kept.extend(notes.iter().map(|(key, value)| note(key, value)));
         let properties = WriterProperties::builder()
-            .set_created_by(concat!("sinew ", env!("CARGO_PKG_VERSION")).to_owned())
-            .set_key_value_metadata(Some(kept))
+            .set_created_by(CREATED_BY.to_owned())
+            .set_key_value_metadata(Some(kept.clone()))
             .build();
         Ok(Self {
             writer: SerializedFileWriter::new(file, schema, Arc::new(properties))?,
+            kept,
+            ended: 0,
+            end_len: 0,
             time_s: Vec::new(),
             state: Vec::new(),
+            runs: Vec::new(),
+            faults: Vec::new(),
             joints: parts.names.iter().map(|_| Joint::default()).collect(),
             servos: parts.servos.iter().map(|_| Default::default()).collect(),
         })
@@ -108,6 +132,9 @@ impl Recorder {
         let report = stand.report();
         self.time_s.push(Some(stand.time_s()));
         self.state.push(Some(report.state.to_string().as_str().into()));
+        self.runs.push(Some(stand.runs()));
+        let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
+        self.faults.push((!faults.is_empty()).then(|| faults.join(", ").as_str().into()));
         let [commanded, measured] = stand.freedoms();
         for (index, joint) in self.joints.iter_mut().enumerate() {
             let freedom = report.freedoms[index];
@@ -124,7 +151,11 @@ impl Recorder {
                 column.push(number);
             }
         }
-        if self.time_s.len() == GROUP { self.write() } else { Ok(()) }
+        if self.time_s.len() == GROUP {
+            self.write()?;
+            self.end_between()?;
+        }
+        Ok(())
     }
 
     /// Writes what is left, and the end of the file.
@@ -138,6 +169,27 @@ impl Recorder {
         Ok(())
     }
 
+    /// What makes a file of the parts until now, so that they outlive this program.
+    fn end_between(&mut self) -> Result<(), ParquetError> {
+        // It grows with each part: of a long recording it would take more than the parts.
+        if END_SHARE * self.end_len > self.writer.bytes_written() - self.ended {
+            return Ok(());
+        }
+        let parts = self.writer.flushed_row_groups().to_vec();
+        let rows = parts.iter().map(|part| part.num_rows()).sum();
+        let schema = Arc::new(self.writer.schema_descr().clone());
+        let unfinished = KeyValue::new(UNFINISHED.to_owned(), "true".to_owned());
+        let kept = self.kept.iter().cloned().chain([unfinished]).collect();
+        let by = Some(CREATED_BY.to_owned());
+        let file = FileMetaData::new(VERSION, rows, by, Some(kept), schema, None);
+        let mut end = Vec::new();
+        ParquetMetaDataWriter::new(&mut end, &ParquetMetaData::new(file, parts)).finish()?;
+        self.writer.write_all(&end)?;
+        self.writer.flush()?;
+        (self.ended, self.end_len) = (self.writer.bytes_written(), end.len());
+        Ok(())
+    }
+
     fn write(&mut self) -> Result<(), ParquetError> {
         let mut rows = self.writer.next_row_group()?;
         let mut next = |column: Column<'_>| -> Result<(), ParquetError> {
@@ -146,11 +198,14 @@ impl Recorder {
                 Column::Time(values) => put::<DoubleType>(&mut chunk, values)?,
                 Column::Number(values) => put::<FloatType>(&mut chunk, values)?,
                 Column::Text(values) => put::<ByteArrayType>(&mut chunk, values)?,
+                Column::Flag(values) => put::<BoolType>(&mut chunk, values)?,
             }
             chunk.close()
         };
         next(Column::Time(&mut self.time_s))?;
         next(Column::Text(&mut self.state))?;
+        next(Column::Flag(&mut self.runs))?;
+        next(Column::Text(&mut self.faults))?;
         for joint in &mut self.joints {
             for numbers in &mut joint.numbers {
                 next(Column::Number(numbers))?;
@@ -175,6 +230,7 @@ enum Column<'c> {
     Time(&'c mut Vec<Option<f64>>),
     Number(&'c mut Vec<Option<f32>>),
     Text(&'c mut Vec<Option<ByteArray>>),
+    Flag(&'c mut Vec<Option<bool>>),
 }
 
 /// Writes a column, and empties it. Definition level 1 is a value, 0 is none.

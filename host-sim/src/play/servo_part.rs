@@ -152,22 +152,3 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
         shutdown_c: single(kind.shutdown_c),
     }
 }
-
-/// Where a joint ends, its servo ends: the joint has stops. Of drives of one freedom with two ends.
-pub(super) fn set_stops(board: &Board, servos: &mut [RigServo]) {
-    for drive in board.drives() {
-        let &[freedom] = drive.freedoms.as_slice() else { continue };
-        let ends = board.freedoms()[usize::from(freedom)].range;
-        let [Ok(from), Ok(to)] = ends.map(|end| drive.drive.at_joints(&[end])) else { continue };
-        for (place, index) in drive.servos.iter().map(|index| usize::from(*index)).enumerate() {
-            let settings = board.servos()[index].servo.settings();
-            let servo = &mut servos[index];
-            let middle = 0.5 * servo.kind.range_rad;
-            let [a, b] = [&from, &to].map(|pose| {
-                middle + f64::from(settings.gear * pose.servos()[place] + settings.offset_rad)
-            });
-            let [least, most] = servo.load.stops_rad;
-            servo.load.stops_rad = [least.max(a.min(b)), most.min(a.max(b))];
-        }
-    }
-}

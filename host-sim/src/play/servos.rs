@@ -80,7 +80,8 @@ pub enum PutError {
 }
 
 /// Puts a servo on each turning joint that has none: named as the joint, on the bus `main`, the middle of its range
-/// where the joint's is. A joint's own limits stay where the servo can more. Says how many were put.
+/// where the joint's is. A joint's own limits stay where the servo can more, and of its friction what the servo has not.
+/// Says how many were put.
 ///
 /// # Errors
 /// [`PutError`] names the joint and what would be right.
@@ -138,6 +139,9 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
         let joint = &mut rig.joints[index];
         joint.speed_rad_s = joint.speed_rad_s.filter(|v| *v < model.no_load_speed_rad_s.value);
         joint.effort = joint.effort.filter(|effort| *effort < model.stall_torque_nm.value);
+        // A joint without a servo was described with whatever drove it: what the servo rubs is not counted twice.
+        joint.friction = (joint.friction - model.friction_nm.value).max(0.0);
+        joint.damping = (joint.damping - model.damping_nm_s.value).max(0.0);
         let kind = DriveKind::one_to_one(freedoms);
         rig.drives.push(Drive { joints: vec![name], servos, kind });
         count += 1;
@@ -171,6 +175,24 @@ mod tests {
         rig.mechanism().unwrap();
         assert_eq!(put_servos(&mut rig, &choices(&["mx-28"])), Err(PutError::NoneFree));
         assert_eq!(put_servos(&mut rig, &[]), Ok(0));
+    }
+
+    /// With its servo a joint rubs as its file says, or as the servo does if that is more.
+    #[test]
+    fn friction_is_counted_once() {
+        let model = ServoModel::built_in("XM430-W350-T").unwrap();
+        let [of_servo, dry] = [model.damping_nm_s.value, model.friction_nm.value];
+        for damping in [0.5 * of_servo, 2.0 * of_servo] {
+            let mut rig = bare();
+            (rig.joints[1].damping, rig.joints[1].friction) = (damping, 0.0);
+            put_servos(&mut rig, &choices(&["xm430"])).unwrap();
+            let name = rig.joints[1].name.clone();
+            let mechanism = rig.mechanism().unwrap();
+            let link = mechanism.bodies.iter().find(|link| link.joint_name == name).unwrap();
+            // The servo's numbers go through f32.
+            assert!((link.damping - damping.max(of_servo)).abs() < 1e-7, "{}", link.damping);
+            assert!((link.friction - dry).abs() < 1e-7, "{}", link.friction);
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use sinew_bus::{Effort, ServoBus as _, settings};
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};
-use sinew_firmware::supervisor::{Command, FaultSet, Permission};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
 use sinew_servo_sim::bench::{Bench, Branch};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
@@ -110,7 +110,10 @@ impl<'a, P: Plant> Stand<'a, P> {
             ends.take_while(|end| *end <= place).count()
         };
         let servos = servos.into_iter().flatten().collect();
-        let bench = Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of);
+        let bench = match parts.supply() {
+            Some(supply) => Bench::new(servos, plant, supply),
+            None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
+        };
         let lines = Branch::of(bench, &counts).into_iter().map(Line::of_master).collect();
         let places = parts.servos.iter().map(|part| part.place).collect();
         Ok(Self {
@@ -191,6 +194,12 @@ impl<'a, P: Plant> Stand<'a, P> {
     /// What drives may do.
     pub fn permission(&self) -> &Permission {
         self.controller.permission()
+    }
+
+    /// Whether the show ran in the last tick.
+    pub fn runs(&self) -> bool {
+        let permission = self.permission();
+        permission.source == Source::Feed(Feed::Show) && permission.runs
     }
 
     /// Commanded and measured position of each freedom: of a ball joint the rotation vector.

@@ -1,7 +1,7 @@
 //! What a performance came to: following errors, currents, temperatures, by joint and by drive.
 
 use comfy_table::Table;
-use sinew_firmware::supervisor::{FaultSet, Feed, Source};
+use sinew_firmware::supervisor::FaultSet;
 use sinew_servo_sim::load::Plant;
 
 use super::parts::Parts;
@@ -51,10 +51,10 @@ impl Tally {
 
     /// Looks at a tick.
     pub fn note<P: Plant>(&mut self, stand: &Stand<'_, P>) {
-        let (report, permission) = (stand.report(), stand.permission());
-        if permission.source != Source::Feed(Feed::Show) || !permission.runs {
+        if !stand.runs() {
             return;
         }
+        let report = stand.report();
         let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
         self.ticks += 1;
         for (index, (sums, freedom)) in self.freedoms.iter_mut().zip(&report.freedoms).enumerate() {

@@ -12,6 +12,8 @@ use crate::performance::{Marks, bake};
 /// What a performance of an arm at rest on two buses ends with, after `wrong` has set one register of a servo.
 fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let mut rig = arm(3).unwrap();
+    // Of two voltages: no supply for both.
+    rig.supply = None;
     "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
     "tip".clone_into(&mut rig.servos[1].bus);
     let mechanism = rig.mechanism().unwrap();
@@ -20,7 +22,8 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let show = bake(&mechanism, &motion, parts.rig_crc(), &Marks::default(), &Settings::default());
     let show = show.unwrap().written.bytes;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-    let mut stand = Stand::new(&parts, &show, &mut memories, parts.arms()).unwrap();
+    let plant = parts.plant(&rig, &mechanism).unwrap();
+    let mut stand = Stand::new(&parts, &show, &mut memories, plant).unwrap();
     if let Some((servo, register, raw)) = wrong {
         stand.set_register(servo, register, raw);
     }

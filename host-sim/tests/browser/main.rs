@@ -3,6 +3,7 @@
 mod devtools;
 mod feasibility;
 mod page;
+mod recording;
 mod report;
 mod rig;
 mod rig_report;

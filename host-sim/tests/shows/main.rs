@@ -7,6 +7,8 @@ mod independent;
 mod loops;
 #[cfg(unix)]
 mod play;
+#[cfg(unix)]
+mod report;
 mod servos;
 
 use std::path::Path;

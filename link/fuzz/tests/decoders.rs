@@ -1,7 +1,9 @@
-//! A target for each way in.
+//! A target for each way in: it takes the corpus, then what bolero thinks of.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
+#[path = "../../tests/corpus/mod.rs"]
+mod corpus;
 #[path = "../../tests/decoders/mod.rs"]
 mod decoders;
 
@@ -9,6 +11,8 @@ macro_rules! targets {
     ($($name:ident),*) => {$(
         #[test]
         fn $name() {
+            corpus::inputs(stringify!($name)).iter().for_each(|bytes| decoders::$name(bytes));
+            #[cfg(feature = "bolero")]
             bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
         }
     )*};

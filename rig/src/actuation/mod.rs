@@ -2,11 +2,13 @@
 
 mod defaults;
 mod drive;
+mod joint_friction;
 mod servo;
 
 use crate::description::{Description, DescriptionError};
 
 pub use defaults::JointDefaults;
+pub use joint_friction::JointFriction;
 
 /// The drives and servos of a [`Description`].
 #[derive(Debug, Clone, PartialEq)]

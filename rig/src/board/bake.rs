@@ -6,11 +6,12 @@ use std::ops::Range;
 use heapless::Vec;
 
 use super::{BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
-use crate::actuation::Actuation;
+use crate::actuation::{Actuation, JointFriction};
 use crate::description::{self, Description, DescriptionError};
 use crate::drive::MOST;
 use crate::mechanism::{self, Link, Mechanism};
 use crate::number::single;
+use crate::servo::{Servo, ServoSettings};
 
 /// Why a description does not go on a board.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -156,7 +157,7 @@ fn drives(
         .collect()
 }
 
-/// Buses are numbered as they first appear.
+/// Buses are numbered as they first appear. A board feeds friction forward by servo: that of their joints is theirs.
 fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo> {
     let mut buses: std::vec::Vec<&str> = std::vec::Vec::new();
     for servo in &rig.servos {
@@ -168,10 +169,22 @@ fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo>
     rig.servos
         .iter()
         .zip(&actuation.servos)
-        .map(|(described, servo)| BoardServo {
+        .zip(actuation.joint_friction(rig))
+        .map(|((described, servo), joint)| BoardServo {
             bus: u16::try_from(number_of(&described.bus)).unwrap_or(u16::MAX),
             address: described.address,
-            servo: *servo,
+            servo: with_friction(servo, joint),
         })
         .collect()
+}
+
+/// A servo with friction beside its own. What is more than a servo can have is not fed forward.
+fn with_friction(servo: &Servo, joint: JointFriction) -> Servo {
+    let own = *servo.settings();
+    let more = ServoSettings {
+        friction_nm: own.friction_nm + joint.coulomb_nm,
+        damping_nm_s: own.damping_nm_s + joint.viscous_nm_s,
+        ..own
+    };
+    Servo::new(more).unwrap_or(*servo)
 }

@@ -19,6 +19,9 @@ use data::{Drawn, DrawnFreedom, Json};
 const SCRIPT: &str = concat!(
     include_str!("../rig/assets/kinematics.js"),
     include_str!("../rig/assets/stage.js"),
+    include_str!("../assets/courses.js"),
+    include_str!("../assets/draw.js"),
+    include_str!("../assets/transport.js"),
     include_str!("assets/show.js"),
     include_str!("assets/plots.js"),
     include_str!("assets/player.js")

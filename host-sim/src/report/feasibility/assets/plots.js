@@ -6,23 +6,6 @@ const KINDS = [
   { kind: "acceleration", title: "Acceleration", unit: [" rad/s²", " m/s²"], factor: [1, 1] },
   { kind: "effort", title: "Torque", unit: [" N m", " N"], factor: [1, 1] },
 ];
-const element = (tag, properties = {}, children = []) => {
-  const node = Object.assign(document.createElement(tag), properties);
-  node.append(...children);
-  return node;
-};
-const drawn = (tag, attributes) => {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  return node;
-};
-const number = (signed, decimals) => {
-  const size = Math.abs(signed);
-  const text = signed.toFixed(decimals ?? (size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3));
-  // No zero below zero.
-  return Number(text) === 0 ? "0" : text.replace("-", "−");
-};
-
 // Positions have one decimal, as in the tables.
 const worded = (kind) => kind === "position" ? (x) => number(x, 1) : (x) => number(x);
 
@@ -30,20 +13,6 @@ const worded = (kind) => kind === "position" ? (x) => number(x, 1) : (x) => numb
 const limitsOf = (freedom, kind) => {
   if (kind === "position") return freedom.position.filter((x) => x !== null);
   return freedom[kind] === null ? [] : [-freedom[kind], freedom[kind]];
-};
-
-// The whole course in as many points as a screen has: of each stretch its least and its most.
-const WIDTH = 1000;
-const outline = (course, x, y) => {
-  const step = Math.max(Math.ceil(course.length / (WIDTH / 2)), 1);
-  const points = [];
-  for (let at = 0; at < course.length; at += step) {
-    const part = course.subarray(at, at + step);
-    const [least, most] = [Math.min(...part), Math.max(...part)];
-    const ends = step === 1 ? [least] : part.indexOf(least) < part.indexOf(most) ? [least, most] : [most, least];
-    ends.forEach((value, i) => points.push(`${x(at + i * step / 2).toFixed(1)} ${y(value).toFixed(2)}`));
-  }
-  return `M${points.join("L")}`;
 };
 
 // A plot, and `now`, which says the value at a time.

@@ -94,8 +94,18 @@ const stageOn = (canvas, points, show) => {
       }
     }
   };
+  // From where to where each body reaches.
+  const bones = (poses) => RIG.bodies.flatMap((body, index) => {
+    const from = poses[index].p;
+    const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
+      .map((child) => poses[child].frame.p);
+    const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
+    to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
+    return to.map((end) => [from, end]);
+  });
   // `shares`: of what each joint can give. `marked`: joints with a ring. `way`: how far the camera goes with the rig.
-  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0] } = {}) => {
+  // `sent`: poses that are drawn as thin lines.
+  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null } = {}) => {
     middle = add(home, way);
     measure();
     if (width === 0) return;
@@ -105,20 +115,18 @@ const stageOn = (canvas, points, show) => {
     grid();
     const thick = 0.018 * size;
     const parts = [];
-    RIG.bodies.forEach((body, index) => {
-      const from = poses[index].p;
-      const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
-        .map((child) => poses[child].frame.p);
-      const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
-      to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
-      for (const end of to) {
-        const [a, b] = [project(from), project(end)];
-        parts.push({ depth: (a.depth + b.depth) / 2, paint: () => {
-          line(a, b, color("muted"), thick * a.scale + 2 * ratio());
-          line(a, b, color("paper"), thick * a.scale);
-        } });
-      }
-    });
+    for (const [from, to] of bones(poses)) {
+      const [a, b] = [project(from), project(to)];
+      parts.push({ depth: (a.depth + b.depth) / 2, paint: () => {
+        line(a, b, color("muted"), thick * a.scale + 2 * ratio());
+        line(a, b, color("paper"), thick * a.scale);
+      } });
+    }
+    for (const [from, to] of sent ? bones(sent) : []) {
+      const [a, b] = [project(from), project(to)];
+      // In front of what it is in.
+      parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => line(a, b, color("world"), 1.5 * ratio()) });
+    }
     RIG.freedoms.forEach((freedom, index) => {
       const axis = axisOf(freedom, poses);
       const { p } = poses[freedom.body];

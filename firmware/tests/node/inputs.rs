@@ -1,0 +1,17 @@
+//! Bytes that are or were interesting, `corpus/*.hex`, one input of a fuzz target in a line.
+
+/// Those of `decoders::settings`.
+pub(crate) fn settings() -> impl Iterator<Item = Vec<u8>> {
+    inputs(include_str!("corpus/settings.hex"))
+}
+
+/// Those of `decoders::node`.
+pub(crate) fn node() -> impl Iterator<Item = Vec<u8>> {
+    inputs(include_str!("corpus/node.hex"))
+}
+
+fn inputs(text: &'static str) -> impl Iterator<Item = Vec<u8>> {
+    let byte = |at: &[u8]| u8::from_str_radix(std::str::from_utf8(at).unwrap(), 16).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    lines.map(move |line| line.as_bytes().chunks(2).map(byte).collect())
+}

@@ -1,0 +1,73 @@
+//! `sinew report`: a recording of `sinew play` as a page.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use sinew_rig::Description;
+use sinew_rig::toml_file;
+use sinew_sim::command::note;
+use sinew_sim::play::Recording;
+use sinew_sim::report::recording::{Page, cut, duration_s};
+
+use super::output::distinct;
+use super::rig::read;
+
+/// Make a page of a recording of `sinew play --record`: the rig in motion, and plots of each joint.
+///
+/// One HTML file that any browser opens from disk, without a network: by time each joint's target and measured
+/// position, error, torque with what limited it, and its servo's current; states and faults; a table of all joints.
+///
+/// Of a recording that is cut off, because the machine went down or the disk was full, what is whole is shown.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The recording.
+    #[arg(value_name = "RECORDING.parquet")]
+    recording: PathBuf,
+
+    /// The rig that moves: rig.toml, URDF or MJCF. Default: the rig that the recording keeps.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// The file to write. Default: beside the recording, with its name and `.html`.
+    #[arg(short, long, visible_alias = "output", value_name = "FILE.html")]
+    out: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    let out = args.out.clone().unwrap_or_else(|| args.recording.with_extension("html"));
+    let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
+    distinct(&[&out], &files)?;
+    let named = || args.recording.display().to_string();
+    let recording = Recording::open(&args.recording).with_context(named)?;
+    let kept = kept(&recording, &args.recording, args.rig.is_some())?;
+    let given = args.rig.as_deref().map(read).transpose()?;
+    let mechanism = match (&given, &kept) {
+        (Some(given), _) => given.mechanism.clone(),
+        (None, Some(kept)) => kept.mechanism().with_context(named)?,
+        (None, None) => bail!("{}: keeps no rig: give it by --rig", named()),
+    };
+    // Which servos were there says the recording itself.
+    let rig = kept.or(given.map(|given| given.description)).context("a rig is kept or given")?;
+    let page = Page { recording: &recording, rig: &rig, mechanism: &mechanism };
+    let html = page.html().with_context(named)?;
+    std::fs::write(&out, html).with_context(|| out.display().to_string())?;
+    if !recording.is_whole() {
+        note(format_args!("{}: {}", named(), cut(duration_s(&recording)?)));
+    }
+    note(format_args!("wrote {}", out.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The rig that a recording keeps. One that cannot be read is of no use; it does no harm if another one is given.
+fn kept(recording: &Recording, path: &Path, is_given: bool) -> anyhow::Result<Option<Description>> {
+    let Some(text) = recording.note("rig") else { return Ok(None) };
+    match toml_file::read(text) {
+        Ok(rig) => Ok(Some(rig)),
+        Err(_) if is_given => Ok(None),
+        Err(why) => Err(why).with_context(|| {
+            format!("{}: the rig in it cannot be read: give it by --rig", path.display())
+        }),
+    }
+}

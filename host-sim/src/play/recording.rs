@@ -1,0 +1,277 @@
+//! A recording read again, part after part: see [`Recorder`](super::Recorder) for its columns.
+
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::column::reader::{ColumnReaderImpl, get_column_reader, get_typed_column_reader};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+use parquet::file::serialized_reader::SerializedPageReader;
+use thiserror::Error;
+
+use super::record::{OF_JOINT, OF_SERVO, SCHEMA, UNFINISHED};
+
+/// What a Parquet file begins and ends with.
+const MAGIC: &[u8; 4] = b"PAR1";
+/// Of an end: the length of what stands before it, and the magic.
+const TAIL_LEN: u64 = 8;
+/// So much of a file is looked through at once, from its end on.
+const BLOCK: u64 = 1 << 16;
+
+/// Why there is nothing to be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// What the system says.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// It does not begin as a Parquet file does.
+    #[error("is no recording of `sinew play --record`: no Parquet file")]
+    NotParquet,
+    /// A Parquet file of something else.
+    #[error("is no recording of `sinew play --record`: a Parquet file of something else")]
+    Other,
+    /// Nothing of it is whole.
+    #[error("is cut off before the end of its first part: nothing of it is whole")]
+    Nothing,
+    /// It lacks a column that it must have.
+    #[error("has no column {0:?}, which each recording has")]
+    Column(String),
+    /// A part is not as it was written.
+    #[error("part {part}: {source}")]
+    Damaged {
+        /// Which, from 1 on.
+        part: usize,
+        /// What is wrong.
+        source: ParquetError,
+    },
+}
+
+/// A recording on disk.
+#[derive(Debug)]
+pub struct Recording {
+    file: Arc<File>,
+    metadata: ParquetMetaData,
+    joints: Vec<String>,
+    servos: Vec<String>,
+}
+
+/// Some rows. Numbers that are not known are NaN.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Part {
+    /// Since power-on, s.
+    pub time_s: Vec<f64>,
+    /// What the supervisor was in.
+    pub states: Vec<Option<String>>,
+    /// Whether the show ran.
+    pub runs: Vec<bool>,
+    /// Faults that came.
+    pub faults: Vec<Option<String>>,
+    /// By joint.
+    pub joints: Vec<JointRows>,
+    /// By servo.
+    pub servos: Vec<ServoRows>,
+}
+
+/// Some rows of a joint: rad and N m, or m and N.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct JointRows {
+    /// Where it was sent.
+    pub commanded: Vec<f32>,
+    /// Where it was before.
+    pub measured: Vec<f32>,
+    /// What it was sent to in the tick before, less where it came.
+    pub error: Vec<f32>,
+    /// What it was asked for.
+    pub effort: Vec<f32>,
+    /// What limited that.
+    pub limiter: Vec<Option<String>>,
+}
+
+/// Some rows of a servo.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ServoRows {
+    /// A.
+    pub current: Vec<f32>,
+    /// °C.
+    pub temperature: Vec<f32>,
+    /// V.
+    pub voltage: Vec<f32>,
+}
+
+impl Recording {
+    /// Opens a recording. Of one that is cut off, what is whole.
+    ///
+    /// # Errors
+    /// [`RecordingError`].
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let mut file = File::open(path)?;
+        let metadata = last_end(&mut file)?;
+        let mut recording =
+            Self { file: Arc::new(file), metadata, joints: Vec::new(), servos: Vec::new() };
+        if recording.note("schema") != Some(SCHEMA) {
+            return Err(RecordingError::Other);
+        }
+        let names: Vec<&str> = recording.columns().collect();
+        let of = |ending: &str| -> Vec<String> {
+            let ending = format!(".{ending}");
+            names.iter().filter_map(|name| name.strip_suffix(&ending)).map(str::to_owned).collect()
+        };
+        (recording.joints, recording.servos) = (of(OF_JOINT[0]), of(OF_SERVO[0]));
+        Ok(recording)
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &str> {
+        self.metadata.file_metadata().schema_descr().columns().iter().map(|column| column.name())
+    }
+
+    /// What was kept with it, such as `rig`, `show` and `rate_hz`.
+    pub fn note(&self, key: &str) -> Option<&str> {
+        let kept = self.metadata.file_metadata().key_value_metadata()?;
+        kept.iter().find(|note| note.key == key)?.value.as_deref()
+    }
+
+    /// Whether it was written to its end.
+    pub fn is_whole(&self) -> bool {
+        self.note(UNFINISHED).is_none()
+    }
+
+    /// Names of the joints: of degrees of freedom.
+    pub fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    /// Names of the servos' columns.
+    pub fn servos(&self) -> &[String] {
+        &self.servos
+    }
+
+    /// Ticks.
+    pub fn rows(&self) -> usize {
+        let rows = self.metadata.row_groups().iter().map(|group| group.num_rows());
+        rows.map(|rows| usize::try_from(rows).unwrap_or_default()).sum()
+    }
+
+    /// All that is whole, in time.
+    pub fn parts(&self) -> impl Iterator<Item = Result<Part, RecordingError>> {
+        (0..self.metadata.num_row_groups()).map(|group| self.part(group))
+    }
+
+    fn part(&self, group: usize) -> Result<Part, RecordingError> {
+        let float = |name: &str| -> Result<Vec<f32>, RecordingError> {
+            let numbers = self.column::<FloatType>(group, name)?;
+            Ok(numbers.into_iter().map(|number| number.unwrap_or(f32::NAN)).collect())
+        };
+        let text = |name: &str| -> Result<Vec<Option<String>>, RecordingError> {
+            let texts = self.column::<ByteArrayType>(group, name)?;
+            let own = |bytes: ByteArray| String::from_utf8_lossy(bytes.data()).into_owned();
+            Ok(texts.into_iter().map(|text| text.map(own)).collect())
+        };
+        let joint = |name: &String| -> Result<JointRows, RecordingError> {
+            let [commanded, measured, error, effort] = OF_JOINT.map(|of| format!("{name}.{of}"));
+            Ok(JointRows {
+                commanded: float(&commanded)?,
+                measured: float(&measured)?,
+                error: float(&error)?,
+                effort: float(&effort)?,
+                limiter: text(&format!("{name}.limiter"))?,
+            })
+        };
+        let servo = |name: &String| -> Result<ServoRows, RecordingError> {
+            let [current, temperature, voltage] = OF_SERVO.map(|of| format!("{name}.{of}"));
+            Ok(ServoRows {
+                current: float(&current)?,
+                temperature: float(&temperature)?,
+                voltage: float(&voltage)?,
+            })
+        };
+        let time_s = self.column::<DoubleType>(group, "time_s")?;
+        let runs = self.column::<BoolType>(group, "runs")?;
+        Ok(Part {
+            time_s: time_s.into_iter().map(|time_s| time_s.unwrap_or(f64::NAN)).collect(),
+            states: text("state")?,
+            runs: runs.into_iter().map(|runs| runs == Some(true)).collect(),
+            faults: text("faults")?,
+            joints: self.joints.iter().map(joint).collect::<Result<_, _>>()?,
+            servos: self.servos.iter().map(servo).collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn column<T: DataType>(
+        &self,
+        group: usize,
+        name: &str,
+    ) -> Result<Vec<Option<T::T>>, RecordingError> {
+        let missing = || RecordingError::Column(name.to_owned());
+        let place = self.columns().position(|column| column == name).ok_or_else(missing)?;
+        let damaged = |source| RecordingError::Damaged { part: group + 1, source };
+        let rows = self.metadata.row_group(group);
+        let count = usize::try_from(rows.num_rows()).unwrap_or_default();
+        let chunk = rows.column(place);
+        if chunk.column_type() != T::get_physical_type() {
+            return Err(missing());
+        }
+        let pages = SerializedPageReader::new(Arc::clone(&self.file), chunk, count, None);
+        let reader = get_column_reader(chunk.column_descr_ptr(), Box::new(pages.map_err(damaged)?));
+        let mut reader: ColumnReaderImpl<T> = get_typed_column_reader(reader);
+        let (mut levels, mut values) = (Vec::new(), Vec::new());
+        let read = reader.read_records(count, Some(&mut levels), None, &mut values);
+        let (records, ..) = read.map_err(damaged)?;
+        if records != count {
+            let short = format!("{name:?} has {records} of {count} rows");
+            return Err(damaged(ParquetError::EOF(short)));
+        }
+        let mut values = values.into_iter();
+        // Level 0 is none.
+        Ok(levels.iter().map(|level| (*level > 0).then(|| values.next()).flatten()).collect())
+    }
+}
+
+/// What the last whole end of a file says. Ends stand between the parts, too: see [`super::Recorder`].
+fn last_end(file: &mut File) -> Result<ParquetMetaData, RecordingError> {
+    let len = file.seek(SeekFrom::End(0))?;
+    let mut head = [0; MAGIC.len()];
+    file.rewind()?;
+    if len < TAIL_LEN || file.read_exact(&mut head).is_err() || head != *MAGIC {
+        return Err(RecordingError::NotParquet);
+    }
+    let mut end = len;
+    // The first magic is the beginning.
+    while end > MAGIC.len() as u64 {
+        let begin = end.saturating_sub(BLOCK).max(MAGIC.len() as u64);
+        // A magic may lie across two blocks.
+        let bytes = read(file, begin, (end + MAGIC.len() as u64 - 1).min(len))?;
+        for at in (0..bytes.len().saturating_sub(MAGIC.len() - 1)).rev() {
+            if bytes[at..].starts_with(MAGIC)
+                && let Some(metadata) = end_before(file, begin + at as u64)?
+            {
+                return Ok(metadata);
+            }
+        }
+        end = begin;
+    }
+    Err(RecordingError::Nothing)
+}
+
+/// What an end says whose magic stands here; none if it is no end.
+fn end_before(file: &mut File, magic: u64) -> Result<Option<ParquetMetaData>, RecordingError> {
+    let Some(of_len) = magic.checked_sub(4) else { return Ok(None) };
+    let len: [u8; 4] = read(file, of_len, magic)?.try_into().unwrap_or_default();
+    let Some(begin) = of_len.checked_sub(u32::from_le_bytes(len).into()) else { return Ok(None) };
+    if begin < MAGIC.len() as u64 {
+        return Ok(None);
+    }
+    let metadata = ParquetMetaDataReader::decode_metadata(&read(file, begin, of_len)?).ok();
+    // Data may look like an end by chance; it has no parts.
+    Ok(metadata.filter(|metadata| metadata.num_row_groups() > 0))
+}
+
+fn read(file: &mut File, begin: u64, end: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = vec![0; usize::try_from(end - begin).unwrap_or_default()];
+    file.seek(SeekFrom::Start(begin))?;
+    file.read_exact(&mut bytes)?;
+    Ok(bytes)
+}

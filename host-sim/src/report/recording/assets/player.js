@@ -1,0 +1,54 @@
+
+// ---- The player: one time and one joint for the rig, the plots and the tables ----
+// Puts the rig where it was, or where it was sent. Numbers of a ball joint are its rotation vector.
+RIG.bodies.forEach((body, index) => { if (body.kind === "spherical") given[index] = [0, 0, 0, 1]; });
+const takePose = (time, kind = "measured") => {
+  const place = placeOf(time);
+  RIG.freedoms.forEach((freedom, index) => {
+    const now = between(COURSES[kind][index], place);
+    values[index] = Number.isNaN(now) ? freedom.home : now;
+  });
+};
+
+(() => {
+  // An error of so much is the colour's end, rad and m.
+  const MOST = [10 * Math.PI / 180, 0.01];
+  const sharesAt = (time) => RIG.freedoms.map(({ slides }, index) => {
+    const error = between(COURSES.error[index], placeOf(time));
+    return Number.isNaN(error) ? null : Math.abs(error) / MOST[slides ? 1 : 0];
+  });
+  const events = [...document.querySelectorAll("#excesses button")];
+  let chosen = 0, plots = [];
+  const { show, seek, setPlaying } = transport((time) => {
+    takePose(time, "commanded");
+    const sent = solve();
+    takePose(time);
+    draw(solve(), sharesAt(time), { chosen, sent });
+    for (const { now } of plots) now(time);
+    const last = events.filter((button) => Number(button.dataset.at) <= time + 1e-9).at(-1) ?? events[0];
+    for (const button of events) button.classList.toggle("now", button === last);
+  });
+  const { draw, approach } = stageOn(document.getElementById("stage"), everywhere(), show);
+  approach();
+
+  const { choose } = joints((index) => {
+    chosen = index;
+    plots = KINDS.map((kind) => plot(kind, index));
+    document.getElementById("charts").replaceChildren(...plots.map(({ figure }) => figure));
+    show();
+  });
+  for (const button of document.querySelectorAll("[data-at]")) {
+    button.addEventListener("click", () => seek(Number(button.dataset.at)));
+  }
+  for (const { name, from_s: from, to_s: to } of SHOW.states) if (name === "playing") onStrip(from, to, "playing");
+  for (const time of SHOW.faults) onStrip(time, time, "fault");
+
+  // First the joint with the largest error, from where the show begins on.
+  const most = COURSES.error.map((course) => course.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0));
+  if (RIG.freedoms.length > 0) choose(most.indexOf(Math.max(...most)));
+  const begin = SHOW.states.find(({ name }) => name === "playing");
+  if (begin) seek(begin.from_s);
+  show();
+  // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
+  if (!still.matches) setPlaying(true);
+})();
