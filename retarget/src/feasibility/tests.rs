@@ -73,6 +73,60 @@ fn a_motion_that_is_too_fast_becomes_slower() {
 }
 
 #[test]
+fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
+    let arm = arm(20.0);
+    let (limits, motion) = swing(&arm, 0.7, 2.0);
+    let settings = FitSettings::default();
+    let first = fit(&arm, &limits, &motion, settings).unwrap();
+    // To the same limits there is nothing to do.
+    assert_eq!(refit(&arm, &limits, &motion, &first, settings).as_ref(), Ok(&first));
+    let mut tight = limits.clone();
+    tight.freedoms[0].speed *= 0.8;
+    let [anew, again] = [
+        fit(&arm, &tight, &motion, settings).unwrap(),
+        refit(&arm, &tight, &motion, &first, settings).unwrap(),
+    ];
+    exceeds_nothing(&arm, &tight, &again.motion);
+    // As slow as it must be, and hardly slower than without the fit before.
+    let [anew_s, again_s] = [anew, again].map(|fit| fit.motion.duration_s());
+    assert!(again_s > 1.05 * first.motion.duration_s(), "{again_s}");
+    assert!(again_s < 1.1 * anew_s, "{again_s} {anew_s}");
+}
+
+#[test]
+fn a_limit_is_tightened_once_however_often_it_was_exceeded() {
+    let arm = arm(20.0);
+    let (limits, motion) = swing(&arm, 0.9, 1.0);
+    let curve = Curve::new(&arm, &motion).unwrap();
+    let report = check(&arm, &limits, &curve, 1000.0).unwrap();
+    let of = |kind| {
+        let excesses = report.excesses.iter().filter(move |excess| excess.freedom == 0);
+        excesses.filter(move |excess| excess.kind == kind).collect::<Vec<_>>()
+    };
+    assert!(of(Kind::Speed).len() > 2 && of(Kind::Range).len() > 2);
+    let tight = limits.tightened(&report);
+    assert!((tight.freedoms[0].speed - 0.93 * limits.freedoms[0].speed).abs() < 1e-9);
+    // The range by the worst of all.
+    let beyond = |excess: &&Excess| (excess.value - excess.limit).abs();
+    let worst = of(Kind::Range).iter().map(beyond).fold(0.0, f64::max);
+    let [least, most] = [0, 1].map(|end| (tight.freedoms[0].range[end]).abs());
+    assert!((1.5 - least - 1.5 * worst).abs() < 1e-9 && (1.5 - most - 1.5 * worst).abs() < 1e-9);
+    // What was not exceeded stays.
+    assert!(of(Kind::Effort).is_empty());
+    assert!((tight.freedoms[0].effort - limits.freedoms[0].effort).abs() < 1e-9);
+}
+
+#[test]
+fn without_a_limit_of_effort_the_fit_is_that_of_endless_strength() {
+    let mut strong = arm(1e9);
+    let (limits, motion) = swing(&strong, 0.7, 2.0);
+    let fitted = fit(&strong, &limits, &motion, FitSettings::default()).unwrap();
+    strong.bodies.iter_mut().for_each(|link| link.effort = f64::INFINITY);
+    let (limits, _) = swing(&strong, 0.7, 2.0);
+    assert_eq!(fit(&strong, &limits, &motion, FitSettings::default()), Ok(fitted));
+}
+
+#[test]
 fn a_pose_that_is_too_heavy_is_drawn_towards_home() {
     // Stretched out the arm takes 0.2 * 9.81 * (0.1 + 0.3) = 0.78 N m.
     let arm = arm(0.5);
