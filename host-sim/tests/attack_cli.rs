@@ -74,7 +74,7 @@ fn damaged_geometry_is_refused_or_filled_and_told() {
     let folder = folder_with(&["thigh_404m.bvh", "root_spike_1e9.bvh", "root_spike_10m.bvh"]);
     let folder = folder.path();
     let said = refused(folder, &["bake", "thigh_404m.bvh", "--out", "k.show"]);
-    assert!(said.contains("thigh_404m") && said.contains("404."), "{said}");
+    assert!(said.contains("thigh_404m: the bone to joint `RightLeg` is 403.649 m long"), "{said}");
     assert!(!folder.join("k.show").exists());
     for spike in ["root_spike_1e9.bvh", "root_spike_10m.bvh"] {
         let said = done(folder, &["bake", spike, "--out", "k.show"]);
@@ -96,7 +96,7 @@ fn a_command_keeps_what_it_reads() {
         assert!(said.contains("is the clip A, which would be lost"), "{said}");
     }
     let sweep = ["--clips", "m21.bvh", "--out", "."];
-    fs::copy("/dev/null", folder.join("result.csv")).expect("a file");
+    fs::write(folder.join("result.csv"), "a sweep").expect("a file");
     let said = refused(folder, &[&["evaluate", "--sweep", "result.csv"], &sweep[..]].concat());
     assert!(said.contains("is the sweep, which would be lost"), "{said}");
     assert_eq!(fs::read(folder.join("m21.bvh")).expect("the clip"), clip);
