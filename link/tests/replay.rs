@@ -49,10 +49,14 @@ fn streams() {
 
 #[test]
 fn bodies() {
-    corpus::inputs("body").iter().for_each(|bytes| decoders::body(bytes));
+    for bytes in corpus::inputs("body") {
+        decoders::body(&bytes);
+    }
 }
 
 #[test]
 fn controllers() {
-    corpus::inputs("controller").iter().for_each(|bytes| decoders::controller(bytes));
+    for bytes in corpus::inputs("controller") {
+        decoders::controller(&bytes);
+    }
 }

@@ -47,7 +47,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     };
     parser.file().map_or_else(
         |(at, problem)| Err(Error::Syntax { file: path.to_path_buf(), at, problem }),
-        |(skeleton, frame_time_s, (frames, notes))| {
+        |(skeleton, frame_time_s, frames, notes)| {
             Ok(Recording {
                 name: recording::stem(path),
                 skeleton,
@@ -95,7 +95,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn file(&mut self) -> Result<(Skeleton, f64, (Frames, Vec<String>)), Failure> {
+    fn file(&mut self) -> Result<(Skeleton, f64, Frames, Vec<String>), Failure> {
         self.keyword("HIERARCHY")?;
         self.keyword("ROOT")?;
         let hierarchy = self.hierarchy()?;
@@ -111,8 +111,8 @@ impl<'a> Parser<'a> {
         self.keyword("Time")?;
         self.keyword(":")?;
         let frame_time_s = self.frame_time_s()?;
-        let frames = self.frames(&hierarchy, frame_count)?;
-        Ok((hierarchy.skeleton, frame_time_s, frames))
+        let (frames, notes) = self.frames(&hierarchy, frame_count)?;
+        Ok((hierarchy.skeleton, frame_time_s, frames, notes))
     }
 
     /// All joints, from the root's name to its closing brace.

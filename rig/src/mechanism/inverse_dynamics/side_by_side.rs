@@ -108,13 +108,12 @@ impl SideBySide {
         for (index, (body, [of_q, of_qd])) in bodies.iter().zip(&self.ranges).enumerate() {
             let joint = Joint::of(body, &q[of_q.clone()], &qd[of_qd.clone()], &qdd[of_qd.clone()]);
             let world;
-            let parent = match body.parent {
-                Some(parent) => &self.moving[parent],
-                None => {
-                    let linear_acceleration = Vectors::all(-GRAVITY_M_S2);
-                    world = Moving { linear_acceleration, ..Moving::STILL };
-                    &world
-                }
+            let parent = if let Some(parent) = body.parent {
+                &self.moving[parent]
+            } else {
+                let linear_acceleration = Vectors::all(-GRAVITY_M_S2);
+                world = Moving { linear_acceleration, ..Moving::STILL };
+                &world
             };
             self.moving[index] = outward(parent, body, &joint);
         }
