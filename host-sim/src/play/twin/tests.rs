@@ -7,7 +7,9 @@ use sinew_emulated::message::{Bytes, End};
 use sinew_emulated::node::{self, FLASH_LEN};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::new::arm;
+use sinew_rig::{Description, Mechanism};
 use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
 
 use super::*;
@@ -39,23 +41,40 @@ fn here(parts: &Parts, show: &[u8]) -> Result<Twin, TwinError> {
 }
 
 /// An arm on two lines of two protocols, and a show in which it swings.
-fn arm_on_two_lines(drive: Option<Drive>) -> (Parts, Vec<u8>) {
-    let mut rig = arm(3).unwrap();
-    "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
-    "tip".clone_into(&mut rig.servos[1].bus);
-    let mechanism = rig.mechanism().unwrap();
-    let parts = Parts::new(&rig, &mechanism, Options { drive, ..Options::default() }).unwrap();
-    let row = |step: u32| {
-        let swing = 0.2 * (f64::from(step) * std::f64::consts::TAU / 20.0).sin();
-        mechanism.home().iter().map(|home| home + swing).collect()
-    };
-    let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
-    let show = bake(&mechanism, &motion, parts.rig_crc(), &Marks::default(), &Settings::default());
-    (parts, show.unwrap().written.bytes)
+struct Swing {
+    rig: Description,
+    mechanism: Mechanism,
+    parts: Parts,
+    show: Vec<u8>,
+}
+
+impl Swing {
+    fn new(drive: Option<Drive>) -> Self {
+        let mut rig = arm(3).unwrap();
+        // Of two voltages: no supply for both.
+        rig.supply = None;
+        "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
+        "tip".clone_into(&mut rig.servos[1].bus);
+        let mechanism = rig.mechanism().unwrap();
+        let parts = Parts::new(&rig, &mechanism, Options { drive, ..Options::default() }).unwrap();
+        let row = |step: u32| {
+            let swing = 0.2 * (f64::from(step) * std::f64::consts::TAU / 20.0).sin();
+            mechanism.home().iter().map(|home| home + swing).collect()
+        };
+        let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
+        let (marks, settings) = (Marks::default(), Settings::default());
+        let show = bake(&mechanism, &motion, parts.rig_crc(), &marks, &settings);
+        Self { show: show.unwrap().written.bytes, rig, mechanism, parts }
+    }
+
+    fn stand<'a>(&'a self, memories: &'a mut [Memory]) -> Stand<'a, RigPlant> {
+        let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
+        Stand::new(&self.parts, &self.show, memories, plant).unwrap()
+    }
 }
 
 /// Plays to the end, or to the first tick in which a twin is not the same.
-fn played(stand: &mut Stand<'_, Vec<sinew_servo_sim::load::Arm>>) -> Result<Ended, TwinError> {
+fn played(stand: &mut Stand<'_, RigPlant>) -> Result<Ended, TwinError> {
     let mut director = Director::default();
     loop {
         let ended = director.tick(stand, false);
@@ -70,12 +89,12 @@ fn played(stand: &mut Stand<'_, Vec<sinew_servo_sim::load::Arm>>) -> Result<Ende
 #[test]
 fn a_whole_node_says_on_both_lines_what_the_controller_says() {
     for drive in [None, Some(Drive::Position)] {
-        let (parts, show) = arm_on_two_lines(drive);
+        let swing = Swing::new(drive);
         let mut memories: [Vec<Memory>; 2] = [vec![[0; MEMORY_LEN]; 3], vec![[0; MEMORY_LEN]; 3]];
         let [alone, with_twin] = &mut memories;
-        let mut alone = Stand::new(&parts, &show, alone, parts.arms()).unwrap();
-        let stand = Stand::new(&parts, &show, with_twin, parts.arms()).unwrap();
-        let mut stand = stand.with_twin(here(&parts, &show).unwrap());
+        let mut alone = swing.stand(alone);
+        let twin = here(&swing.parts, &swing.show).unwrap();
+        let mut stand = swing.stand(with_twin).with_twin(twin);
         for stand in [&mut alone, &mut stand] {
             assert_eq!(played(stand).unwrap(), Ended::Done);
         }
@@ -90,20 +109,19 @@ fn a_whole_node_says_on_both_lines_what_the_controller_says() {
 
 #[test]
 fn a_node_that_is_not_the_same_is_noticed() {
-    let (parts, show) = arm_on_two_lines(None);
-    let (mut other, _) = arm_on_two_lines(None);
+    let swing = Swing::new(None);
+    let mut other = Swing::new(None).parts;
     other.setups[0].stall_a *= 1.5;
     other.settings.tracker.kp *= 1.01;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; 3];
-    let stand = Stand::new(&parts, &show, &mut memories, parts.arms()).unwrap();
-    let mut stand = stand.with_twin(here(&other, &show).unwrap());
+    let mut stand = swing.stand(&mut memories).with_twin(here(&other, &swing.show).unwrap());
     let refused = played(&mut stand).unwrap_err();
     assert!(matches!(refused, TwinError::Differs { tick: 1.., .. }), "{refused}");
 }
 
 #[test]
 fn what_the_node_refuses_is_told() {
-    let (mut parts, show) = arm_on_two_lines(None);
+    let Swing { mut parts, show, .. } = Swing::new(None);
     parts.take_shows_of(parts.rig_crc() ^ 1);
     let Err(refused) = here(&parts, &show) else { panic!("it takes a show of another rig") };
     assert!(matches!(refused, TwinError::Refused { what: "show", .. }), "{refused}");
