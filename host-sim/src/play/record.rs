@@ -165,7 +165,7 @@ impl Recorder {
     pub fn end(mut self) -> Result<(), ParquetError> {
         self.write()?;
         let file = self.writer.into_inner()?;
-        file.into_inner().map_err(|error| error.into_error())?.finish()?;
+        file.into_inner().map_err(IntoInnerError::into_error)?.finish()?;
         Ok(())
     }
 
@@ -176,7 +176,7 @@ impl Recorder {
             return Ok(());
         }
         let parts = self.writer.flushed_row_groups().to_vec();
-        let rows = parts.iter().map(|part| part.num_rows()).sum();
+        let rows = parts.iter().map(RowGroupMetaData::num_rows).sum();
         let schema = Arc::new(self.writer.schema_descr().clone());
         let unfinished = KeyValue::new(UNFINISHED.to_owned(), "true".to_owned());
         let kept = self.kept.iter().cloned().chain([unfinished]).collect();

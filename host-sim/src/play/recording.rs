@@ -151,7 +151,7 @@ impl Recording {
 
     /// Ticks.
     pub fn rows(&self) -> usize {
-        let rows = self.metadata.row_groups().iter().map(|group| group.num_rows());
+        let rows = self.metadata.row_groups().iter().map(RowGroupMetaData::num_rows);
         rows.map(|rows| usize::try_from(rows).unwrap_or_default()).sum()
     }
 

@@ -105,16 +105,10 @@ impl SideBySide {
         bodies: &[Body],
         [q, qd, qdd]: [&[[f32; LANES]]; 3],
     ) -> &[[f32; LANES]] {
+        let world = Moving { linear_acceleration: Vectors::all(-GRAVITY_M_S2), ..Moving::STILL };
         for (index, (body, [of_q, of_qd])) in bodies.iter().zip(&self.ranges).enumerate() {
             let joint = Joint::of(body, &q[of_q.clone()], &qd[of_qd.clone()], &qdd[of_qd.clone()]);
-            let world;
-            let parent = if let Some(parent) = body.parent {
-                &self.moving[parent]
-            } else {
-                let linear_acceleration = Vectors::all(-GRAVITY_M_S2);
-                world = Moving { linear_acceleration, ..Moving::STILL };
-                &world
-            };
+            let parent = body.parent.map_or(&world, |parent| &self.moving[parent]);
             self.moving[index] = outward(parent, body, &joint);
         }
         for (body, moving) in bodies.iter().zip(&mut self.moving) {
