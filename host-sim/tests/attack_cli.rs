@@ -177,8 +177,9 @@ fn small_files_cannot_ask_for_much() {
     let folder = folder.path();
     let write = |name: &str, text: String| fs::write(folder.join(name), text).expect("a file");
     // 1,024 joints, of which one has a channel: two bytes make a frame of 64 kB.
-    let joints: String =
+    let joints: Vec<_> =
         (0..1023).map(|j| format!("JOINT j{j} {{ OFFSET 0 1 0 CHANNELS 0\n")).collect();
+    let joints = joints.concat();
     let head = format!(
         "HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n{joints}{}\n}}",
         "}".repeat(1023)
@@ -190,7 +191,8 @@ fn small_files_cannot_ask_for_much() {
     let said = refused(folder, &["weights", "amp.bvh", "--metres-per-unit", "1"]);
     assert!(said.contains("expected at most 976 frames"), "{said}");
 
-    let links: String = (0..20_000).map(|link| format!("<link name='l{link}'/>")).collect();
+    let links: Vec<_> = (0..20_000).map(|link| format!("<link name='l{link}'/>")).collect();
+    let links = links.concat();
     write("links.urdf", format!("<robot name='r'>{links}</robot>"));
     let said = refused(folder, &["weights", "links.urdf"]);
     assert!(said.contains("expected one link that no joint moves"), "{said}");

@@ -197,10 +197,10 @@ impl Args {
             page(&stage, &evaluation)?;
             folder.finish()?;
         }
-        if let Some(folder) = &self.out {
-            if evaluation.rig.is_some() {
-                note(format_args!("wrote {}", folder.join("index.html").display()));
-            }
+        if let Some(folder) = &self.out
+            && evaluation.rig.is_some()
+        {
+            note(format_args!("wrote {}", folder.join("index.html").display()));
         }
         print(&match self.format {
             Format::Table => report::tables(&evaluation),

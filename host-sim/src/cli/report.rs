@@ -7,10 +7,10 @@ use anyhow::{Context as _, bail};
 use sinew_rig::Description;
 use sinew_rig::toml_file;
 use sinew_sim::command::note;
+use sinew_sim::output;
 use sinew_sim::play::Recording;
 use sinew_sim::report::recording::{Page, cut, duration_s};
 
-use super::output::distinct;
 use super::rig::read;
 
 /// Make a page of a recording of `sinew play --record`: the rig in motion, and plots of each joint.
@@ -38,7 +38,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let out = args.out.clone().unwrap_or_else(|| args.recording.with_extension("html"));
     let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
-    distinct(&[&out], &files)?;
+    output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();
     let recording = Recording::open(&args.recording).with_context(named)?;
     let kept = kept(&recording, &args.recording, args.rig.is_some())?;
@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let rig = kept.or(given.map(|given| given.description)).context("a rig is kept or given")?;
     let page = Page { recording: &recording, rig: &rig, mechanism: &mechanism };
     let html = page.html().with_context(named)?;
-    std::fs::write(&out, html).with_context(|| out.display().to_string())?;
+    output::write(&out, html)?;
     if !recording.is_whole() {
         note(format_args!("{}: {}", named(), cut(duration_s(&recording)?)));
     }

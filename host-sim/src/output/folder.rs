@@ -49,7 +49,7 @@ pub enum FolderError {
 /// dropped before, it leaves what was there.
 #[derive(Debug)]
 pub struct Folder {
-    folder: PathBuf,
+    path: PathBuf,
     lock: File,
     kind: String,
     inputs: Vec<(String, PathBuf)>,
@@ -80,12 +80,8 @@ impl Folder {
         let inputs = inputs
             .iter()
             .filter_map(|(what, path)| Some(((*what).to_owned(), (*path)?.to_owned())));
-        let results = Self {
-            folder: folder.to_owned(),
-            lock,
-            kind: kind.to_owned(),
-            inputs: inputs.collect(),
-        };
+        let results =
+            Self { path: folder.to_owned(), lock, kind: kind.to_owned(), inputs: inputs.collect() };
         let stage = results.stage();
         // Of a run that was stopped.
         remove(fs::remove_dir_all(&stage)).map_err(io_at(&stage))?;
@@ -95,7 +91,7 @@ impl Folder {
 
     /// Where the files of this run are to be written.
     pub fn stage(&self) -> PathBuf {
-        self.folder.join(STAGE)
+        self.path.join(STAGE)
     }
 
     /// Puts all files of the stage in their places, and removes those of the same kind that a run before left. Returns
@@ -106,10 +102,11 @@ impl Folder {
     pub fn finish(mut self) -> Result<Vec<PathBuf>, FolderError> {
         let stage = self.stage();
         let new = names(&stage).map_err(io_at(&stage))?;
-        let (before, mut of_others) = self.read_list()?;
-        let gone: BTreeSet<&String> = before.iter().chain(&new).collect();
+        let (before, mut of_others): (Vec<_>, Vec<_>) =
+            self.read_list()?.into_iter().partition(|[kind, _]| *kind == self.kind);
+        let gone: BTreeSet<&String> = before.iter().map(|[_, name]| name).chain(&new).collect();
         for name in &gone {
-            let file = self.folder.join(name);
+            let file = self.path.join(name);
             if let Some((what, _)) = self.inputs.iter().find(|(_, input)| same(input, &file)) {
                 return Err(FolderError::Input { file, what: what.clone() });
             }
@@ -118,52 +115,50 @@ impl Folder {
             let file = stage.join(name);
             File::open(&file).and_then(|file| file.sync_all()).map_err(io_at(&file))?;
         }
-        let mark = self.folder.join(UNFINISHED);
+        let mark = self.path.join(UNFINISHED);
         let text = "Results were being moved here when the program was stopped: run it again.\n";
         fs::write(&mark, text).map_err(io_at(&mark))?;
         for name in gone {
-            let file = self.folder.join(name);
+            let file = self.path.join(name);
             remove(fs::remove_file(&file)).map_err(io_at(&file))?;
         }
         let mut files = Vec::new();
         for name in &new {
-            let file = self.folder.join(name);
+            let file = self.path.join(name);
             fs::rename(stage.join(name), &file).map_err(io_at(&file))?;
             files.push(file);
         }
-        of_others.retain(|(_, name)| !new.contains(name));
-        of_others.extend(new.into_iter().map(|name| (self.kind.clone(), name)));
+        of_others.retain(|[_, name]| !new.contains(name));
+        of_others.extend(new.into_iter().map(|name| [self.kind.clone(), name]));
         self.write_list(&of_others)?;
         fs::remove_file(&mark).map_err(io_at(&mark))?;
         Ok(files)
     }
 
-    /// Files of this kind, and files of others with their kind, that runs before left.
-    fn read_list(&mut self) -> Result<(Vec<String>, Vec<(String, String)>), FolderError> {
+    /// Kind and name of each file that runs before left.
+    fn read_list(&mut self) -> Result<Vec<[String; 2]>, FolderError> {
         let mut bytes = Vec::new();
         self.lock
             .rewind()
             .and_then(|()| self.lock.read_to_end(&mut bytes))
-            .map_err(io_at(&self.folder))?;
+            .map_err(io_at(&self.path))?;
         let text = String::from_utf8_lossy(&bytes);
         let lines = text.lines().filter_map(|line| line.split_once('\t'));
         // A name is one of this folder, whoever wrote the list.
         let own = lines.filter(|(_, name)| Path::new(name).file_name() == Some(name.as_ref()));
-        let (ours, others): (Vec<_>, Vec<_>) = own
-            .map(|(kind, name)| (kind.to_owned(), name.to_owned()))
-            .partition(|(kind, _)| *kind == self.kind);
-        Ok((ours.into_iter().map(|(_, name)| name).collect(), others))
+        Ok(own.map(|(kind, name)| [kind.to_owned(), name.to_owned()]).collect())
     }
 
-    fn write_list(&mut self, list: &[(String, String)]) -> Result<(), FolderError> {
-        let text: String = list.iter().map(|(kind, name)| format!("{kind}\t{name}\n")).collect();
+    fn write_list(&mut self, list: &[[String; 2]]) -> Result<(), FolderError> {
+        let text: Vec<u8> =
+            list.iter().flat_map(|file| (file.join("\t") + "\n").into_bytes()).collect();
         let write = |lock: &mut File| {
             lock.set_len(0)?;
             lock.rewind()?;
-            lock.write_all(text.as_bytes())?;
+            lock.write_all(&text)?;
             lock.sync_all()
         };
-        write(&mut self.lock).map_err(io_at(&self.folder))
+        write(&mut self.lock).map_err(io_at(&self.path))
     }
 }
 

@@ -77,7 +77,8 @@ impl Line {
     fn new(Unit { cell, clip }: Unit, outcome: Outcome) -> Self {
         let text =
             serde_json::to_string(&(cell, clip, &outcome)).expect("plain data turns into JSON");
-        let sum = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let digest: [u8; 32] = Sha256::digest(text).into();
+        let sum = digest[..8].iter().fold(String::new(), |sum, byte| sum + &format!("{byte:02x}"));
         Self { cell, clip, outcome, sum }
     }
 }
