@@ -80,8 +80,8 @@ pub enum PutError {
 }
 
 /// Puts a servo on each turning joint that has none: named as the joint, on the bus `main`, the middle of its range
-/// where the joint's is. A joint's own limits stay where the servo can more, and of its friction what the servo has not.
-/// Says how many were put.
+/// where the joint's is. A joint's own limits stay where the servo can more, and of its friction what the servo has
+/// not. Says how many were put.
 ///
 /// # Errors
 /// [`PutError`] names the joint and what would be right.

@@ -6,8 +6,8 @@
 //!                                   controller in process ─╨─ Tally, Recorder  <───────────────┘
 //! ```
 //! What goes over the wires is the image's. The controller in process hears the same answers and gets the same commands
-//! in the same ticks, and all that the two say is compared: each packet, and in each tick state, commanded pose, efforts
-//! and errors, bit for bit. So tables and recordings, which are made of the one in process, are of both.
+//! in the same ticks, and all that the two say is compared: each packet, and in each tick state, commanded pose,
+//! efforts and errors, bit for bit. So tables and recordings, which are made of the one in process, are of both.
 
 mod built_in;
 mod emulator;
