@@ -181,7 +181,9 @@ impl Block {
         }
         if let Some(last) = self.count.checked_sub(1) {
             let (taken, rest) = self.instants.split_at_mut(self.count);
-            rest.iter_mut().for_each(|instant| instant.clone_from(&taken[last]));
+            for instant in rest {
+                instant.clone_from(&taken[last]);
+            }
         }
         self.count > 0
     }
