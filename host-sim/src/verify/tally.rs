@@ -63,7 +63,8 @@ pub(super) struct Quantity<'a> {
 }
 
 /// An error over its scale. Where all expected numbers are zero there is none: there the error is taken as it is, so
-/// that the limit is one of the absolute error, in the quantity's unit. A scale that is not finite would excuse anything.
+/// that the limit is one of the absolute error, in the quantity's unit. A scale that is not finite would excuse
+/// anything.
 fn relative(error: f64, scale: f64) -> f64 {
     match scale {
         0.0 => error,
