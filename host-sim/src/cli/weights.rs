@@ -120,7 +120,8 @@ fn tell_size(character: &Character) {
         most = most.max(joint.position_m);
     }
     let size_m = (most - least).max_element();
-    if !(0.1..=3.0).contains(&size_m) {
+    // A single joint has no size.
+    if size_m > 0.0 && !(0.1..=3.0).contains(&size_m) {
         note(format_args!(
             "note: {size_m:.3} m from joint to joint: is the unit of the file another? Shares of the whole do not \
              depend on it, lengths do"

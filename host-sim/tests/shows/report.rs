@@ -78,7 +78,9 @@ fn a_page_is_written_beside_its_recording() {
     for part in [&told, "no fault came", "bend2", "lowering", "Limited"] {
         assert!(page.contains(part), "{part}");
     }
-    assert!(!page.contains("http://") && !page.contains("https://"));
+    // Nothing is fetched: the one address is the name of SVG's elements.
+    let page_without_names = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!page_without_names.contains("http://") && !page.contains("https://"));
     // With the same rig it is the same page.
     let other = path(folder.path(), "other.html");
     done(&["report", &file, "--rig", &rig, "-o", &other]);
