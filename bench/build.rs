@@ -7,10 +7,12 @@ use std::path::Path;
 use std::{env, fs};
 
 use sinew_rig::{board::BoardRig, new};
-use sinew_show::write::{Settings, write};
+use sinew_show::write::{Motion, Settings, write};
+use sinew_show::{Joint, Rate};
 
-/// Servos of the rig, and as many joints.
-const SERVOS: usize = 18;
+/// The most servos of an arm here, and its bodies.
+const MOST: usize = 40;
+const BODIES: usize = MOST + 1;
 
 fn main() {
     sinew_image::link(sinew_image::EMULATED, &[]);
@@ -19,17 +21,47 @@ fn main() {
     let folder = env::var_os("OUT_DIR").expect("cargo names a folder");
     let bytes = show.expect("the motion can be written").bytes;
     fs::write(Path::new(&folder).join("performer.show"), bytes).expect("the show can be stored");
-    fs::write(Path::new(&folder).join("arm_18.rig"), arm()).expect("the rig can be stored");
+    for servos in [6, 18, 20, MOST] {
+        let (rig, show) = arm(servos);
+        for (bytes, kind) in [(rig, "rig"), (show, "show")] {
+            let path = Path::new(&folder).join(format!("arm_{servos}.{kind}"));
+            fs::write(path, bytes).expect("it can be stored");
+        }
+    }
     println!("cargo:rerun-if-changed=build");
 }
 
-/// An arm as `sinew rig new --arm 18` makes it, as a board has it.
-fn arm() -> Vec<u8> {
-    let rig = new::arm(SERVOS).expect("an arm may have so many joints");
+/// An arm as `sinew rig new --arm` makes it, as a board has it, and a show of it: 4 s in which each joint swings by
+/// less than what counts as not following, so that servos that stand still play it without a fault.
+fn arm(servos: usize) -> (Vec<u8>, Vec<u8>) {
+    let rig = new::arm(servos).expect("an arm may have so many joints");
     let mechanism = rig.mechanism().expect("a new arm is sound");
-    let board = BoardRig::<{ SERVOS + 1 }, SERVOS, SERVOS>::bake(&rig, &mechanism);
+    let board = BoardRig::<BODIES, MOST, MOST>::bake(&rig, &mechanism);
+    let board = board.expect("a board takes it");
     let mut bytes = vec![0; 1 << 16];
-    let len = board.expect("a board takes it").encode(&mut bytes).expect("there is room");
+    let len = board.encode(&mut bytes).expect("there is room");
     bytes.truncate(len);
-    bytes
+    let crc = u32::from_le_bytes(*bytes.last_chunk().expect("it ends with its CRC"));
+
+    let joints: Vec<Joint> = board.tree().bodies().iter().map(|body| body.joint.into()).collect();
+    let rate = Rate { samples: 100, seconds: 1 };
+    let home = mechanism.home();
+    let q: Vec<f64> = (0..=4 * rate.samples)
+        .flat_map(|sample| {
+            let time_s = f64::from(sample) / f64::from(rate.samples);
+            let swing = move |joint: usize| 0.05 * libm::sin(3.0 * time_s + joint as f64);
+            home.iter().enumerate().map(move |(joint, home)| home + swing(joint))
+        })
+        .collect();
+    let motion = Motion {
+        joints: &joints,
+        q: &q,
+        rate,
+        is_loop: false,
+        rig: crc,
+        cues: &[],
+        time_code: None,
+        course: &[],
+    };
+    (bytes, write(&motion, &Settings::default()).expect("the motion can be written").bytes)
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, ObjectSegment};
 
-use super::figures::Place;
+use super::figures::{Figures, Place};
 use crate::elf::Elf;
 use crate::image::Image;
 use crate::step;
@@ -30,11 +30,14 @@ pub(super) const BUS: Image = Image { name: "bus", ..KERNELS };
 /// A tick of drives of 18 servos.
 pub(super) const DRIVES: Image = Image { name: "drives", ..KERNELS };
 
+/// A tick of the whole loop.
+pub(super) const WHOLE_LOOP: Image = Image { name: "whole_loop", ..KERNELS };
+
 /// World, Linear Compensation and inverse dynamics, and nothing else.
 const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
 
 /// All images of the bench.
-pub(crate) const IMAGES: [Image; 6] = [KERNELS, SERVOS, SHOW, BUS, DRIVES, CORE_ALONE];
+pub(crate) const IMAGES: [Image; 7] = [KERNELS, SERVOS, SHOW, BUS, DRIVES, WHOLE_LOOP, CORE_ALONE];
 
 /// Names that tell the instances of a generic function apart, and frame sizes in the image.
 const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
@@ -57,15 +60,34 @@ const CORE_TICK: &str = "<sinew_bench::rig::Rig<18>>::tick";
 pub(crate) fn core_alone() -> Result<impl Iterator<Item = (Place, u64)>> {
     let Image { name, .. } = CORE_ALONE;
     let image = CORE_ALONE.path();
-    let elf = Elf::load(&image)?;
-    let tick = elf.named(CORE_TICK).with_context(|| format!("the image has no `{CORE_TICK}`"))?;
-    let code = elf.reachable_from(&[tick]).into_iter().map(|index| elf.functions()[index].size);
-    let bytes = fs::read(&image)?;
+    let tick = (Place::new(SECTION, name, "tick"), reachable_bytes(&image, CORE_TICK)?);
+    Ok(size(name, &image, 0)?.chain([tick]))
+}
+
+/// What a tick of the whole loop can execute, with its constants, by the number of servos. Constants are those of all
+/// sizes together, without the rigs and shows that the image has among `figures`.
+pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(Place, u64)>> {
+    let Image { name, .. } = WHOLE_LOOP;
+    let files = ["loop_rig_file", "loop_show_file"];
+    let stored = figures.iter().filter(|(place, _)| files.contains(&place.row.as_str()));
+    let stored_bytes: u64 = stored.map(|(_, bytes)| bytes).sum();
+    let of_size = |size: &&str| {
+        let bytes = reachable_bytes(&WHOLE_LOOP.path(), &format!("{name}::loop_tick::<{size}>"))?;
+        let bytes = bytes.checked_sub(stored_bytes).context("the image has no rigs and shows")?;
+        Ok((Place::new("loop_flash_bytes", "loop_tick", size), bytes))
+    };
+    sizes.iter().map(of_size).collect()
+}
+
+/// Code that a function can reach, and all constants of its image.
+fn reachable_bytes(image: &Path, function: &str) -> Result<u64> {
+    let elf = Elf::load(image)?;
+    let root = elf.named(function).with_context(|| format!("the image has no `{function}`"))?;
+    let code = elf.reachable_from(&[root]).into_iter().map(|index| elf.functions()[index].size);
+    let bytes = fs::read(image)?;
     let file = object::File::parse(&*bytes)?;
     let constants = file.section_by_name(".rodata").map_or(0, |section| section.size());
-    let tick_bytes = code.sum::<u64>() + constants;
-    let tick = (Place::new(SECTION, name, "tick"), tick_bytes);
-    Ok(size(name, &image, 0)?.chain([tick]))
+    Ok(code.sum::<u64>() + constants)
 }
 
 /// Where the Cortex-M architecture has SRAM.

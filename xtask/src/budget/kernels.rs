@@ -1,4 +1,5 @@
-//! What each kernel and each kind of tick takes, from the images `kernels`, `servos`, `show`, `bus` and `drives`.
+//! What each kernel and each kind of tick takes, from the images `kernels`, `servos`, `show`, `bus`, `drives` and
+//! `whole_loop`.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +8,7 @@ use sinew_image::EMULATED;
 
 use super::figures::{Figures, Place};
 use super::hashes;
-use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW};
+use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW, WHOLE_LOOP};
 use super::stack::{Depth, Frames, deepest};
 use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
@@ -26,8 +27,13 @@ const STATIC_STACK: &str = "static_stack_bytes";
 const PAINTED_STACK: &str = "painted_stack_bytes";
 const TYPES: &str = "type_bytes";
 
-/// What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
-const STATE_TYPES: [&str; 3] = ["JointTargets", "JointStates", "Workspace"];
+/// Types that are added up: the row of the sum, and its parts.
+const SUMS: [(&str, &[&str]); 2] = [
+    // What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
+    ("state_and_workspace", &["JointTargets", "JointStates", "Workspace"]),
+    // All that the loop has in RAM beside its stack.
+    ("loop_ram", &["loop_controller", "loop_rig", "loop_bus"]),
+];
 
 /// An image that is measured.
 struct Measured {
@@ -47,7 +53,7 @@ struct Caller {
 }
 
 /// No two of them have a row or a caller of the same name.
-const MEASURED: [Measured; 5] = [
+const MEASURED: [Measured; 6] = [
     Measured {
         image: KERNELS,
         callers: &[
@@ -75,7 +81,16 @@ const MEASURED: [Measured; 5] = [
     // The tests of the crate `bus` look at what it says; here it counts alone.
     Measured { image: BUS, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
     Measured { image: DRIVES, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
+    Measured {
+        image: WHOLE_LOOP,
+        callers: &[Caller { name: "loop_tick", rows: "loop_" }],
+        sizes: &LOOPS,
+        hashes: || Ok(Vec::new()),
+    },
 ];
+
+/// Numbers of servos of the whole loop.
+pub(super) const LOOPS: [&str; 3] = ["6", "20", "40"];
 
 /// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
 /// does not count.
@@ -209,7 +224,7 @@ fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
 
 /// What the image printed of stacks and types.
 fn printed(text: &str) -> Result<Figures> {
-    let (mut figures, mut state) = (Figures::default(), Figures::default());
+    let (mut figures, mut sums) = (Figures::default(), Figures::default());
     for line in text.lines() {
         let (what, section) = match line.split_once('=') {
             Some(("kernel" | "hash", _)) => continue,
@@ -220,11 +235,13 @@ fn printed(text: &str) -> Result<Figures> {
         let (name, bodies) = (field(line, what)?, field(line, "bodies")?);
         let bytes = number(line, "bytes")?;
         figures.add(Place::new(section, name, bodies), bytes);
-        if section == TYPES && STATE_TYPES.contains(&name) {
-            state.add(Place::new(section, "state_and_workspace", bodies), bytes);
+        for (sum, parts) in SUMS {
+            if section == TYPES && parts.contains(&name) {
+                sums.add(Place::new(section, sum, bodies), bytes);
+            }
         }
     }
-    figures.extend(state);
+    figures.extend(sums);
     Ok(figures)
 }
 

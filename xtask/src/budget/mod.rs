@@ -46,6 +46,8 @@ pub(crate) fn run(accept: bool, boards: impl FnOnce() -> Result<Figures>) -> Res
     let kernels = kernels::measure()?;
     figures.extend(kernels.iter().flat_map(|measured| measured.figures.clone()));
     figures.extend(images::core_alone()?);
+    let whole_loop = images::whole_loop(&kernels::LOOPS, &figures)?;
+    figures.extend(whole_loop);
 
     print(&figures, &budget, &kernels);
     let verdicts = budget.verdicts(&figures)?;

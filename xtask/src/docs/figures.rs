@@ -39,6 +39,20 @@ macro_rules! of_servos {
     };
 }
 
+/// A tick of the whole loop of so many servos.
+macro_rules! of_loop {
+    ($servos:literal) => {
+        [
+            concat!("instructions.loop_recommended.", $servos),
+            concat!("estimated_cycles.loop_recommended.", $servos),
+            concat!("painted_stack_bytes.loop_recommended.", $servos),
+            concat!("static_stack_bytes.loop_tick.", $servos),
+            concat!("type_bytes.loop_ram.", $servos),
+            concat!("loop_flash_bytes.loop_tick.", $servos),
+        ]
+    };
+}
+
 /// What 20 servos cost, to as many balls.
 macro_rules! to_balls {
     ($row:literal) => {
@@ -46,7 +60,7 @@ macro_rules! to_balls {
     };
 }
 
-const TABLES: [Table; 7] = [
+const TABLES: [Table; 8] = [
     Table {
         page: "README.md",
         head: "| on a Cortex-M4F, 18 bodies, 57 degrees of freedom | instructions |",
@@ -161,6 +175,11 @@ const TABLES: [Table; 7] = [
             ("a tick, `recommended`, coordinates", &to_balls!("rig_recommended_coordinates")),
             ("a tick, `recommended`, poses", &to_balls!("rig_recommended_poses")),
         ],
+    },
+    Table {
+        page: "docs/speed.md",
+        head: "| servos of the loop | instructions | cycles | stack, painted | stack, at most | RAM, bytes | flash, bytes |",
+        rows: &[("6", &of_loop!("6")), ("20", &of_loop!("20")), ("40", &of_loop!("40"))],
     },
     Table {
         page: "docs/speed.md",

@@ -1,0 +1,108 @@
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): a tick of the whole loop of an arm of XL330 that plays a show.
+//!
+//! It goes from what servos have said to the packets of the next: detectors, supervisor, show, tracker, drives, guards
+//! and the bus. Orders of the link and telemetry are not in it.
+
+#![no_std]
+#![no_main]
+
+mod stand;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use sinew_bench::emulated::{self, count_tick};
+
+use stand::{Bus, Controller, Rig, Stand};
+
+/// An arm of so many servos, and a show of it (`build.rs`).
+macro_rules! arm {
+    ($count:literal) => {
+        (
+            &include_bytes!(concat!(env!("OUT_DIR"), "/arm_", $count, ".rig"))[..],
+            &include_bytes!(concat!(env!("OUT_DIR"), "/arm_", $count, ".show"))[..],
+        )
+    };
+}
+
+/// A size of rig, so that its tick is named by the number of its servos alone.
+struct Servos<const N: usize>;
+
+trait Of {
+    type Stand<'a>: Ticks;
+}
+
+impl Of for Servos<6> {
+    type Stand<'a> = Stand<'a, 7, 6>;
+}
+
+impl Of for Servos<20> {
+    type Stand<'a> = Stand<'a, 21, 20>;
+}
+
+impl Of for Servos<40> {
+    type Stand<'a> = Stand<'a, 41, 40>;
+}
+
+/// What is ticked.
+trait Ticks {
+    /// A tick; an error if it was not whole, or the show does not run.
+    fn tick(&mut self) -> Result<(), &'static str>;
+}
+
+impl<const B: usize, const N: usize> Ticks for Stand<'_, B, N> {
+    #[expect(
+        clippy::inline_always,
+        reason = "the frame of the function that is measured has it all"
+    )]
+    #[inline(always)]
+    fn tick(&mut self) -> Result<(), &'static str> {
+        self.plays()
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    emulated::run(|| {
+        measure::<7, 6>(arm!("6"))?;
+        measure::<21, 20>(arm!("20"))?;
+        measure::<41, 40>(arm!("40"))
+    })
+}
+
+fn measure<const B: usize, const N: usize>((rig, show): (&[u8], &[u8])) -> Result<(), &'static str>
+where
+    Servos<N>: for<'a> Of<Stand<'a> = Stand<'a, B, N>>,
+{
+    let crc = u32::from_le_bytes(*rig.last_chunk().ok_or("there is no rig")?);
+    let board = Rig::<B, N>::decode(rig).map_err(|_| "the rig cannot be read")?;
+    let mut stand = Stand::new(&board, crc, show)?;
+    count_tick::<N, _>("loop_recommended", |_| loop_tick::<N>(&mut stand))?;
+    for (name, bytes) in [
+        ("loop_controller", size_of::<Controller<B, N>>()),
+        ("loop_rig", size_of::<Rig<B, N>>()),
+        ("loop_bus", size_of::<Bus<N>>()),
+        // Stored, not in RAM.
+        ("loop_rig_file", rig.len()),
+        ("loop_show_file", show.len()),
+    ] {
+        hprintln!("type={} bodies={} bytes={}", name, N, bytes);
+    }
+    Ok(())
+}
+
+/// A tick, in a function of its own.
+#[inline(never)]
+fn loop_tick<const N: usize>(stand: &mut <Servos<N> as Of>::Stand<'_>) -> Result<(), &'static str>
+where
+    Servos<N>: Of,
+{
+    stand.tick()
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
