@@ -6,7 +6,7 @@ use std::io::{self, Write as _};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Writes to standard output. Names out of files cannot command the terminal: see [`harmless`].
+/// Writes to standard output. Names out of files cannot command the terminal: their control characters are written out.
 ///
 /// # Errors
 /// What the system says, such as that the disk is full. That the reader has gone, as in `sinew | head`, is none: the
@@ -18,7 +18,7 @@ pub fn print(text: &str) -> io::Result<()> {
 /// Writes to standard output what may move the cursor: nothing of it is out of a file.
 ///
 /// # Errors
-/// Those of [`print`].
+/// Those of [`print()`].
 pub fn print_raw(text: &str) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
