@@ -94,8 +94,9 @@ pub(super) struct Args {
     #[command(flatten)]
     on_rig: OnRig,
 
-    /// Record every tick as a Parquet file, which pandas reads: time and state; of each joint what was
-    /// commanded and measured, error, effort and limiter; of each servo current, temperature and voltage.
+    /// Record every tick as a Parquet file, which `sinew report` and pandas read: time, state, whether the show
+    /// ran, faults; of each joint what was commanded and measured, error, effort and limiter; of each servo
+    /// current, temperature and voltage.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<PathBuf>,
 

@@ -12,6 +12,8 @@ pub struct Pending {
     /// Where it is written; `None` for devices and pipes, which cannot be replaced.
     part: Option<PathBuf>,
     target: PathBuf,
+    /// Whether what was written stays beside its place if it is not finished.
+    is_kept: bool,
 }
 
 pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -31,7 +33,7 @@ impl Pending {
         let is_device = old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir());
         if is_device || path.starts_with("/dev") {
             let file = OpenOptions::new().write(true).open(path)?;
-            return Ok(Self { file, part: None, target: path.to_owned() });
+            return Ok(Self { file, part: None, target: path.to_owned(), is_kept: false });
         }
         // A link stays one: what it leads to is replaced.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -44,11 +46,18 @@ impl Pending {
             }
         }
         let (file, part) = beside(&target)?;
-        let pending = Self { file, part: Some(part), target };
+        let pending = Self { file, part: Some(part), target, is_kept: false };
         if let Some(old) = old {
             pending.file.set_permissions(old.permissions())?;
         }
         Ok(pending)
+    }
+
+    /// The same; dropped unfinished, it leaves what was written as `.NAME.PID-0.part`, and the old file.
+    #[must_use]
+    pub fn kept(mut self) -> Self {
+        self.is_kept = true;
+        self
     }
 
     /// Waits until all of it is on the disk, and puts it in its place.
@@ -78,7 +87,7 @@ impl Write for Pending {
 
 impl Drop for Pending {
     fn drop(&mut self) {
-        if let Some(part) = &self.part {
+        if let Some(part) = self.part.as_ref().filter(|_| !self.is_kept) {
             // Nobody can be told here; a file `.NAME.part` says it.
             let _ = fs::remove_file(part);
         }

@@ -118,6 +118,10 @@ impl Folder {
         let mark = self.path.join(UNFINISHED);
         let text = "Results were being moved here when the program was stopped: run it again.\n";
         fs::write(&mark, text).map_err(io_at(&mark))?;
+        // Whoever comes after a kill knows of old files and of new ones.
+        let listed = gone.iter().map(|name| [self.kind.clone(), (*name).clone()]);
+        let listed: Vec<_> = listed.chain(of_others.iter().cloned()).collect();
+        self.write_list(&listed)?;
         for name in gone {
             let file = self.path.join(name);
             remove(fs::remove_file(&file)).map_err(io_at(&file))?;

@@ -76,7 +76,7 @@ impl Recorder {
         rig: &str,
         notes: &[(&str, &str)],
     ) -> Result<Self, ParquetError> {
-        let file = BufWriter::new(Pending::begin(path)?);
+        let file = BufWriter::new(Pending::begin(path)?.kept());
         let field = |name: &str, kind: PhysicalType| {
             let logical = (kind == PhysicalType::BYTE_ARRAY).then_some(LogicalType::String);
             Type::primitive_type_builder(name, kind)

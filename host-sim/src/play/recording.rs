@@ -224,6 +224,10 @@ impl Recording {
             let short = format!("{name:?} has {records} of {count} rows");
             return Err(damaged(ParquetError::EOF(short)));
         }
+        // A column that cannot be null has no levels, and is none of ours.
+        if levels.len() != count {
+            return Err(missing());
+        }
         let mut values = values.into_iter();
         // Level 0 is none.
         Ok(levels.iter().map(|level| (*level > 0).then(|| values.next()).flatten()).collect())

@@ -40,7 +40,7 @@ impl Drive {
 /// One servo.
 #[derive(Debug, Clone)]
 pub struct ServoPart {
-    /// What is simulated of it, with its load.
+    /// What is simulated of it.
     pub own: RigServo,
     /// How it is driven.
     pub drive: Drive,

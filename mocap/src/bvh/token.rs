@@ -59,8 +59,9 @@ impl<'a> Tokens<'a> {
         let at = self.at;
         let rest = self.skip_while(|c| !is_line_end(c) && c != '{' && c != '}');
         // A name may hold `#`, but does not begin a word with it.
-        let comment = rest.match_indices(char::is_whitespace).map(|(place, _)| place);
-        let comment = comment.into_iter().find(|place| is_comment(rest[*place..].trim_start()));
+        let marks = rest.match_indices(['#', '/']).map(|(place, _)| place);
+        let begins_word = |place: &usize| rest[..*place].ends_with(char::is_whitespace);
+        let comment = marks.filter(begins_word).find(|place| is_comment(&rest[*place..]));
         Token { text: rest[..comment.unwrap_or(rest.len())].trim_end(), at }
     }
 

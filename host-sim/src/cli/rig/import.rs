@@ -1,5 +1,6 @@
 //! `sinew rig import`: a rig.toml from a URDF or an MJCF file.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -62,7 +63,8 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
         })?;
         *axis = axis.map(|x| 0.0 - x);
     }
-    for name in &args.inertia_g_mm2 {
+    // A name that is there twice is meant once.
+    for name in args.inertia_g_mm2.iter().collect::<BTreeSet<_>>() {
         let body = loaded.description.bodies.iter_mut().find(|body| body.name == *name);
         let inertia = body.and_then(|body| body.inertia_kg_m2.as_mut());
         let inertia = inertia.with_context(|| {

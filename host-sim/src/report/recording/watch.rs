@@ -122,9 +122,9 @@ impl Watch {
                     self.states.push(Span { name, from_s: *time_s, to_s: *time_s });
                 }
             }
-            if let Some(fault) = &part.faults[row] {
-                self.faults.push((*time_s, fault.clone()));
-            }
+            // Those of one tick stand in one cell.
+            let faults = part.faults[row].iter().flat_map(|faults| faults.split(", "));
+            self.faults.extend(faults.map(|fault| (*time_s, fault.to_owned())));
             for place in 0..self.columns.len() {
                 self.take_joint(part, row, place);
             }
