@@ -59,8 +59,8 @@ pub enum TwinError {
     /// The node took the rig, and has no loop.
     #[error("the node in QEMU took the rig, and its controller refuses it")]
     NoLoop,
-    /// A command that the link has no word for.
-    #[error("the link has no word for {0:?}")]
+    /// A command that no message of the link carries.
+    #[error("the command {0:?} cannot be sent over the link: it has no message for it")]
     Command(Command),
     /// Image and process differ.
     #[error(
