@@ -3,15 +3,13 @@
 use serde::{Deserialize, Serialize};
 use sinew_bus::dynamixel::{self, table::MODELS};
 use sinew_bus::feetech::{self, Family};
-use sinew_bus::settings::Demand;
-use sinew_bus::{
-    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, Schedule,
-    ServoBus, Timing,
-};
+use sinew_bus::{Schedule, Timing};
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+
+use crate::node::CAPACITY;
 
 const COUNT: u32 = 6;
 
@@ -59,13 +57,8 @@ pub struct Parts {
     pub bus: Bus,
 }
 
-/// The arm's bus.
-pub enum Bus {
-    /// Of XL330.
-    Dynamixel(dynamixel::Bus<SERVOS>),
-    /// Of STS3215.
-    Feetech(feetech::Bus<SERVOS>),
-}
+/// The arm's bus: of the type that a rig's lines have in an image.
+pub type Bus = sinew_wiring::Bus<CAPACITY>;
 
 /// The parts of an arm.
 ///
@@ -143,44 +136,5 @@ fn bus(kind: Kind, schedule: Schedule) -> Bus {
             let bus = feetech::Bus::new(&setups, schedule, settings);
             Bus::Feetech(bus.expect("six servos, each with its id"))
         }
-    }
-}
-
-macro_rules! of {
-    ($bus:expr, $it:ident => $do:expr) => {
-        match $bus {
-            Bus::Dynamixel($it) => $do,
-            Bus::Feetech($it) => $do,
-        }
-    };
-}
-
-impl ServoBus for Bus {
-    fn len(&self) -> usize {
-        of!(self, bus => bus.len())
-    }
-    fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
-        of!(self, bus => bus.command(servo, command))
-    }
-    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
-        of!(self, bus => bus.plan(out))
-    }
-    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
-        of!(self, bus => bus.plan_more(left_us, out))
-    }
-    fn reply(&mut self, bytes: &[u8]) -> bool {
-        of!(self, bus => bus.reply(bytes))
-    }
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
-        of!(self, bus => bus.compare(asked));
-    }
-    fn compared(&self) -> Compared {
-        of!(self, bus => bus.compared())
-    }
-    fn feedback(&self, servo: usize) -> Option<Feedback> {
-        of!(self, bus => bus.feedback(servo))
-    }
-    fn health(&self, servo: usize) -> Option<Health> {
-        of!(self, bus => bus.health(servo))
     }
 }

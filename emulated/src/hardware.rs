@@ -11,7 +11,7 @@ use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;
 
-use crate::lines::Lines;
+use crate::built_in::Lines;
 use crate::message::{Bytes, End, Packets, TakeError, ToHost, ToNode};
 use crate::node::LINE_IN_STEP;
 

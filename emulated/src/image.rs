@@ -3,26 +3,31 @@
 //! The machine stands still while the host thinks, and nothing interrupts: what it computes depends on what it reads.
 
 use core::convert::Infallible;
+use core::sync::atomic::Ordering;
 
 // What a critical section is.
 use cortex_m as _;
+use cortex_m::peripheral::SCB;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln};
 use sinew_emulated::message::{Bytes, End};
-use sinew_emulated::node::{self, FLASH_LEN};
+use sinew_emulated::node::{self, IS_ORDERED};
+use sinew_firmware::node::causes;
 use static_cell::ConstStaticCell;
 
 use crate::files;
+use crate::kept::Kept;
 
 #[entry]
 fn main() -> ! {
-    static FLASH: ConstStaticCell<[u8; FLASH_LEN]> = ConstStaticCell::new([0; FLASH_LEN]);
     static LENT: ConstStaticCell<[u8; 1 << 20]> = ConstStaticCell::new([0; 1 << 20]);
     let host = Host {
         input: files::open(c"/dev/stdin", files::READ).expect("QEMU has an input"),
         output: files::open(c"/dev/stdout", files::WRITE).expect("QEMU has an output"),
     };
-    node::run(&mut End::new(host), FLASH.take(), LENT.take())
+    let kept = Kept::take();
+    let causes = causes(false, false, kept.take_panic());
+    node::run(&mut End::new(host), causes, &mut kept.flash, LENT.take())
 }
 
 /// The host's files.
@@ -43,8 +48,13 @@ impl Bytes for Host {
     }
 }
 
+/// As on a board: a record that survives, then a reset. A panic that the host did not order is a mistake: it ends QEMU.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    if IS_ORDERED.load(Ordering::Relaxed) {
+        Kept::note_panic();
+        SCB::sys_reset();
+    }
     heprintln!("{}", info);
     loop {
         debug::exit(debug::EXIT_FAILURE);

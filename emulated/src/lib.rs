@@ -20,7 +20,5 @@
 pub mod arm;
 pub mod built_in;
 mod hardware;
-mod lines;
 pub mod message;
 pub mod node;
-mod remote;

@@ -7,6 +7,8 @@
 mod files;
 #[cfg(target_os = "none")]
 mod image;
+#[cfg(target_os = "none")]
+mod kept;
 
 #[cfg(not(target_os = "none"))]
 fn main() {}

@@ -67,6 +67,9 @@ pub enum ToNode<'a> {
         /// What waits on the line of the link, at most [`LINE_AT_ONCE`] bytes.
         line: &'a [u8],
     },
+    /// The program stops itself, by a panic. The image resets its board then, with its flash as it is, and asks for
+    /// [`ToNode::PowerOn`] again.
+    Panic,
 }
 
 /// What the node says.
@@ -111,6 +114,8 @@ pub struct OfLoop<'a> {
     pub outputs: bool,
     /// The number of its state.
     pub state: u8,
+    /// Faults whose condition is there, and those that wait to be cleared: a [bit](crate::node::bit) for each.
+    pub faults: [u32; 2],
     /// What it has [commanded](crate::node::commanded).
     pub commanded: &'a [u8],
 }

@@ -2,16 +2,17 @@
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Found, Mail, Next, NodeSettings, Setup, start};
-use sinew_firmware::supervisor::FaultSet;
+use sinew_firmware::supervisor::{Fault, FaultSet};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_storage::{Area, BoardTable, Capacity};
+use sinew_wiring::AllLines;
 
 use crate::built_in::{BuiltIn, Said};
 use crate::hardware::{Alone, Chip, Desktop, Lent, Pins, Servos, put, take};
-use crate::lines::AllLines;
 use crate::message::{Bytes, End, LINE_AT_ONCE, OfLoop, ToHost, ToNode};
 
 /// Bodies, freedoms and servos that it holds.
@@ -21,7 +22,7 @@ pub const CAPACITY: usize = 40;
 pub const COORDINATES: usize = CAPACITY + CAPACITY / 3;
 
 /// Lines of servos that it has.
-pub const LINES: usize = 4;
+pub const LINES: usize = sinew_wiring::LINES;
 
 /// What the arm's board says that it holds.
 const OF_ARM: u16 = 8;
@@ -102,24 +103,41 @@ pub fn first_session(starts: u16) -> u16 {
     starts.wrapping_mul(100)
 }
 
-/// Runs a node from its first power-on, with blank flash, as often as it begins anew.
+/// Runs a node from its power-on, as often as it begins anew.
 ///
-/// `flash`: [`FLASH_LEN`] bytes. `lent`: room for all shows that are loaded from one start to the next.
+/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`: [`FLASH_LEN`] bytes. `lent`: room
+/// for all shows that are loaded from one start to the next.
 ///
 /// # Panics
 /// If the host says what cannot be.
 pub fn run<B: Bytes<Error = Infallible>>(
     host: &mut End<B>,
+    mut causes: FaultSet,
     flash: &mut [u8],
     lent: &mut [u8],
 ) -> ! {
     let said = built_in(host);
-    flash.fill(0xFF);
+    if causes.is_empty() {
+        flash.fill(0xFF);
+    }
     let mut starts = 0_u16;
     loop {
         starts = starts.wrapping_add(1);
-        until_restart(&said, starts, host, flash, lent);
+        until_restart(&said, (starts, core::mem::take(&mut causes)), host, flash, lent);
     }
+}
+
+/// Whether [`ToNode::Panic`] has come: then it is no mistake that the program stops itself.
+pub static IS_ORDERED: AtomicBool = AtomicBool::new(false);
+
+/// A fault among others.
+pub fn bit(fault: Fault) -> u32 {
+    1 << fault.number()
+}
+
+/// All of them.
+pub fn bits(faults: FaultSet) -> u32 {
+    faults.iter().fold(0, |bits, fault| bits | bit(fault))
 }
 
 fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Said {
@@ -142,7 +160,7 @@ fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Said {
 
 fn until_restart<B: Bytes<Error = Infallible>>(
     said: &Said,
-    starts: u16,
+    (starts, causes): (u16, FaultSet),
     host: &mut End<B>,
     flash: &mut [u8],
     lent: &mut [u8],
@@ -159,8 +177,8 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     let found = start::<_, CAPACITY, CAPACITY, CAPACITY>(
         chip,
         table,
-        &defaults,
-        FaultSet::EMPTY,
+        |_| defaults,
+        causes,
         &mut [0; RIG_ROOM],
     );
     let Found { store, disarmed, settings, rig, is_bad, start } = found.expect("flash is RAM");
@@ -194,10 +212,12 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                 // What was not whole is told: the watchdog was not fed.
                 let _ = control.tick(&mut pins, &mail, &mut AllLines(&lines), &mut wire, &mut []);
                 let controller = control.controller();
+                let report = controller.report();
                 let of_loop = OfLoop {
                     is_fed: pins.is_fed,
                     outputs: pins.outputs,
-                    state: controller.report().state.number(),
+                    state: report.state.number(),
+                    faults: [report.present, report.latched].map(bits),
                     commanded: &bytes_of(controller),
                 };
                 put(host, &ToHost::Ticked(Some(of_loop)));
@@ -213,6 +233,10 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                 if restarts {
                     return;
                 }
+            }
+            ToNode::Panic => {
+                IS_ORDERED.store(true, Ordering::Relaxed);
+                panic!("the host has ordered it");
             }
             other => panic!("{other:?} between ticks"),
         }

@@ -1,5 +1,5 @@
 //! As for all boards.
 
 fn main() {
-    sinew_image::board(&["defmt.x"]);
+    sinew_image::board(&[]);
 }

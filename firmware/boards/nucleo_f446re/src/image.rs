@@ -1,130 +1,132 @@
-//! Image for ST's NUCLEO-F446RE: the control tick at the show's rate, and a breathing status light.
+//! Image for ST's NUCLEO-F446RE: its clocks, pins and DMA channels. What it does is [`sinew_stm32::run`].
 //!
-//! Two executors: the tick runs in an interrupt of high priority and pre-empts everything else, woken by the
-//! hardware timer behind `embassy-time` (TIM5); the light (LD2 on PA5, TIM2 channel 1) runs in thread mode.
-//! The independent watchdog is fed by a completed, valid tick alone ([`Watchdog`] takes nothing else): without one the
-//! board resets within [`WATCHDOG_US`].
-//!
-//! Not there yet: servos. Until a bus is driven, the measured joints are those of the stand-in
-//! ([`sinew_parity::replay`]), and the torques go nowhere but the log.
+//! docs/nucleo.md has the wiring, pin by pin.
 
-#![expect(
-    unsafe_code,
-    reason = "the interrupt that drives the control executor; its macro copies the function"
-)]
-
-use defmt_rtt as _;
-use embassy_executor::{InterruptExecutor, Spawner};
-use embassy_stm32::Peri;
-use embassy_stm32::gpio::OutputType;
-use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::peripherals::{IWDG, PA5, TIM2};
-use embassy_stm32::time::hz;
+use cortex_m_rt::entry;
+use embassy_stm32::dma::Channel;
+use embassy_stm32::flash::Flash;
+use embassy_stm32::gpio::{Input, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::i2c::{self, I2c};
+use embassy_stm32::time::{Hertz, hz};
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
-use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_time::{Duration, Instant, Ticker};
-use panic_probe as _;
-use sinew_core::tracker::MethodName;
-use sinew_firmware::indicator;
-use sinew_firmware::show::Show;
-use sinew_firmware::watchdog::Watchdog;
-use sinew_parity::replay::Replay;
-use static_cell::StaticCell;
+use embassy_stm32::usart::{self, HalfDuplexReadback, OutputConfig, RxDma, TxDma, Uart};
+use embassy_stm32::{bind_interrupts, dma, pac, peripherals, rcc};
+use sinew_stm32::{CAPACITY, Chip, Dma, Hardware, Light, Serial, ServoLine};
+use sinew_storage::{Area, BoardTable};
 
-// `SHOW` and `CAPACITY`.
-include!(concat!(env!("OUT_DIR"), "/baked.rs"));
+/// Sectors of 16 kB for settings, rig and faults, of 128 kB for a show; memory.x has where the code lies.
+const TABLE: BoardTable = BoardTable {
+    slots: &[Area { start: 0x6_0000, sector_len: 0x2_0000, sectors: 1 }],
+    capacity: CAPACITY,
+    ..BoardTable::NUCLEO_F446RE
+};
 
-/// Ten ticks of 10 ms: long enough for a debugger's hiccup, short enough that servos cannot run away.
-const WATCHDOG_US: u32 = 100_000;
+const CORE_HZ: u32 = 180_000_000;
 
-/// The PWM's steps are those of [`indicator::breath`]; 500 Hz does not flicker.
+/// What the ST-Link's serial port carries, and USART2's clock of 45 MHz divides to exactly.
+const LINK_BPS: u32 = 1_000_000;
+
+/// What new servos of most kinds talk at; the rig's wiring says another rate.
+const SERVO_BPS: u32 = 1_000_000;
+
+/// The light's PWM: it does not flicker.
 const LIGHT_HZ: u32 = 500;
 
-static CONTROL: InterruptExecutor = InterruptExecutor::new();
-static REPLAY: StaticCell<Replay<'static, CAPACITY>> = StaticCell::new();
+bind_interrupts!(struct Irqs {
+    DMA1_STREAM5 => dma::InterruptHandler<peripherals::DMA1_CH5>;
+    DMA1_STREAM6 => dma::InterruptHandler<peripherals::DMA1_CH6>;
+    DMA2_STREAM2 => dma::InterruptHandler<peripherals::DMA2_CH2>;
+    DMA2_STREAM7 => dma::InterruptHandler<peripherals::DMA2_CH7>;
+});
 
-/// An interrupt that no peripheral of this board uses: software raises it to run the control executor.
-#[embassy_stm32::interrupt]
-unsafe fn UART5() {
-    // SAFETY: called from the interrupt that `CONTROL` was started with.
-    unsafe { CONTROL.on_interrupt() }
-}
+#[entry]
+fn main() -> ! {
+    let core = cortex_m::Peripherals::take().expect("this is the first line");
+    let p = embassy_stm32::init(clocks());
 
-#[embassy_executor::main]
-async fn main(spawner: Spawner) {
-    let peripherals = embassy_stm32::init(embassy_stm32::Config::default());
+    // First of all: no pulses. The pull-up has held it until here.
+    let outputs = Output::new(p.PB5, Level::High, Speed::Low);
+    // Closed: 3.3 V through the button. Open, cut or unplugged: low.
+    let stop = Input::new(p.PC8, Pull::Down);
 
-    let show = defmt::unwrap!(Show::parse(SHOW).ok(), "the baked show is not valid");
-    let replay = Replay::new(show, MethodName::LinearCompensation).ok();
-    let replay = REPLAY.init(defmt::unwrap!(replay, "the show's rig is not usable"));
-    defmt::info!("{} bodies, {} frames", show.body_count(), show.frame_count());
+    let mut config = usart::Config::default();
+    config.baudrate = LINK_BPS;
+    let link = Uart::new_blocking(p.USART2, p.PA3, p.PA2, config).expect("45 MHz divides");
+    let come = RxDma::<peripherals::USART2>::request(&*p.DMA1_CH5);
+    let out = TxDma::<peripherals::USART2>::request(&*p.DMA1_CH6);
+    let link = Serial::new(
+        link,
+        pac::USART2,
+        Dma { channel: Channel::new(p.DMA1_CH5, Irqs), request: come },
+        Dma { channel: Channel::new(p.DMA1_CH6, Irqs), request: out },
+    );
 
-    interrupt::UART5.set_priority(Priority::P6);
-    let control = CONTROL.start(interrupt::UART5);
-    control.spawn(defmt::unwrap!(run_control(replay, show, peripherals.IWDG)));
-    spawner.spawn(defmt::unwrap!(run_light(peripherals.TIM2, peripherals.PA5)));
-}
+    let mut config = usart::Config::default();
+    config.baudrate = SERVO_BPS;
+    // One wire for both sides: the line is high by its pull-up.
+    config.tx_config = OutputConfig::OpenDrain;
+    let readback = HalfDuplexReadback::NoReadback;
+    let servos = Uart::new_blocking_half_duplex(p.USART1, p.PA9, config, readback);
+    let come = RxDma::<peripherals::USART1>::request(&*p.DMA2_CH2);
+    let out = TxDma::<peripherals::USART1>::request(&*p.DMA2_CH7);
+    let servos = ServoLine::new(
+        servos.expect("90 MHz divides"),
+        pac::USART1,
+        Output::new(p.PA8, Level::Low, Speed::High),
+        Dma { channel: Channel::new(p.DMA2_CH2, Irqs), request: come },
+        Dma { channel: Channel::new(p.DMA2_CH7, Irqs), request: out },
+    );
 
-/// The control tick. Deadline: the show's time step; a tick that misses it makes the next one start late,
-/// and a stuck one lets the watchdog bite.
-#[embassy_executor::task]
-async fn run_control(
-    replay: &'static mut Replay<'static, CAPACITY>,
-    show: Show<'static>,
-    iwdg: Peri<'static, IWDG>,
-) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive step")]
-    let period_us = (show.dt_s() * 1e6) as u64;
-    let mut ticker = Ticker::every(Duration::from_micros(period_us));
-    let mut watchdog = unleash(iwdg);
-    let mut tick = 0u32;
-    loop {
-        ticker.next().await;
-        let start = Instant::now();
-        match replay.step(tick) {
-            Ok(asked) => {
-                let limited =
-                    asked.torques().iter().filter(|torque| torque.reason.is_some()).count();
-                if tick.is_multiple_of(100) {
-                    let took_us = start.elapsed().as_micros();
-                    defmt::info!("tick {}: {} us, {} limited", tick, took_us, limited);
-                }
-                watchdog.feed(asked.into());
-            }
-            Err(error) => defmt::error!("tick {}: no torques: {}", tick, error),
-        }
-        // To the show's end and no further: its last frame is held. Starting over would be a jump.
-        tick = tick.saturating_add(1);
-    }
-}
+    let mut config = i2c::Config::default();
+    config.frequency = Hertz(400_000);
+    // The longest write, of 16 channels, takes 1.5 ms.
+    config.timeout = embassy_time::Duration::from_millis(2);
+    let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, config);
 
-/// The watchdog, running: from here on the board must have a tick within [`WATCHDOG_US`], again and again.
-fn unleash(iwdg: Peri<'static, IWDG>) -> Watchdog<impl FnMut()> {
-    let mut iwdg = IndependentWatchdog::new(iwdg, WATCHDOG_US);
-    iwdg.unleash();
-    Watchdog::new(move || iwdg.pet())
-}
-
-#[embassy_executor::task]
-async fn run_light(timer: Peri<'static, TIM2>, pin: Peri<'static, PA5>) {
-    let pin = PwmPin::new(pin, OutputType::PushPull);
-    let mut pwm = SimplePwm::new(
-        timer,
-        Some(pin),
+    let light = PwmPin::new(p.PA5, OutputType::PushPull);
+    let light = SimplePwm::new(
+        p.TIM2,
+        Some(light),
         None,
         None,
         None,
         hz(LIGHT_HZ),
         CountingMode::EdgeAlignedUp,
     );
-    let mut light = pwm.ch1();
-    light.enable();
-    let mut ticker = Ticker::every(Duration::from_millis(20));
-    loop {
-        ticker.next().await;
-        let now_ms = Instant::now().as_millis() % 0x1_0000_0000;
-        let duty = indicator::breath(u32::try_from(now_ms).unwrap_or_default());
-        light.set_duty_cycle_fraction(u32::from(duty), u32::from(u8::MAX));
-    }
+
+    sinew_stm32::run(
+        core,
+        Hardware {
+            link,
+            link_bps: LINK_BPS,
+            servos,
+            i2c,
+            outputs,
+            stop,
+            light: Light::new(light),
+            flash: Chip::new(Flash::new_blocking(p.FLASH)),
+            table: TABLE,
+            core_hz: CORE_HZ,
+        },
+    )
+}
+
+/// 180 MHz of the ST-Link's 8 MHz; embassy switches over-drive on. Timers of APB1 run at 90 MHz, of APB2 at 180.
+fn clocks() -> embassy_stm32::Config {
+    let mut config = embassy_stm32::Config::default();
+    config.rcc.hse = Some(rcc::Hse { freq: Hertz(8_000_000), mode: rcc::HseMode::Bypass });
+    config.rcc.pll_src = rcc::PllSource::HSE;
+    config.rcc.pll = Some(rcc::Pll {
+        prediv: rcc::PllPreDiv::DIV4,
+        mul: rcc::PllMul::MUL180,
+        divp: Some(rcc::PllPDiv::DIV2),
+        divq: None,
+        divr: None,
+    });
+    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
+    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
+    config.rcc.sys = rcc::Sysclk::PLL1_P;
+    config
 }

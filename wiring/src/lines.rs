@@ -1,4 +1,4 @@
-//! All lines of a board: servos in the rig's order. What goes over a line its bus plans for itself, when the host asks.
+//! All lines of a board: servos in the rig's order. What goes over a line its bus plans for itself, when it is asked.
 
 use core::cell::RefCell;
 
@@ -6,102 +6,82 @@ use heapless::Vec;
 use sinew_bus::settings::Demand;
 use sinew_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
-    dynamixel, feetech,
 };
 
-use crate::arm;
-use crate::node::{CAPACITY, LINES};
-
-/// The bus of one line.
-#[expect(clippy::large_enum_variant, reason = "an image has no heap")]
-pub(crate) enum Line {
-    Arm(arm::Bus),
-    Dynamixel(dynamixel::Bus<CAPACITY>),
-    Feetech(feetech::Bus<CAPACITY>),
-}
-
-macro_rules! of {
-    ($bus:expr, $it:ident => $do:expr) => {
-        match $bus {
-            Line::Arm($it) => $do,
-            Line::Dynamixel($it) => $do,
-            Line::Feetech($it) => $do,
-        }
-    };
-}
-
-/// All lines.
-pub(crate) struct Lines {
-    buses: Vec<Line, LINES>,
+/// At most `L` lines with `S` servos together.
+#[derive(Debug)]
+pub struct Lines<B, const L: usize, const S: usize> {
+    buses: Vec<B, L>,
     /// Line and place of each servo.
-    places: Vec<(usize, usize), CAPACITY>,
+    places: Vec<(usize, usize), S>,
     /// The line whose servo is compared.
     compared: Option<usize>,
     /// Why a packet of this tick did not go out.
     failed: Option<EncodeError>,
 }
 
-impl Lines {
-    /// `line_of`: the line of each servo, in the rig's order.
-    pub(crate) fn new(
-        lines: impl IntoIterator<Item = Line>,
+impl<B: ServoBus, const L: usize, const S: usize> Lines<B, L, S> {
+    /// `line_of`: the line of each servo, in the rig's order. What there is no room for is left out.
+    pub fn new(
+        lines: impl IntoIterator<Item = B>,
         line_of: impl IntoIterator<Item = usize>,
     ) -> Self {
-        let mut counts = [0; LINES];
-        let places = line_of.into_iter().map(|line| {
-            counts[line] += 1;
-            (line, counts[line] - 1)
-        });
-        Self {
-            places: places.collect(),
-            buses: lines.into_iter().collect(),
+        let mut own = Self {
+            buses: lines.into_iter().take(L).collect(),
+            places: Vec::new(),
             compared: None,
             failed: None,
+        };
+        for line in line_of {
+            let place = own.places.iter().filter(|(other, _)| *other == line).count();
+            // As many as there is room for.
+            let _ = own.places.push((line, place));
         }
+        own
+    }
+
+    /// How many lines there are.
+    pub fn count(&self) -> usize {
+        self.buses.len()
     }
 
     /// First packets of a line in a tick; none if there is no room for them.
-    pub(crate) fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
-        let planned = of!(&mut self.buses[line], bus => bus.plan(out));
+    pub fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
+        let planned = self.buses.get_mut(line)?.plan(out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()
     }
 
     /// What a line wants besides, if anything.
-    pub(crate) fn plan_more(
-        &mut self,
-        line: usize,
-        left_us: u32,
-        out: &mut [u8],
-    ) -> Option<Request> {
-        let planned = of!(&mut self.buses[line], bus => bus.plan_more(left_us, out));
+    pub fn plan_more(&mut self, line: usize, left_us: u32, out: &mut [u8]) -> Option<Request> {
+        let planned = self.buses.get_mut(line)?.plan_more(left_us, out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()?
     }
 
     /// What servos of a line have said. Whether that is all.
-    pub(crate) fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
-        of!(&mut self.buses[line], bus => bus.reply(bytes))
+    pub fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
+        self.buses.get_mut(line).is_none_or(|bus| bus.reply(bytes))
     }
 
-    fn of(&self, servo: usize) -> Option<(&Line, usize)> {
+    fn of(&self, servo: usize) -> Option<(&B, usize)> {
         let (line, place) = *self.places.get(servo)?;
         Some((self.buses.get(line)?, place))
     }
 }
 
 /// The lines as the controller sees them: one bus, which plans nothing by itself.
-pub(crate) struct AllLines<'l>(pub(crate) &'l RefCell<Lines>);
+#[derive(Debug)]
+pub struct AllLines<'l, B, const L: usize, const S: usize>(pub &'l RefCell<Lines<B, L, S>>);
 
-impl ServoBus for AllLines<'_> {
+impl<B: ServoBus, const L: usize, const S: usize> ServoBus for AllLines<'_, B, L, S> {
     fn len(&self) -> usize {
         self.0.borrow().places.len()
     }
 
     fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
         let Lines { buses, places, .. } = &mut *self.0.borrow_mut();
-        let Some((line, place)) = places.get(servo).copied() else {
-            return Err(CommandError::Servo { index: servo, count: places.len() });
-        };
-        of!(&mut buses[line], bus => bus.command(place, command))
+        let unknown = CommandError::Servo { index: servo, count: places.len() };
+        let (line, place) = *places.get(servo).ok_or(unknown)?;
+        buses.get_mut(line).ok_or(unknown)?.command(place, command)
     }
 
     fn plan(&mut self, _: &mut [u8]) -> Result<Request, EncodeError> {
@@ -123,25 +103,25 @@ impl ServoBus for AllLines<'_> {
         *compared = place.map(|((line, _), _)| line);
         for (index, line) in buses.iter_mut().enumerate() {
             let own = place.filter(|((line, _), _)| *line == index);
-            of!(line, bus => bus.compare(own.map(|((_, place), demand)| (place, demand))));
+            line.compare(own.map(|((_, place), demand)| (place, demand)));
         }
     }
 
     fn compared(&self) -> Compared {
         let Lines { buses, compared, .. } = &*self.0.borrow();
         let line = compared.and_then(|line| buses.get(line));
-        line.map_or(Compared::Nothing, |line| of!(line, bus => bus.compared()))
+        line.map_or(Compared::Nothing, ServoBus::compared)
     }
 
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let lines = self.0.borrow();
         let (line, place) = lines.of(servo)?;
-        of!(line, bus => bus.feedback(place))
+        line.feedback(place)
     }
 
     fn health(&self, servo: usize) -> Option<Health> {
         let lines = self.0.borrow();
         let (line, place) = lines.of(servo)?;
-        of!(line, bus => bus.health(place))
+        line.health(place)
     }
 }

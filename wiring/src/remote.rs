@@ -1,6 +1,7 @@
 //! Numbers of other crates as messages carry them: all of them, so that a new one does not build before it is here.
 
 use serde::{Deserialize, Serialize};
+use sinew_bus::pca9685::ChannelSetup;
 use sinew_bus::{Cost, Timing, Traffic, dynamixel, feetech};
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
@@ -91,6 +92,14 @@ pub(crate) struct FeetechServoOf {
 }
 
 #[derive(Serialize, Deserialize)]
+#[serde(remote = "ChannelSetup")]
+pub(crate) struct ChannelOf {
+    channel: u8,
+    pulse_us: [f32; 2],
+    range_rad: [f32; 2],
+}
+
+#[derive(Serialize, Deserialize)]
 #[serde(remote = "ServoSetup")]
 pub(crate) struct ServoSetupOf {
     #[serde(with = "DriveOf")]
@@ -137,7 +146,7 @@ struct PositionOf {
     profile: bool,
 }
 
-/// Of servos that hang on no bus: these are on none of the lines.
+/// Of servos that tell nothing: nobody reads where they are.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "TargetSettings")]
 struct TargetOf {

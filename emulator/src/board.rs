@@ -1,0 +1,120 @@
+//! The board: rigless's STM32F427 with what of the F446RE differs, and a host at the far end of two serial ports.
+
+use std::num::{NonZeroU32, NonZeroU64};
+
+use rigless::cpu::armv7m::windows;
+use rigless::emulator::Alias;
+use rigless::machine::armv7m::{Core, Fpu, MpuRegions, Variant};
+use rigless::machine::{Board, Crystal, Target};
+use rigless::mcu::{Mcu, Operate as _};
+use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::usart6::{Register, cr1};
+use rigless::soc::{Error, Region};
+
+use crate::flash::{ARRAY, BASE, LEN};
+use crate::wire::Wire;
+
+/// ST-Link's clock on the oscillator's pin.
+const HSE: Crystal = Crystal(8_000_000);
+const SUPPLY_MV: u32 = 3300;
+const CORE_HZ: NonZeroU64 = NonZeroU64::new(180_000_000).unwrap();
+/// 8 ns each: 1.44 cycles at 180 MHz. A guess of a Cortex-M4 that runs from flash by ART; nothing here counts cycles.
+const INSTRUCTIONS_PER_S: NonZeroU64 = NonZeroU64::new(125_000_000).unwrap();
+
+/// A serial port that a host is at: its place in rigless's list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Port {
+    /// USART1: servos, half duplex.
+    Bus = 0,
+    /// USART2: ST-Link's virtual port.
+    Link = 1,
+}
+
+impl Port {
+    /// As lines name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bus => "bus",
+            Self::Link => "link",
+        }
+    }
+}
+
+/// NUCLEO-F446RE. The F427 has all of the F446 that our image uses, at the same addresses; it has more flash and RAM
+/// than the image is linked for.
+#[derive(Debug)]
+pub struct Nucleo {
+    pub mcu: Stm32f427,
+    /// Whether the core finds the array where flash is. A session refuses two regions at one place when it is made; a
+    /// run asks again, and what it maps last is what the core sees.
+    pub is_array_in_place: bool,
+}
+
+impl Nucleo {
+    pub fn new() -> Result<Self, Error> {
+        let mut mcu = Stm32f427::new()?;
+        // Flash that the image can program: rigless's own of this part only reads.
+        mcu.bus_mut().add_region(Region::ram("array", ARRAY, LEN as u64).erased_to(0xFF))?;
+        mcu.rcc.attach_crystals(HSE.0, Crystal::NONE.0);
+        mcu.set_supply(SUPPLY_MV);
+        for port in [Port::Bus, Port::Link] {
+            mcu.usart[port as usize].attach(Wire::default());
+        }
+        Ok(Self { mcu, is_array_in_place: false })
+    }
+
+    /// Bits per second that USART1 is set to.
+    pub fn bus_baud(&mut self) -> u64 {
+        let (_, registers) = self.mcu.serial_port(Port::Bus as usize);
+        // `USARTDIV` in sixteenths, or in eighths.
+        let (divider, is_by_8) = (registers.get(Register::Brr), registers.get(Register::Cr1));
+        let divider = match cr1::OVER8.is_set(is_by_8) {
+            true => divider >> 4 << 3 | divider & 7,
+            false => divider,
+        };
+        let (clocks, registers) = self.mcu.clocks();
+        clocks.pclk2(registers) / divider.max(1)
+    }
+
+    /// The far end of a port.
+    pub fn wire(&mut self, port: Port) -> &mut Wire {
+        self.mcu.usart[port as usize].chip_mut().expect("`new` attaches it")
+    }
+}
+
+/// Nothing is saved: a run begins at power-on.
+impl Store for Nucleo {}
+
+impl Board for Nucleo {
+    fn name(&self) -> &'static str {
+        "nucleo-f446re"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["mcu"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.mcu)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let lines = NonZeroU32::new(u32::from(self.mcu.cpu().interrupt_lines));
+        let core = Core {
+            variant: Variant::M4,
+            clock_hz: CORE_HZ,
+            interrupt_lines: lines.expect("the part has interrupts"),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).unwrap(),
+            instructions_per_second: INSTRUCTIONS_PER_S,
+            boot: "flash",
+        };
+        let mut spec =
+            core.spec_with_parts(&windows(self.mcu.bus()), Fpu::FpV4Sp, MpuRegions::Eight);
+        if self.is_array_in_place {
+            spec.aliases.push(Alias { region: "array", at: BASE });
+        }
+        vec![Target::new("mcu", &mut self.mcu, spec)]
+    }
+}

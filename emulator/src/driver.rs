@@ -1,0 +1,235 @@
+//! Lock-step: the machine runs when the host says so, and stands still while it thinks.
+
+use std::io::{BufRead, Write};
+
+use rigless::device::{Level, ResetCause};
+use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop, StopReason};
+use rigless::session::Session;
+use rigless::soc::Layout as _;
+use rigless::soc::stm32f427::generated::usart6::{Register, cr1, sr};
+use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::time::VirtualNanos;
+
+use crate::board::{Nucleo, Port};
+use crate::flash::{self, Eraser};
+use crate::protocol::{Command, Line, hex};
+
+/// Where they begin.
+const PERIPHERALS: u64 = 0x4000_0000;
+/// The light.
+const LIGHT: (usize, u8) = (0, 5);
+
+pub struct Lockstep<I, O> {
+    input: I,
+    output: O,
+    /// The flash at power-on; none after that.
+    flash: Option<Vec<u8>>,
+    eraser: Eraser,
+    /// How far the host lets it run.
+    goal_ns: u64,
+    resets: usize,
+    light: Level,
+    /// Whether it was told that the core reaches for what is not there.
+    is_stray_told: bool,
+    /// What it tells at its next stop.
+    told: Vec<String>,
+}
+
+impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
+    pub fn new(input: I, output: O, flash: Vec<u8>) -> Self {
+        let (eraser, light) = (Eraser::default(), Level::Low);
+        let (goal_ns, resets, is_stray_told, told) = (0, 0, false, Vec::new());
+        let flash = Some(flash);
+        Self { input, output, flash, eraser, goal_ns, resets, light, is_stray_told, told }
+    }
+
+    /// What the firmware has sent since the last stop.
+    fn hear(&mut self, board: &mut Nucleo, now_ns: u64) {
+        if is_over(board, now_ns) {
+            let baud = board.bus_baud();
+            self.take(board, Port::Bus, &format!(" {baud}"));
+        }
+        self.take(board, Port::Link, "");
+    }
+
+    fn take(&mut self, board: &mut Nucleo, port: Port, rate: &str) {
+        let (name, wire) = (port.name(), board.wire(port));
+        if !wire.sent.is_empty() {
+            let bytes = std::mem::take(&mut wire.sent);
+            wire.is_flag_cleared = false;
+            self.told.push(format!("{name} {}{rate} {}", wire.sent_ns, hex(&bytes)));
+        }
+        let unheard = std::mem::take(&mut wire.unheard);
+        if unheard > 0 {
+            self.told.push(format!("unheard {name} {unheard}"));
+        }
+    }
+
+    /// Tells the host what was, and does what it says until it lets the machine run on. `None`: it is done.
+    fn converse(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<()> {
+        let now_ns = stop.at.0;
+        self.hear(session.board_mut(), now_ns);
+        for line in self.told.drain(..) {
+            writeln!(self.output, "{line}").ok()?;
+        }
+        writeln!(self.output, "at {now_ns}").ok()?;
+        loop {
+            self.output.flush().ok()?;
+            match Line::read(&mut self.input)? {
+                Ok(Command::Run(to_ns)) => {
+                    self.goal_ns = to_ns.max(now_ns + 1);
+                    return Some(());
+                }
+                Ok(Command::Say(port, from_ns, bytes)) => {
+                    session.board_mut().wire(port).say(from_ns.max(now_ns), bytes);
+                }
+                Ok(Command::Pin(port, pin, level)) => drive(session, stop.at, (port, pin), level),
+                Ok(Command::Reset) => {
+                    self.eraser.cut(host);
+                    session.reset_by_pin(stop.at, stop.instruction_count, host);
+                    self.resets = session.resets().len();
+                }
+                Ok(Command::Flash) => {
+                    writeln!(self.output, "flash {}", hex(&flash::read(host))).ok()?;
+                }
+                Err(why) => writeln!(self.output, "error {why}").ok()?,
+            }
+        }
+    }
+
+    /// Until when it runs: to where the host says something, at most.
+    fn until(&self, board: &mut Nucleo, now_ns: u64) -> VirtualNanos {
+        let says = [Port::Bus, Port::Link].map(|port| board.wire(port).next_ns(now_ns));
+        let wire = board.wire(Port::Bus);
+        let silent_ns =
+            (!wire.sent.is_empty()).then_some(wire.sent_ns).map(|sent| sent + silence_ns(board));
+        let all = says.into_iter().chain([silent_ns]).flatten();
+        VirtualNanos(all.fold(self.goal_ns, u64::min).max(now_ns + 1))
+    }
+
+    /// What resets, flash and the light have come to.
+    fn look(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
+        let now_ns = stop.at.0;
+        let resets = session.resets().len();
+        if resets > self.resets || stop.reason == StopReason::Reset {
+            if let Some(reset) = session.resets().last() {
+                self.told.push(format!("reset {now_ns} {}", cause(reset.cause)));
+            }
+            self.resets = resets;
+            self.eraser.cut(host);
+            self.goal_ns = now_ns;
+        }
+        let board = session.board_mut();
+        if self.eraser.is_busy() {
+            let (_, registers) = board.mcu.program();
+            let sr = registers.get(rigless::soc::stm32f427::generated::flash::Register::Sr);
+            if let Some(sector) = self.eraser.end(sr, host) {
+                self.told.push(format!("erased {now_ns} {sector}"));
+            }
+        }
+        let (light, registers) = board.mcu.port(LIGHT.0);
+        let level = light.level(Pin::new(LIGHT.1).expect("a pin"), registers);
+        if level != self.light {
+            self.light = level;
+            self.told.push(format!("light {now_ns} {}", u8::from(level == Level::High)));
+        }
+    }
+}
+
+impl<I: BufRead + Send, O: Write + Send> Driver<Nucleo> for Lockstep<I, O> {
+    fn on_settled(&mut self, session: &mut Session<Nucleo>, host: &mut dyn Host, now: Settled) {
+        match now {
+            // Memory is answered without us: who comes here below the peripherals has left it.
+            Settled::Access { access, .. }
+                if access.address < PERIPHERALS && !self.is_stray_told =>
+            {
+                let (now_ns, address) = (access.virtual_time.0, access.address);
+                let from = access.program_counter.unwrap_or_default();
+                self.told.push(format!("stray {now_ns} {address:x} {from:x}"));
+                self.is_stray_told = true;
+            }
+            Settled::Access { access, value } if access.kind == AccessKind::Write => {
+                let now_ns = access.virtual_time.0;
+                if access.address == flash::CR
+                    && let Some(sector) = self.eraser.begin(value, host)
+                {
+                    self.told.push(format!("erase {now_ns} {sector}"));
+                }
+                let is_bus = access.address == 0x4001_1000 + u64::from(Register::Cr1.spec().offset);
+                if is_bus && is_over(session.board_mut(), now_ns) {
+                    session.run_until(VirtualNanos(now_ns + 1));
+                }
+            }
+            Settled::Stop(stop) => {
+                self.look(session, stop, host);
+                if self.goal_ns <= stop.at.0 || is_over(session.board_mut(), stop.at.0) {
+                    session.run_until(stop.at);
+                } else {
+                    let until = self.until(session.board_mut(), stop.at.0);
+                    session.run_until(until);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        if let Some(flash) = self.flash.take() {
+            flash::fill(host, 0, &flash);
+        }
+        let now_ns = stop.at.0;
+        if now_ns >= self.goal_ns || is_over(session.board_mut(), now_ns) {
+            self.converse(session, stop, host)?;
+        }
+        Some(self.until(session.board_mut(), now_ns))
+    }
+}
+
+/// Who has reset the part: the button, the core itself, or the watchdog.
+fn cause(cause: ResetCause) -> String {
+    match cause {
+        ResetCause::Pin => "pin".to_owned(),
+        ResetCause::Core => "core".to_owned(),
+        ResetCause::Model(instance) => instance.to_lowercase(),
+        other => format!("{other:?}").to_lowercase(),
+    }
+}
+
+/// Whether what the firmware began on the bus has left: all of it, or what the transmitter had time for.
+///
+/// The transmitter says so if somebody has cleared its flag since it said so last. Else silence does.
+fn is_over(board: &mut Nucleo, now_ns: u64) -> bool {
+    let (_, registers) = board.mcu.serial_port(Port::Bus as usize);
+    let (status, control) = (registers.get(Register::Sr), registers.get(Register::Cr1));
+    let (is_complete, is_on) = (sr::TC.is_set(status), cr1::TE.is_set(control));
+    let wire = board.wire(Port::Bus);
+    wire.is_flag_cleared |= !is_complete;
+    if wire.sent.is_empty() {
+        return false;
+    }
+    let (since_ns, is_told) = (wire.sent_ns, is_complete && wire.is_flag_cleared);
+    !is_on || is_told || now_ns >= since_ns + silence_ns(board)
+}
+
+/// After so long without a byte a burst is over, ns: one and a half.
+fn silence_ns(board: &mut Nucleo) -> u64 {
+    15_000_000_000 / board.bus_baud().max(1)
+}
+
+/// Puts a level on a pin from outside.
+fn drive(session: &mut Session<Nucleo>, at: VirtualNanos, (port, pin): (usize, u8), level: bool) {
+    let Some(pin) = Pin::new(pin) else { return };
+    session.board_mut().mcu.drive_port(at, port, |gpio, registers, context| {
+        gpio.drive(pin, Some(Level::from(level)), registers, context);
+    });
+}

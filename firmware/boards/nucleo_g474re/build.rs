@@ -1,0 +1,5 @@
+//! As for all boards.
+
+fn main() {
+    sinew_image::board(&[]);
+}

@@ -1,0 +1,84 @@
+//! The board's lines as the loop drives them.
+
+use core::cell::RefCell;
+
+use sinew_bus::Request;
+use sinew_firmware::controller::Wire;
+use sinew_wiring::Protocol;
+
+use crate::node::{LINES, SERVOS};
+use crate::{ServoLine, clock, pulses};
+
+/// Room for the packets of a line at once.
+const OUT_LEN: usize = 1024;
+
+pub(crate) type Lines = sinew_wiring::Lines<sinew_wiring::Bus<SERVOS>, LINES, SERVOS>;
+
+/// Where a line of the wiring is on this board.
+#[derive(Clone, Copy)]
+pub(crate) enum Place {
+    Serial,
+    I2c,
+}
+
+impl Place {
+    pub(crate) fn of(protocol: &Protocol) -> Self {
+        match protocol {
+            Protocol::Dynamixel(_) | Protocol::Feetech(_) => Self::Serial,
+            Protocol::Pca9685(_) => Self::I2c,
+        }
+    }
+}
+
+/// All lines, in a tick.
+pub(crate) struct Ports {
+    pub(crate) serial: ServoLine,
+    pub(crate) i2c: pulses::Bus,
+    pub(crate) places: heapless::Vec<Place, LINES>,
+    pub(crate) out: [u8; OUT_LEN],
+}
+
+impl Ports {
+    pub(crate) fn new(
+        serial: ServoLine,
+        i2c: pulses::Bus,
+        places: heapless::Vec<Place, LINES>,
+    ) -> Self {
+        Self { serial, i2c, places, out: [0; OUT_LEN] }
+    }
+}
+
+pub(crate) struct Exchange<'l> {
+    pub(crate) ports: &'l mut Ports,
+    pub(crate) lines: &'l RefCell<Lines>,
+    /// When the next tick begins, µs.
+    pub(crate) until_us: u64,
+}
+
+impl Wire for Exchange<'_> {
+    /// All lines, one after the other: what each plans for itself.
+    fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
+        for (line, place) in self.ports.places.clone().into_iter().enumerate() {
+            let mut planned = self.lines.borrow_mut().plan(line, &mut self.ports.out);
+            while let Some(Request { len, time_us, .. }) = planned {
+                let bytes = self.ports.out.get(..len).unwrap_or_default();
+                match place {
+                    _ if bytes.is_empty() => {}
+                    Place::Serial => self
+                        .ports
+                        .serial
+                        .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
+                    Place::I2c => pulses::write(&mut self.ports.i2c, bytes),
+                }
+                let left_us = self.left_us();
+                let mut lines = self.lines.borrow_mut();
+                planned = lines.plan_more(line, left_us, &mut self.ports.out);
+            }
+        }
+    }
+
+    fn left_us(&self) -> u32 {
+        let left_us = self.until_us.saturating_sub(clock::now_us());
+        u32::try_from(left_us).unwrap_or(u32::MAX)
+    }
+}

@@ -1,0 +1,113 @@
+//! Flash as storage wants it.
+
+use embassy_stm32::flash::{Blocking, Error, Flash};
+use embassy_stm32::pac;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+
+use crate::dog;
+
+/// Where flash is as memory.
+const BASE: u32 = 0x0800_0000;
+/// Bytes of it.
+pub(crate) const LEN: usize = 0x8_0000;
+
+/// The chip's flash, from its beginning.
+pub struct Chip(Flash<'static, Blocking>);
+
+/// What the chip says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChipError(Error);
+
+impl Chip {
+    /// Of the flash's own driver.
+    pub fn new(flash: Flash<'static, Blocking>) -> Self {
+        Self(flash)
+    }
+}
+
+/// A range of it as memory, for as long as nobody writes or erases there.
+pub(crate) fn memory(range: core::ops::Range<u32>) -> Option<&'static [u8]> {
+    let len = range.end.checked_sub(range.start)? as usize;
+    if range.end as usize > LEN {
+        return None;
+    }
+    let at = (BASE + range.start) as *const u8;
+    // SAFETY: it lies in flash. Who looks, looks before somebody writes there: that is the node's promise.
+    Some(unsafe { core::slice::from_raw_parts(at, len) })
+}
+
+impl NorFlashError for ChipError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self.0 {
+            Error::Size => NorFlashErrorKind::OutOfBounds,
+            Error::Unaligned => NorFlashErrorKind::NotAligned,
+            _ => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+impl ErrorType for Chip {
+    type Error = ChipError;
+}
+
+impl ReadNorFlash for Chip {
+    const READ_SIZE: usize = 1;
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), ChipError> {
+        self.0.blocking_read(offset, bytes).map_err(ChipError)
+    }
+    fn capacity(&self) -> usize {
+        LEN
+    }
+}
+
+#[cfg(feature = "stm32f446re")]
+const UNITS: (usize, usize) = (4, 0x4000);
+#[cfg(feature = "stm32g474re")]
+const UNITS: (usize, usize) = (8, 0x800);
+
+impl NorFlash for Chip {
+    const WRITE_SIZE: usize = UNITS.0;
+    /// Of the smallest sector.
+    const ERASE_SIZE: usize = UNITS.1;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), ChipError> {
+        dog::wait_for_long();
+        erase_by_words();
+        let erased = self.0.blocking_erase(from, to).map_err(ChipError);
+        forget_cached();
+        erased
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), ChipError> {
+        let written = self.0.blocking_write(offset, bytes).map_err(ChipError);
+        forget_cached();
+        written
+    }
+}
+
+/// embassy-stm32 0.6.0 erases at the parallelism that it finds: after a reset and after each write that is x8, where
+/// 128 kB take up to 4 s in place of 2. It is kept only while the register is unlocked, and that is how embassy goes
+/// on.
+#[cfg(feature = "stm32f446re")]
+fn erase_by_words() {
+    if pac::FLASH.cr().read().lock() {
+        pac::FLASH.keyr().write_value(0x4567_0123);
+        pac::FLASH.keyr().write_value(0xCDEF_89AB);
+    }
+    pac::FLASH.cr().modify(|w| w.set_psize(pac::flash::vals::Psize::PSIZE32));
+}
+
+#[cfg(feature = "stm32g474re")]
+fn erase_by_words() {}
+
+/// What was read before may lie in the data cache, which does not know of a write.
+fn forget_cached() {
+    if pac::FLASH.acr().read().dcen() {
+        pac::FLASH.acr().modify(|w| w.set_dcen(false));
+        pac::FLASH.acr().modify(|w| w.set_dcrst(true));
+        pac::FLASH.acr().modify(|w| w.set_dcrst(false));
+        pac::FLASH.acr().modify(|w| w.set_dcen(true));
+    }
+}

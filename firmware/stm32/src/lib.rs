@@ -1,0 +1,44 @@
+//! What boards with an STM32 have in common: the node of [`sinew_firmware::node`] on the chip's hardware.
+//!
+//! ```text
+//! TIM3, priority 8 ── the loop ── ServoLine (USART1, DMA), PCA9685 (I2C1), OE, e-stop, IWDG
+//!      interrupts
+//! main ── link, storage ── Serial (USART2, DMA), Chip (flash), the status light (TIM2)
+//! both read the clock: TIM5, 32 bits
+//! ```
+//! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]. There is no executor: each half of a
+//! node waits for nothing but its own step, so an interrupt and a loop are all that it needs.
+//!
+//! - [`clock`]: microseconds that no erase of flash loses;
+//! - [`Serial`]: the line to the host; [`ServoLine`]: the half-duplex line of the servos;
+//! - [`Chip`]: flash; [`dog`]: the hardware watchdog; [`reset`]: why the chip starts, and the record of a panic;
+//! - [`stop`]: what a panic does to servos.
+//!
+//! For a host this crate is empty.
+
+#![cfg(target_os = "none")]
+#![no_std]
+#![deny(missing_docs)]
+#![expect(
+    unsafe_code,
+    reason = "registers, memory that DMA writes, and flash that is read in place"
+)]
+
+mod bus;
+pub mod clock;
+pub mod dog;
+mod flash;
+mod light;
+mod node;
+mod pulses;
+mod registers;
+pub mod reset;
+mod serial;
+mod servo_line;
+pub mod stop;
+
+pub use flash::Chip;
+pub use light::Light;
+pub use node::{BODIES, CAPACITY, COORDINATES, FREEDOMS, Hardware, LINES, SERVOS, run};
+pub use serial::{Dma, Serial};
+pub use servo_line::ServoLine;

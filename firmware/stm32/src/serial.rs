@@ -1,0 +1,112 @@
+//! The line to the host: a UART whose bytes DMA fetches and brings.
+
+use embassy_stm32::dma::{Channel, ReadableRingBuffer, Request, Transfer, TransferOptions};
+use embassy_stm32::mode::Blocking;
+use embassy_stm32::pac::usart::Usart;
+use embassy_stm32::usart::Uart;
+
+use crate::registers;
+
+/// Bytes that may wait for the node.
+pub(crate) const WAITING: usize = 2048;
+/// Bytes that are sent at once.
+const AT_ONCE: usize = 512;
+
+/// A channel, and who asks it for bytes.
+pub struct Dma {
+    /// The channel.
+    pub channel: Channel<'static>,
+    /// The request of [`TxDma`](embassy_stm32::usart::TxDma) or [`RxDma`](embassy_stm32::usart::RxDma).
+    pub request: Request,
+}
+
+/// What comes: a ring that DMA writes round and round. No error of the line stops it: what is damaged, codecs find.
+pub(crate) struct Ring(ReadableRingBuffer<'static, u8>);
+
+impl Ring {
+    pub(crate) fn new(uart: Usart, dma: Dma, room: &'static mut [u8]) -> Self {
+        let options = TransferOptions::default();
+        // SAFETY: the address is the UART's data, and `room` is nobody else's.
+        let mut ring = unsafe {
+            ReadableRingBuffer::new(dma.channel, dma.request, registers::come(uart), room, options)
+        };
+        ring.start();
+        uart.cr3().modify(|w| w.set_dmar(true));
+        Self(ring)
+    }
+
+    /// What has come, as much as fits. Of bytes that ran into one another, none: frames tell.
+    pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
+        if let Ok((len, _)) = self.0.read(into) {
+            len
+        } else {
+            self.0.clear();
+            0
+        }
+    }
+
+    /// What has come is gone.
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// The line to the host.
+pub struct Serial {
+    registers: Usart,
+    _uart: Uart<'static, Blocking>,
+    ring: Ring,
+    out: Dma,
+    sending: Option<Transfer<'static>>,
+    room: &'static mut [u8; AT_ONCE],
+}
+
+impl Serial {
+    /// Of a UART that was started, whose registers these are. To be made once.
+    pub fn new(uart: Uart<'static, Blocking>, registers: Usart, come: Dma, out: Dma) -> Self {
+        static WAITS: static_cell::ConstStaticCell<[u8; WAITING]> =
+            static_cell::ConstStaticCell::new([0; WAITING]);
+        static ROOM: static_cell::ConstStaticCell<[u8; AT_ONCE]> =
+            static_cell::ConstStaticCell::new([0; AT_ONCE]);
+        let ring = Ring::new(registers, come, WAITS.take());
+        registers.cr3().modify(|w| w.set_dmat(true));
+        Self { registers, _uart: uart, ring, out, sending: None, room: ROOM.take() }
+    }
+
+    /// What has come, as much as fits.
+    pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
+        self.ring.read(into)
+    }
+
+    /// Sends as much as there is room for; nothing while bytes are under way.
+    pub(crate) fn send(&mut self, bytes: &[u8]) -> usize {
+        if bytes.is_empty() || self.is_busy() {
+            return 0;
+        }
+        self.sending = None;
+        let mut len = 0;
+        for (to, from) in self.room.iter_mut().zip(bytes) {
+            *to = *from;
+            len += 1;
+        }
+        let channel: *mut Channel<'static> = &raw mut self.out.channel;
+        let bytes = &raw const self.room[..len];
+        // SAFETY: the transfer before it is over and dropped; `room` is not touched until this one is.
+        self.sending = unsafe {
+            let (channel, bytes) = (&mut *channel, &*bytes);
+            let out = registers::out(self.registers);
+            Some(channel.write(self.out.request, bytes, out, TransferOptions::default()))
+        };
+        len
+    }
+
+    /// Whether bytes are under way.
+    pub(crate) fn is_busy(&mut self) -> bool {
+        self.sending.as_mut().is_some_and(Transfer::is_running)
+    }
+
+    /// Waits until the last byte has left.
+    pub(crate) fn finish(&mut self) {
+        while self.is_busy() || !registers::is_sent(self.registers) {}
+    }
+}
