@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::settings::{Demand, Setting};
-use crate::table::ByteOrder;
+use crate::table::{ByteOrder, TORQUE_ENABLE};
 
 /// What is read at once: as many bytes as a reading of motion has, for which buses have room.
 const MOST_LEN: u16 = 10;
@@ -34,6 +34,13 @@ pub struct Difference {
     pub found: i32,
     /// What it must hold.
     pub expected: i32,
+}
+
+impl Difference {
+    /// Whether it is the torque of the servo: it is on, though it was switched off.
+    pub fn is_torque(&self) -> bool {
+        self.item == TORQUE_ENABLE
+    }
 }
 
 impl fmt::Display for Difference {

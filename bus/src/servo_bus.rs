@@ -144,6 +144,9 @@ pub struct Health {
     pub alert: bool,
     /// What is wrong, bit by bit in its own way.
     pub hardware_error: u8,
+    /// Whether it has stopped by itself: it heard nothing for as long as its own watchdog allows, and takes no goal
+    /// until its torque was off.
+    pub has_stopped: bool,
     /// The last error number of a reply; 0 for none.
     pub last_error: u8,
     /// Replies that did not come, over all.

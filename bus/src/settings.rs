@@ -67,10 +67,14 @@ enum Must {
     Least,
     /// The most position.
     Most,
+    /// This while torque is off: the bus itself writes it, whoever sets a servo up does not.
+    Limp(i32),
 }
 
 /// Dynamixel: the servo answers after 2 us. The factory's 500 us make a bus of 6 a third as fast.
 const DYNAMIXEL_DELAY: i32 = 1;
+/// Dynamixel: a servo with torque that hears nothing for this many times 20 ms stops by itself.
+pub(crate) const DYNAMIXEL_WATCHDOG: u8 = 5;
 /// Feetech: heat, current and overload make it let go, as dumps of new STS3215 have it.
 const STS_UNLOADING: i32 = 44;
 /// What no register holds: a mode that a servo does not have is never the one it is in.
@@ -94,12 +98,14 @@ const DYNAMIXEL: &[(u16, Must)] = &[
     (dxl::MIN_POSITION, Must::Least),
     (dxl::STARTUP, Must::Be(0)),
     (dxl::SHUTDOWN, Must::Factory),
+    (dxl::TORQUE_ENABLE, Must::Limp(0)),
     (dxl::STATUS_LEVEL, Must::Factory),
     (dxl::POSITION_D, Must::Factory),
     (dxl::POSITION_I, Must::Factory),
     (dxl::POSITION_P, Must::Factory),
     (dxl::FEEDFORWARD_2ND, Must::Factory),
     (dxl::FEEDFORWARD_1ST, Must::Factory),
+    (dxl::BUS_WATCHDOG, Must::Limp(DYNAMIXEL_WATCHDOG as i32)),
 ];
 
 /// By address. The highest supply differs by type: it is left alone.
@@ -115,6 +121,7 @@ const STS: &[(u8, Must)] = &[
     (feetech::POSITION_D, Must::Factory),
     (feetech::POSITION_I, Must::Factory),
     (feetech::OPERATING_MODE, Must::Mode),
+    (feetech::TORQUE_ENABLE, Must::Limp(0)),
     (feetech::TORQUE_LIMIT, Must::Share(1000)),
 ];
 
@@ -125,6 +132,7 @@ const SCS: &[(u8, Must)] = &[
     (feetech::MAX_POSITION, Must::Most),
     (feetech::MAX_TEMPERATURE, Must::Heat),
     (feetech::MAX_TORQUE, Must::Share(1000)),
+    (feetech::TORQUE_ENABLE, Must::Limp(0)),
 ];
 
 /// What a Dynamixel must hold, by address: mode, return delay, status level, limits, shutdown, gains.
@@ -134,6 +142,22 @@ pub fn dynamixel(
     table: dynamixel_servos::table::Table,
     demand: Demand,
 ) -> impl Iterator<Item = Setting> + Clone {
+    dynamixel_of(table, demand, false)
+}
+
+/// The same, and what it holds besides before it is armed: torque off, and its watchdog set.
+pub(crate) fn dynamixel_limp(
+    table: dynamixel_servos::table::Table,
+    demand: Demand,
+) -> impl Iterator<Item = Setting> + Clone {
+    dynamixel_of(table, demand, true)
+}
+
+fn dynamixel_of(
+    table: dynamixel_servos::table::Table,
+    demand: Demand,
+    is_limp: bool,
+) -> impl Iterator<Item = Setting> + Clone {
     let mode = match demand.mode {
         Mode::Current => 0,
         Mode::Position => 3,
@@ -142,16 +166,34 @@ pub fn dynamixel(
     };
     // A servo that measures current is limited there.
     let share = if table.model.current.is_some() { 1.0 } else { demand.share() };
-    DYNAMIXEL.iter().filter_map(move |(address, must)| {
-        let item = table.at(*address).filter(|item| item.address == *address)?;
-        Some(demand.setting(item, *must, mode, share))
-    })
+    DYNAMIXEL.iter().filter(move |(_, must)| must.counts(is_limp)).filter_map(
+        move |(address, must)| {
+            let item = table.at(*address).filter(|item| item.address == *address)?;
+            Some(demand.setting(item, *must, mode, share))
+        },
+    )
 }
 
 /// What a Feetech must hold, by address, as [`dynamixel`] has it.
 pub fn feetech(
     family: feetech_servos::Family,
     demand: Demand,
+) -> impl Iterator<Item = Setting> + Clone {
+    feetech_of(family, demand, false)
+}
+
+/// The same, and torque off, which it must be before it is armed.
+pub(crate) fn feetech_limp(
+    family: feetech_servos::Family,
+    demand: Demand,
+) -> impl Iterator<Item = Setting> + Clone {
+    feetech_of(family, demand, true)
+}
+
+fn feetech_of(
+    family: feetech_servos::Family,
+    demand: Demand,
+    is_limp: bool,
 ) -> impl Iterator<Item = Setting> + Clone {
     let mode = match demand.mode {
         Mode::Position => 0,
@@ -162,9 +204,16 @@ pub fn feetech(
         feetech_servos::Family::Sts => STS,
         feetech_servos::Family::Scs => SCS,
     };
-    list.iter().filter_map(move |(address, must)| {
+    list.iter().filter(move |(_, must)| must.counts(is_limp)).filter_map(move |(address, must)| {
         Some(demand.setting(family.at(*address)?, *must, mode, demand.share()))
     })
+}
+
+impl Must {
+    /// Whether it is asked for: what a bus writes itself is only while torque is off.
+    fn counts(self, is_limp: bool) -> bool {
+        is_limp || !matches!(self, Self::Limp(_))
+    }
 }
 
 impl Demand {
@@ -178,7 +227,7 @@ impl Demand {
         let scale = item.unit.scale;
         let whole = |value: f32| round(value, [0, i32::MAX]);
         let raw = match must {
-            Must::Be(raw) => raw,
+            Must::Be(raw) | Must::Limp(raw) => raw,
             Must::Mode => mode,
             Must::Heat => whole(self.shutdown_c / scale),
             Must::Current if self.share() < 1.0 => {

@@ -1,5 +1,8 @@
 //! Control tables as data: what a servo keeps at which address.
 
+/// The makers' name, all of them, for the register that switches torque.
+pub(crate) const TORQUE_ENABLE: &str = "Torque Enable";
+
 /// One item of a control table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Item {

@@ -4,7 +4,9 @@ use sinew_bus::dynamixel::table::{MODELS, Model, Table};
 use sinew_bus::dynamixel::{self, Device};
 use sinew_bus::feetech::{self, Family};
 use sinew_bus::settings::{self, Demand, Mode, Setting};
-use sinew_bus::{BusDevice, Compared, Difference, Line, Schedule, ServoBus, Timing, pca9685};
+use sinew_bus::{
+    BusDevice, Command, Compared, Difference, Line, Schedule, ServoBus, Timing, pca9685,
+};
 
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
 
@@ -31,6 +33,8 @@ fn tick<D: BusDevice>(
     mut damage: impl FnMut(&mut Vec<u8>),
 ) -> usize {
     let (mut out, mut scratch, mut questions) = ([0; 256], [0; 256], 0);
+    // As a controller does in every tick, while torque is off.
+    bus.command(0, Command::Torque(false)).unwrap();
     let mut request = Some(bus.plan(&mut out).unwrap());
     while let Some(asked) = request {
         let mut came = Vec::new();
@@ -155,6 +159,103 @@ fn every_register_of_a_feetech_is_compared() {
     }
 }
 
+/// A servo whose torque is on, whatever it is told.
+struct Stuck<D>(D, fn(&mut D));
+
+impl<D: BusDevice> BusDevice for Stuck<D> {
+    fn hear(&mut self, bytes: &[u8]) {
+        self.0.hear(bytes);
+        self.1(&mut self.0);
+    }
+    fn due_us(&self) -> Option<u32> {
+        self.0.due_us()
+    }
+    fn speak(&mut self, out: &mut [u8]) -> usize {
+        self.0.speak(out)
+    }
+    fn silence(&mut self) {
+        self.0.silence();
+    }
+}
+
+fn is_torque(found: Compared) -> bool {
+    matches!(found, Compared::Differs(difference) if difference.is_torque())
+}
+
+#[test]
+fn a_servo_that_keeps_its_torque_is_found_by_its_register() {
+    let table = Table { model: model("XL330-M288"), firmware: 52 };
+    let mut memory = [0; 256];
+    let mut device = Device::<256>::new(table, 1, &mut memory);
+    for setting in settings::dynamixel(table, DEMAND) {
+        device.memory_mut().set(setting.item.address, setting.raw);
+    }
+    let mut bus = dynamixel_bus(table.model);
+    assert_eq!(compare(&mut bus, &mut device, DEMAND), Compared::Same);
+    let mut stuck = Stuck(device, |device| device.memory_mut().set(64, 1));
+    assert!(is_torque(compare(&mut bus, &mut stuck, DEMAND)), "{:?}", bus.compared());
+
+    for (name, family) in [("STS3215", Family::Sts), ("SCS0009", Family::Scs)] {
+        let mut memory = [0; feetech::Table::LEN];
+        let mut device = feetech::Device::new(feetech::Table::of(name).unwrap(), 1, &mut memory);
+        for setting in settings::feetech(family, DEMAND) {
+            device.set(u8::try_from(setting.item.address).unwrap(), setting.raw);
+        }
+        let mut bus = feetech_bus(family);
+        assert_eq!(compare(&mut bus, &mut device, DEMAND), Compared::Same);
+        let mut stuck = Stuck(device, |device| device.set(40, 1));
+        assert!(is_torque(compare(&mut bus, &mut stuck, DEMAND)), "{:?}", bus.compared());
+    }
+}
+
+/// One that has run out takes 0 alone. The packets of its turn may be lost: there is another.
+#[test]
+fn the_watchdog_of_a_dynamixel_is_cleared_and_set_while_torque_is_off() {
+    let table = Table { model: model("XL330-M288"), firmware: 52 };
+    for is_lost in [false, true] {
+        let mut memory = [0; 256];
+        let mut device = Device::<256>::new(table, 1, &mut memory);
+        let mut bus = dynamixel_bus(table.model);
+        device.memory_mut().set(98, -1);
+        tick(&mut bus, &mut device, 0, |_| {});
+        if is_lost {
+            device.memory_mut().set(98, -1);
+        }
+        for _ in 0..2 {
+            tick(&mut bus, &mut device, 0, |_| {});
+        }
+        assert_eq!(device.memory().get(98), 5, "100 ms");
+    }
+}
+
+#[test]
+fn a_servo_that_has_stopped_by_itself_is_told_until_its_torque_was_off() {
+    let table = Table { model: model("XL330-M288"), firmware: 52 };
+    let mut memory = [0; 256];
+    let mut device = Device::<256>::new(table, 1, &mut memory);
+    let mut bus = dynamixel_bus(table.model);
+    let exchange = |bus: &mut dynamixel::Bus<1>, device: &mut Device<'_, 256>, command| {
+        let (mut out, mut scratch) = ([0; 256], [0; 256]);
+        bus.command(0, command).unwrap();
+        let mut request = Some(bus.plan(&mut out).unwrap());
+        while let Some(asked) = request {
+            let mut line = Line::new(std::slice::from_mut(device));
+            line.exchange(&out[..asked.len], &mut scratch, |said, _| _ = bus.reply(said));
+            request = bus.plan_more(3_000, &mut out).unwrap();
+        }
+        bus.health(0).unwrap().has_stopped
+    };
+    let (off, on, goal) = (Command::Torque(false), Command::Torque(true), Command::Position(3.0));
+    for _ in 0..2 {
+        for command in [off, off, on, goal, goal] {
+            assert!(!exchange(&mut bus, &mut device, command));
+        }
+        device.pass_time(100_001);
+        assert!(exchange(&mut bus, &mut device, goal));
+        assert!(exchange(&mut bus, &mut device, goal));
+    }
+}
+
 #[test]
 fn limits_are_what_the_rig_says() {
     let raw = |settings: Vec<Setting>, address| {
@@ -235,6 +336,7 @@ fn supply_and_temperature_wait_where_there_is_no_time_for_both() {
     while bus.compared() == Compared::Reading {
         let mut left_us = 400;
         let (mut out, mut scratch) = ([0; 256], [0; 256]);
+        bus.command(0, Command::Torque(false)).unwrap();
         let mut request = Some(bus.plan(&mut out).unwrap());
         let mut is_first = true;
         while let Some(asked) = request {

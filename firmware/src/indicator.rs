@@ -1,4 +1,4 @@
-//! The status light: it breathes while the control tick runs.
+//! The status light: it breathes while all is well, and blinks the number of a fault.
 
 use micromath::F32Ext;
 
@@ -29,8 +29,43 @@ pub fn breath(time_ms: u32) -> u8 {
     duty
 }
 
+/// A long blink, for ten, and a short one, for one, ms: on, then dark.
+const LONG_MS: [u32; 2] = [900, 300];
+/// The same of a short one.
+const SHORT_MS: [u32; 2] = [250, 300];
+/// Dark between two numbers, ms.
+const PAUSE_MS: u32 = 1800;
+
+/// Duty of the light at a time in ms, 0 to 255: the number of the first fault that is latched, or a breath.
+///
+/// ```
+/// use sinew_firmware::indicator::{breath, duty};
+/// assert_eq!(duty(None, 700), breath(700));
+/// // Twelve: a long blink, and two short ones.
+/// let lit = |ms| duty(Some(12), ms) > 0;
+/// assert!(lit(0) && lit(899) && !lit(900) && lit(1200) && !lit(1450) && lit(1750) && !lit(2000));
+/// ```
+pub fn duty(fault: Option<u8>, time_ms: u32) -> u8 {
+    let Some(number) = fault else { return breath(time_ms) };
+    let (tens, ones) = (u32::from(number / 10), u32::from(number % 10));
+    let (long_ms, short_ms) = (LONG_MS[0] + LONG_MS[1], SHORT_MS[0] + SHORT_MS[1]);
+    let of_tens_ms = tens * long_ms;
+    let at_ms = time_ms % (of_tens_ms + ones * short_ms + PAUSE_MS);
+    let is_lit = if at_ms < of_tens_ms {
+        at_ms % long_ms < LONG_MS[0]
+    } else {
+        let of_ones_ms = at_ms - of_tens_ms;
+        of_ones_ms < ones * short_ms && of_ones_ms % short_ms < SHORT_MS[0]
+    };
+    if is_lit { u8::MAX } else { 0 }
+}
+
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
     use super::*;
 
     #[test]
@@ -41,6 +76,32 @@ mod tests {
             let got = f64::from(breath(u32::from(time_ms)));
             // Cutting to a whole step loses up to one; micromath's cosine may add 0.002 * 127.5 = 0.26.
             assert!(got - exact < 0.26 && exact - got < 1.26, "{time_ms} ms: {got} {exact}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_counted_in_blinks() {
+        for number in 1..=99 {
+            // Lengths of the times that it is lit, of one number.
+            let mut lit = Vec::new();
+            let mut dark = 0;
+            for time_ms in 0.. {
+                if duty(Some(number), time_ms) > 0 {
+                    if dark > 0 || lit.is_empty() {
+                        lit.push(0);
+                    }
+                    *lit.last_mut().expect("one was put") += 1;
+                    dark = 0;
+                } else {
+                    dark += 1;
+                    if dark == 1500 {
+                        break;
+                    }
+                }
+            }
+            let long = lit.iter().filter(|ms| **ms == LONG_MS[0]).count();
+            let short = lit.iter().filter(|ms| **ms == SHORT_MS[0]).count();
+            assert_eq!((long + short, 10 * long + short), (lit.len(), number.into()));
         }
     }
 }

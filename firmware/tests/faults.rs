@@ -29,6 +29,8 @@ fn numbers_are_never_changed() {
         (17, "watchdog reset"),
         (18, "brown-out"),
         (19, "panic"),
+        (20, "servo has stopped"),
+        (21, "torque stuck"),
     ];
     assert!(Fault::ALL.map(|fault| (fault.number(), fault.name())).into_iter().eq(names));
     assert!(TABLE.iter().map(|row| row.fault).eq(Fault::ALL));
@@ -48,9 +50,10 @@ fn numbers_are_never_changed() {
         "stopping",
         "lowering",
         "faulted",
+        "floating",
     ];
     assert_eq!(State::ALL.map(|state| state.to_string()), states);
-    assert!(State::ALL.map(State::number).into_iter().eq(0..11));
+    assert!(State::ALL.map(State::number).into_iter().eq(0..12));
 }
 
 /// What is less than limp never leads up again, and what is limp stays.
@@ -59,7 +62,9 @@ fn reactions_lead_down() {
     for row in TABLE {
         let at = |state: State| row.reaction(state);
         assert!(at(State::Lowering) != Reaction::Stop && at(State::Arming) != Reaction::Stop);
-        assert!(at(State::Maintenance) != Reaction::Stop, "past the hands of an operator");
+        for by_hand in [State::Maintenance, State::Floating] {
+            assert!(at(by_hand) != Reaction::Stop, "past the hands of an operator");
+        }
         for state in State::ALL.into_iter().filter(|state| !state.is_on()) {
             assert!(matches!(at(state), Reaction::Note | Reaction::Limp), "{} {state}", row.fault);
         }

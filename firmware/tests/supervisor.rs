@@ -278,8 +278,8 @@ fn settings_that_cannot_be_are_refused() {
 
 fn command() -> impl Strategy<Value = Option<Command>> {
     use Command::{
-        Arm, Calibrate, ClearFaults, Disarm, EStop, Enable, Hold, Leave, Maintain, Play, Stop,
-        Teach,
+        Arm, Calibrate, ClearFaults, Disarm, EStop, Enable, Float, Hold, Leave, Maintain, Play,
+        Stop, Teach,
     };
     let operator = (1_u8..3).prop_map(Operator);
     let feed = prop::sample::select(vec![Feed::Show, Feed::Live, Feed::Jog]);
@@ -287,7 +287,7 @@ fn command() -> impl Strategy<Value = Option<Command>> {
         30 => Just(None),
         6 => Just(Some(Arm)),
         3 => Just(Some(ClearFaults)),
-        3 => prop::sample::select(vec![Hold, Disarm, Stop, Calibrate, Teach, EStop]).prop_map(Some),
+        3 => prop::sample::select(vec![Hold, Disarm, Stop, Calibrate, Teach, Float, EStop]).prop_map(Some),
         4 => feed.prop_map(|feed| Some(Play(feed))),
         2 => operator.clone().prop_map(|operator| Some(Maintain(operator))),
         2 => operator.clone().prop_map(|operator| Some(Enable(operator))),
@@ -314,7 +314,7 @@ prop_compose! {
         let uploaded = if uploaded { FaultSet::OF_SHOW } else { FaultSet::EMPTY };
         let inputs = Inputs {
             now_us: 0, heard, command, findings, uploaded, measured, registers, stop_tested, feeds,
-            is_there, moving: moves.then_some(Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 }),
+            carries: !is_slow, is_there, moving: moves.then_some(Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 }),
         };
         if is_slow { (inputs, step_us, 1) } else { (inputs, TICK_US, ticks) }
     }

@@ -143,7 +143,7 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
     println!("{executed} executed, {stops} e-stops; {fresh} fresh, {late} late");
     println!("commands {of_commands:?}\nstreams {of_streams:?}");
     // Of each half million some 9 % are lost or damaged, and 7 % late.
-    assert!(executed > 370_000 && fresh > 390_000 && late > 30_000 && stops > 20_000);
+    assert!(executed > 370_000 && fresh > 390_000 && late > 30_000 && stops > 17_000);
     assert!(damage.cut > 1000 && damage.crc > 1000 && damage.too_short > 0);
     // What the window counts as lost is what was sent and never came.
     let came = of_streams.fresh + of_streams.late;

@@ -1,5 +1,6 @@
 //! Who talks to servos on a line: packets, replies, and asking again.
 
+use std::io;
 use std::time::Duration;
 
 use sinew_bus::dynamixel::{self, ErrorCode, StatusError};
@@ -80,7 +81,11 @@ impl<E: Exchange> Client<E> {
     /// # Errors
     /// [`ServiceError::Baud`] if the line does not do it.
     pub fn set_baud(&mut self, baud: u32) -> Result<(), ServiceError> {
-        self.line.set_baud(baud).map_err(|why| ServiceError::Baud { baud, why })?;
+        self.line.set_baud(baud).map_err(|why| match why.kind() {
+            // The rate is not what is wrong.
+            io::ErrorKind::ResourceBusy => why.into(),
+            _ => ServiceError::Baud { baud, why },
+        })?;
         self.baud = baud;
         Ok(())
     }

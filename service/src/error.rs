@@ -21,7 +21,10 @@ pub enum ServiceError {
     },
     /// The line is gone.
     #[error("the port no longer works: {0}. Was the adapter unplugged?")]
-    Line(#[from] io::Error),
+    Line(io::Error),
+    /// Who passes packets on does not do it now, or the line is no port.
+    #[error("{0}")]
+    Passing(io::Error),
     /// The line does not do this rate.
     #[error("the port does not do {baud} baud: {why}")]
     Baud {
@@ -253,5 +256,12 @@ fn refusal(code: ErrorCode) -> impl fmt::Display {
             "the register is read-only, or in EEPROM while torque is on (error 7)".to_owned()
         }
         ErrorCode::Unknown(number) => format!("error {number}, which the protocol does not define"),
+    }
+}
+
+impl From<io::Error> for ServiceError {
+    fn from(error: io::Error) -> Self {
+        // The system's own errors have nothing inside.
+        if error.get_ref().is_some() { Self::Passing(error) } else { Self::Line(error) }
     }
 }

@@ -21,11 +21,30 @@ pub trait Exchange {
     /// Talks and listens at this rate from now on, bits per second.
     ///
     /// # Errors
-    /// If the line does not do this rate.
+    /// If the line does not do this rate; [`io::ErrorKind::ResourceBusy`] if it does nothing now.
     fn set_baud(&mut self, baud: u32) -> io::Result<()>;
 
     /// Nobody talks for a while.
     fn pause(&mut self, time: Duration);
+}
+
+impl<E: Exchange + ?Sized> Exchange for Box<E> {
+    fn exchange(
+        &mut self,
+        bytes: &[u8],
+        wait: Duration,
+        take: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> io::Result<()> {
+        (**self).exchange(bytes, wait, take)
+    }
+
+    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
+        (**self).set_baud(baud)
+    }
+
+    fn pause(&mut self, time: Duration) {
+        (**self).pause(time);
+    }
 }
 
 impl<E: Exchange + ?Sized> Exchange for &mut E {

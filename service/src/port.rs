@@ -1,9 +1,9 @@
-//! A serial port as a line.
+//! A serial port for this program alone, and such a port as a line of servos.
 
 use std::fs::File;
 use std::io;
 use std::os::fd::AsFd as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serial2::SerialPort;
@@ -25,19 +25,37 @@ impl SerialLine {
     /// [`ServiceError::Port`] says what is wrong with the port and what helps: permission, another program, no such
     /// port.
     pub fn open(path: &Path) -> Result<Self, ServiceError> {
-        let refused = |error: io::Error| ServiceError::Port {
-            path: path.to_owned(),
-            what: help(path, &error),
-        };
         // A rate that every port does; that of the servos is set before each exchange with them.
-        let port = SerialPort::open(path, 57_600).map_err(refused)?;
-        let lock = port.as_fd().try_clone_to_owned().map(File::from).map_err(refused)?;
-        lock.try_lock().map_err(|error| match error {
-            std::fs::TryLockError::WouldBlock => refused(io::ErrorKind::ResourceBusy.into()),
-            std::fs::TryLockError::Error(error) => refused(error),
-        })?;
+        let (port, lock) = open_alone(path, 57_600)?;
         Ok(Self { port, _lock: lock })
     }
+}
+
+/// Opens a port, 8N1, and locks it against other programs for as long as the file lives.
+///
+/// # Errors
+/// [`ServiceError::Port`], as of [`SerialLine::open`].
+pub fn open_alone(path: &Path, baud: u32) -> Result<(SerialPort, File), ServiceError> {
+    let refused =
+        |error: io::Error| ServiceError::Port { path: path.to_owned(), what: help(path, &error) };
+    let port = SerialPort::open(path, baud).map_err(refused)?;
+    let lock = port.as_fd().try_clone_to_owned().map(File::from).map_err(refused)?;
+    lock.try_lock().map_err(|error| match error {
+        std::fs::TryLockError::WouldBlock => refused(io::ErrorKind::ResourceBusy.into()),
+        std::fs::TryLockError::Error(error) => refused(error),
+    })?;
+    Ok((port, lock))
+}
+
+/// Serial ports of this machine that may have something at the other end: those of USB.
+pub fn usb_ports() -> Vec<PathBuf> {
+    let all = SerialPort::available_ports().unwrap_or_default();
+    all.into_iter().filter(|port| is_usb(port)).collect()
+}
+
+fn is_usb(port: &Path) -> bool {
+    let name = port.to_string_lossy();
+    name.contains("USB") || name.contains("ACM") || name.contains("usb")
 }
 
 impl Exchange for SerialLine {

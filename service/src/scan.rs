@@ -104,16 +104,7 @@ fn scan_rate<E: Exchange>(
     tell: &mut dyn FnMut(ScanEvent<'_>),
 ) -> Result<Vec<Found>, ServiceError> {
     let (protocol, baud) = (client.protocol(), client.baud());
-    let (request, time) = match protocol {
-        Protocol::Dynamixel => {
-            let ping = dynamixel::Instruction::Ping;
-            (packet(|out| ping.encode(dynamixel::BROADCAST, out))?, ALL_ANSWER)
-        }
-        Protocol::Feetech => {
-            let ping = feetech::Instruction::Ping;
-            (packet(|out| ping.encode(Family::Sts, feetech::BROADCAST, out))?, FEETECH_ANSWER)
-        }
-    };
+    let (request, time) = to_all(protocol)?;
     let patience = client.patience();
     let heard = client.ask(&request, 0, time + patience, |_| false)?;
     let mut found = Vec::new();
@@ -159,6 +150,47 @@ fn scan_rate<E: Exchange>(
         tell(ScanEvent::Noise(protocol, baud));
     }
     Ok(found)
+}
+
+/// Whether any servo is there: in which protocol and at what rate something answers a question to all, within the time
+/// of a client's patience. It may be of servos that stand in each other's way.
+///
+/// # Errors
+/// If the line is gone.
+pub fn anyone<E: Exchange>(
+    client: &mut Client<E>,
+) -> Result<Option<(Protocol, u32)>, ServiceError> {
+    for protocol in Protocol::ALL {
+        client.set_protocol(protocol);
+        for baud in protocol.bauds() {
+            match client.set_baud(baud) {
+                Ok(()) => {}
+                Err(ServiceError::Baud { .. }) => continue,
+                Err(error) => return Err(error),
+            }
+            let (request, _) = to_all(protocol)?;
+            let heard =
+                client.ask(&request, 0, client.patience(), |replies| !replies.is_empty())?;
+            if !heard.replies.is_empty() {
+                return Ok(Some((protocol, baud)));
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// A question to all servos, and how long all answers take.
+fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
+    Ok(match protocol {
+        Protocol::Dynamixel => {
+            let ping = dynamixel::Instruction::Ping;
+            (packet(|out| ping.encode(dynamixel::BROADCAST, out))?, ALL_ANSWER)
+        }
+        Protocol::Feetech => {
+            let ping = feetech::Instruction::Ping;
+            (packet(|out| ping.encode(Family::Sts, feetech::BROADCAST, out))?, FEETECH_ANSWER)
+        }
+    })
 }
 
 /// Looks for one servo at all rates of the protocols, or at those that are told, and stays where it answers.

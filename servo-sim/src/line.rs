@@ -120,6 +120,11 @@ impl<W: Wired> Line<W> {
         !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)
     }
 
+    /// Until when what a servo says now is on the wire.
+    pub fn speaks_until_ns(&self) -> Option<u64> {
+        self.on_wire.as_ref().filter(|on_wire| on_wire.speaker.is_some()).map(|said| said.end_ns)
+    }
+
     /// What has come until now; 0 if nothing has.
     pub fn take(&mut self, out: &mut [u8]) -> usize {
         let len = out.len().min(self.received.len());

@@ -96,6 +96,31 @@ impl Port {
         serve(slice::from_ref(self), slice::from_mut(line), stop)
     }
 
+    /// What programs have written, at once; 0 if they have written nothing.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn read(&self, into: &mut [u8]) -> io::Result<usize> {
+        match read(&self.servos, into) {
+            Err(Errno::AGAIN | Errno::INTR) => Ok(0),
+            read => Ok(read?),
+        }
+    }
+
+    /// Gives bytes to programs: how many there was room for.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn write(&self, bytes: &[u8]) -> io::Result<usize> {
+        if bytes.is_empty() {
+            return Ok(0);
+        }
+        match write(&self.servos, bytes) {
+            Err(Errno::AGAIN | Errno::INTR) => Ok(0),
+            written => Ok(written?),
+        }
+    }
+
     /// Takes what a program has written, and gives it what servos have said. Whether there was something to give.
     fn pass<W: Wired>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
         match read(&self.servos, &mut *bytes) {

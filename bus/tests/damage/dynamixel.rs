@@ -70,6 +70,8 @@ impl Dynamixel {
         };
         match (address, data) {
             (address::TORQUE_ENABLE, &[on]) => assert!(on <= 1),
+            // Cleared, or 100 ms.
+            (address::BUS_WATCHDOG, &[raw]) => assert!(raw == 0 || raw == 5),
             (address::POSITION_P, &[a, b]) => assert!(u16::from_le_bytes([a, b]) <= 16_383),
             (address::GOAL_PWM, &[a, b]) => {
                 let pwm = f64::from(i16::from_le_bytes([a, b])) / FULL_PWM;
@@ -160,6 +162,7 @@ impl Wire for Dynamixel {
             let answer = |servo: &usize| match question.address {
                 address::PRESENT_CURRENT => status(id(*servo), &motion(readings[*servo])),
                 address::PRESENT_VOLTAGE => status(id(*servo), &[50, 0, 30]),
+                address::BUS_WATCHDOG => status(id(*servo), &[5]),
                 other => panic!("a question for {other}"),
             };
             return servos.map(answer).collect();

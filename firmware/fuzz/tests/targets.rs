@@ -27,6 +27,8 @@ mod stand;
 mod stored;
 #[path = "../../tests/controller/swing.rs"]
 mod swing;
+#[path = "../../tests/node/told.rs"]
+mod told;
 #[path = "../../tests/node/world.rs"]
 mod world;
 

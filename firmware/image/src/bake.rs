@@ -5,10 +5,10 @@ use std::{env, fs};
 
 use sinew_firmware::show::Show;
 
-use crate::{Board, link};
+use crate::link;
 
 /// Puts the show where the image includes it from: a show that the board could perform, or the build ends.
-pub(crate) fn bake(board: Board) {
+pub(crate) fn bake(board: &str, capacity: usize) {
     const HELP: &str = "make a show with `cargo run --release -- bake --out FILE`, or build the images with \
         `cargo xtask firmware`";
     println!("cargo:rerun-if-env-changed=SINEW_SHOW");
@@ -21,7 +21,6 @@ pub(crate) fn bake(board: Board) {
     println!("cargo:rerun-if-changed={}", path.display());
     let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{name}: {error}; {HELP}"));
     let show = Show::parse(&bytes).unwrap_or_else(|error| panic!("{name}: {error}; {HELP}"));
-    let Board { name: board, bodies: capacity, .. } = board;
     let bodies = show.body_count();
     assert!(bodies <= capacity, "{name} has {bodies} bodies, and {board} holds {capacity}");
 

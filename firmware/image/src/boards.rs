@@ -5,18 +5,30 @@
 pub struct Board {
     /// Of its folder, its crate and its image.
     pub name: &'static str,
-    /// Bodies that it holds.
-    pub bodies: usize,
-    /// Length of the human figure's show that its flash holds.
-    pub show_s: u32,
+    /// The show that its image performs by itself; none of a board that runs the node, and gets its shows from a host.
+    pub baked: Option<Baked>,
     /// QEMU's machine that is this board.
     pub qemu_machine: Option<&'static str>,
 }
 
+/// A show of the human figure that is part of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Baked {
+    /// Bodies that the image holds.
+    pub bodies: usize,
+    /// How long a show its flash holds.
+    pub seconds: u32,
+}
+
 /// All boards, a line each.
 pub const BOARDS: &[Board] = &[
-    Board { name: "mps2_an386", bodies: 18, show_s: 21, qemu_machine: Some("mps2-an386") },
-    Board { name: "nucleo_f446re", bodies: 18, show_s: 10, qemu_machine: None },
+    Board {
+        name: "mps2_an386",
+        baked: Some(Baked { bodies: 18, seconds: 21 }),
+        qemu_machine: Some("mps2-an386"),
+    },
+    Board { name: "nucleo_f446re", baked: None, qemu_machine: None },
+    Board { name: "nucleo_g474re", baked: None, qemu_machine: None },
 ];
 
 /// The board that all images for measuring and comparing are linked for: QEMU's Cortex-M4.

@@ -14,11 +14,11 @@ mod bake;
 mod boards;
 mod link;
 
-pub use boards::{BOARDS, Board, EMULATED};
+pub use boards::{BOARDS, Baked, Board, EMULATED};
 pub use link::link;
 
 /// The build script of the board whose crate this is called for: links the board's image, with `scripts` beside
-/// `link.x`, and bakes the show in that `SINEW_SHOW` names.
+/// `link.x`, and bakes the show in that `SINEW_SHOW` names, if the board performs one by itself.
 ///
 /// The image takes both with `include!(concat!(env!("OUT_DIR"), "/baked.rs"))`: `SHOW`, and `CAPACITY`, the bodies
 /// that the board holds.
@@ -27,7 +27,9 @@ pub use link::link;
 /// If the board is not in [`BOARDS`], has no memory, or has no show that it could perform.
 pub fn board(scripts: &[&str]) {
     let board = Board::named(&link::variable("CARGO_PKG_NAME"));
-    if link(board, scripts) {
-        bake::bake(board);
+    if link(board, scripts)
+        && let Some(baked) = board.baked
+    {
+        bake::bake(board.name, baked.bodies);
     }
 }

@@ -237,7 +237,8 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         }
         let mut result = self.change_source(&before);
         if result.is_ok() {
-            result = self.perform(jog, bus);
+            let is_led = self.permission.source == Source::Led;
+            result = if is_led { self.carry(bus) } else { self.perform(jog, bus) };
         }
         if let Err(why) = result {
             // In this very tick, and as a fault in the next.
@@ -266,6 +267,11 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             self.stop_test.sent(!self.permission.torque);
         }
         result.map(|()| Complete::new())
+    }
+
+    /// Somebody has talked to servos beside the loop: what was known of their registers counts no more.
+    pub fn forget_registers(&mut self, bus: &mut impl ServoBus) {
+        self.comparison.stop(bus);
     }
 
     /// What became of the last tick.
@@ -336,6 +342,9 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);
         }
+        if let Some(servo) = self.comparison.torque_stuck() {
+            findings.note_of(Fault::TorqueStuck, servo);
+        }
         findings
     }
 
@@ -367,6 +376,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             stop_tested: self.stop_test.is_passed(),
             moving,
             feeds: self.sources.feeds(jog, plays_show),
+            carries: self.performance.carries(),
             is_there: self.is_there,
         })
     }
@@ -390,6 +400,9 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             self.performance
                 .begin(self.path.now(), &self.readings.conditions)
                 .map_err(|_| Incomplete::NotFinite)?;
+        }
+        if before.torque && before.source == Source::Led && source != Source::Led {
+            self.performance.resume(self.path.now()).map_err(|_| Incomplete::NotFinite)?;
         }
         if !before.torque || before.source != source {
             self.sources.begin(source, self.path.depart(), measured);
@@ -420,6 +433,32 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         let switch_on = self.state == State::Arming && permission.source == Source::Measured;
         let servos = &mut self.report.servos;
         self.output.send(bus, (commands, conditions), permission, switch_on, servos)
+    }
+
+    /// The rig carries itself, and what is commanded follows it: as long as it is no faster than it may be, so that
+    /// what runs away is found by its following error.
+    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
+        let (permission, readings) = (&self.permission, &self.readings);
+        let led = self.sources.lead(readings.pose.q());
+        if !led.is_finite() {
+            return Err(Incomplete::NotFinite);
+        }
+        self.is_there = self.path.step(led, 1.0, permission.speed_rad_s);
+        let mut walls = [0.0; V];
+        self.path.walls(readings.pose.q(), &mut walls);
+        let watch = &self.watch;
+        let commands = self
+            .performance
+            .carry(
+                &self.path,
+                (readings.pose.q(), &walls),
+                &readings.conditions,
+                |servo| permission.effort * watch.share(servo),
+                &mut self.report.freedoms,
+            )
+            .map_err(|_| Incomplete::NotFinite)?;
+        let servos = &mut self.report.servos;
+        self.output.send(bus, (commands, &readings.conditions), permission, false, servos)
     }
 }
 

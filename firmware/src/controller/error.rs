@@ -71,11 +71,15 @@ impl fmt::Display for ControllerError {
             Self::Capacity { found, holds } => {
                 write!(f, "the rig has {found} joint coordinates, the board holds {holds}")
             }
-            Self::Budget { bus_us, compute_us, tick_us } => write!(
-                f,
-                "a tick has {tick_us} us; the bus takes {bus_us} us and the board {compute_us} us: choose a lower \
-                 rate or a faster bus"
-            ),
+            Self::Budget { bus_us, compute_us, tick_us } => {
+                let needed_us = bus_us.saturating_add(*compute_us);
+                write!(
+                    f,
+                    "a tick has {tick_us} us; the bus takes {bus_us} us and the board {compute_us} us: choose at most \
+                     {} Hz, or a faster bus",
+                    1_000_000_u32.checked_div(needed_us).unwrap_or(1)
+                )
+            }
             Self::Rest { expected, found } => write!(
                 f,
                 "the rest pose must have {expected} numbers from -1e6 to 1e6, one for each coordinate; it has {found} \

@@ -182,12 +182,14 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
         self.ticks = 0;
         self.goal.clone_from(if source == Source::Rest { &self.rest } else { here });
         if source == Source::Measured {
-            self.goal
-                .q_mut()
-                .iter_mut()
-                .zip(measured)
-                .for_each(|(goal, measured)| *goal = *measured);
+            self.lead(measured);
         }
+    }
+
+    /// The rig is led: its goal is where it was measured.
+    pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<V, C> {
+        self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);
+        &self.goal
     }
 
     /// The pose to be followed in a tick. A source that has just fallen silent stands.

@@ -46,6 +46,7 @@
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
 mod controller;
 mod error;
+mod estimate;
 mod feed;
 mod output;
 mod part;
@@ -61,6 +62,7 @@ mod wire;
 
 pub use controller::{Begun, Controller, Inputs};
 pub use error::{ControllerError, Incomplete};
+pub use estimate::{TICK_CYCLES, estimated_us};
 pub use feed::{Jog, LiveSource, open_show};
 pub use report::{Following, FreedomReport, Report, ServoReport};
 pub use settings::{ControllerSettings, ServoSetup, Start};

@@ -10,6 +10,12 @@ use super::pose::Pose;
 use crate::drives::follower::Follower;
 use crate::supervisor::Moving;
 
+/// How far before an end of its range a joint that is led feels a wall, rad, and as a part of the range.
+const WALL: (f32, f32) = (0.087, 0.1);
+
+/// Part of a joint's effort that a wall has at the end itself.
+const WALL_EFFORT: f32 = 0.5;
+
 /// A commanded pose this near to its source is there, rad or m.
 const THERE: f32 = 1e-3;
 
@@ -30,6 +36,9 @@ struct Axis {
     follower: Follower,
     /// The largest speed, rad/s or m/s.
     speed: f32,
+    /// The largest effort, N m or N; infinite for no limit.
+    effort: f32,
+    range: [f32; 2],
     /// The fastest shaft of its drive, in rad for a rad or m of it; at least 1.
     shaft: f32,
 }
@@ -49,7 +58,8 @@ impl<const V: usize, const C: usize> Path<V, C> {
         for freedom in rig.freedoms() {
             let follower =
                 Follower::within(freedom.range, freedom.speed, freedom.acceleration, dt_s);
-            freedoms.push(Axis { follower, speed: freedom.speed, shaft: 1.0 }).ok()?;
+            let (speed, effort, range) = (freedom.speed, freedom.effort, freedom.range);
+            freedoms.push(Axis { follower, speed, effort, range, shaft: 1.0 }).ok()?;
         }
         set_shafts(rig, &mut freedoms);
         let now = Pose::new(nq, nv);
@@ -123,6 +133,15 @@ impl<const V: usize, const C: usize> Path<V, C> {
             }
         }
         found
+    }
+
+    /// By freedom, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
+    pub(super) fn walls(&self, pose: &[f32], out: &mut [f32]) {
+        for part in &self.parts {
+            if let Part::Number { q, v } = *part {
+                put(out, v, self.freedoms.get(v).map_or(0.0, |axis| axis.wall(number(pose, q))));
+            }
+        }
     }
 
     /// Stands in a pose, or where the ranges are next to it.
@@ -228,6 +247,17 @@ impl<const V: usize, const C: usize> Path<V, C> {
 }
 
 impl Axis {
+    /// What pushes it back from the ends of its range: it grows evenly.
+    fn wall(&self, at: f32) -> f32 {
+        let [least, most] = self.range;
+        let (wide, part) = WALL;
+        let width = wide.min(part * (most - least));
+        let beyond = at - at.max(least + width).min(most - width);
+        let effort = -WALL_EFFORT * self.effort * (beyond / width).clamp(-1.0, 1.0);
+        // Without a range, or a limit of effort, there is no wall.
+        if effort.is_finite() { effort } else { 0.0 }
+    }
+
     /// Its largest speed: its own, and that of its shafts.
     fn most(&self, speed_rad_s: Option<f32>) -> f32 {
         speed_rad_s.map_or(self.speed, |speed| self.speed.min(speed / self.shaft))

@@ -2,10 +2,14 @@
 
 use heapless::Vec;
 use sinew_core::coordinates::DofCommand;
+use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::tracker::{Measured, Timing, Tracker};
+use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
 
 use super::error::ControllerError;
+use super::part::number;
+use super::path::Path;
 use super::pose::Pose;
 use super::report::FreedomReport;
 use super::settings::{ControllerSettings, ServoSetup};
@@ -39,8 +43,6 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         let mut of_drives: Vec<_, S> = Vec::new();
         of_drives.extend(servos.iter().map(|servo| servo.drive).take(S));
         let drives = Drives::new(rig, &of_drives, timing).map_err(ControllerError::Drives)?;
-        let tracker = Tracker::new(rig.tree().clone(), &settings.tracker, timing)
-            .map_err(ControllerError::Tracker)?;
         let (mut commands, mut out, mut corrects) = (Vec::new(), Vec::new(), Vec::new());
         // Freedoms and servos of a rig are counted: there is room.
         let _ = commands.resize(rig.freedoms().len(), DofCommand::default());
@@ -54,12 +56,26 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
                 }
             }
         }
-        Ok(Self { rig, tracker, drives, corrects, commands, out })
+        // In its place at once: it is most of a controller, and each move would take its size of stack.
+        let tracker = Tracker::new(rig.tree().clone(), &settings.tracker, timing);
+        Ok(Self {
+            tracker: tracker.map_err(ControllerError::Tracker)?,
+            rig,
+            drives,
+            corrects,
+            commands,
+            out,
+        })
     }
 
     /// Whether the servos of a freedom take what the tracker makes of an error.
     pub(super) fn corrects(&self, freedom: usize) -> bool {
         self.corrects.get(freedom).copied().unwrap_or(false)
+    }
+
+    /// Whether every servo takes an effort: else the rig cannot carry itself.
+    pub(super) fn carries(&self) -> bool {
+        self.drives.servos().iter().all(|servo| servo.class() == Class::Current)
     }
 
     /// Begins where the rig is, at rest.
@@ -69,6 +85,11 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         conditions: &[Condition],
     ) -> Result<(), NotFinite> {
         self.drives.begin(conditions);
+        self.resume(pose)
+    }
+
+    /// The tracker begins where the rig is, at rest; drives go on.
+    pub(super) fn resume<const C: usize>(&mut self, pose: &Pose<V, C>) -> Result<(), NotFinite> {
         let measured = Measured::Positions { q: pose.q() };
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
@@ -82,7 +103,7 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         share: impl Fn(usize) -> f32,
         report: &mut [FreedomReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
-        let Self { rig, tracker, drives, commands, out, .. } = self;
+        let Self { rig, tracker, drives, commands, .. } = self;
         let measured = Measured::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
@@ -102,6 +123,66 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
                 }
             }
         }
+        self.drive(conditions, share)
+    }
+
+    /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
+    /// servos: it holds the rig where a hand has left it. O(freedoms).
+    pub(super) fn carry<const C: usize>(
+        &mut self,
+        led: &Path<V, C>,
+        (q, walls): (&[f32], &[f32]),
+        conditions: &[Condition],
+        share: impl Fn(usize) -> f32,
+        report: &mut [FreedomReport],
+    ) -> Result<&[Option<ServoCommand>], NotFinite> {
+        let tree = self.rig.tree();
+        let count = self.rig.freedoms().len();
+        let (mut positions, mut efforts) = ([0.0; V], [0.0; V]);
+        led.positions(&mut positions);
+        let efforts = efforts.get_mut(..count).unwrap_or_default();
+        let mut states = JointStates::rest(tree);
+        let resting = [0.0; V];
+        let resting = resting.get(..count).unwrap_or_default();
+        states.set_coordinates(tree, q, resting).map_err(|_| NotFinite)?;
+        let (mut motions, mut wrenches) = ([BodyMotion::default(); B], [Wrench::ZERO; B]);
+        let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; B]);
+        let gravity = self.tracker.controller().gravity_m_s2();
+        inverse_dynamics(
+            bodies,
+            states.as_slice(),
+            &at_rest,
+            gravity,
+            &[],
+            &mut motions,
+            &mut wrenches,
+        );
+        let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
+        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
+        for (index, (command, freedom)) in
+            self.commands.iter_mut().zip(self.rig.freedoms()).enumerate()
+        {
+            let weight = number(efforts, index).max(-freedom.effort).min(freedom.effort);
+            *command = DofCommand {
+                position: number(&positions, index),
+                feedforward_effort: weight,
+                feedback_effort: number(walls, index),
+                ..DofCommand::default()
+            };
+        }
+        for (command, report) in self.commands.iter().zip(report) {
+            report.effort = command.effort();
+        }
+        self.drive(conditions, share)
+    }
+
+    /// What the servos are commanded, and what part of their currents they get.
+    fn drive(
+        &mut self,
+        conditions: &[Condition],
+        share: impl Fn(usize) -> f32,
+    ) -> Result<&[Option<ServoCommand>], NotFinite> {
+        let Self { drives, commands, out, .. } = self;
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
         for (index, servo) in out.iter_mut().enumerate() {
             if let Some(ServoCommand { command: sinew_bus::Command::Current(a), .. }) = servo {

@@ -53,6 +53,11 @@ impl<const S: usize> Comparison<S> {
         // As many as are known at once, which are those without registers.
         for _ in 0..self.servos.len() {
             let Some(servo) = self.servos.get_mut(self.at) else { return };
+            if servo.was_silent {
+                // The others are looked at all the same.
+                self.go_on();
+                continue;
+            }
             if !core::mem::replace(&mut self.is_asked, true) {
                 bus.compare(Some((self.at, servo.demand)));
             }
@@ -60,18 +65,28 @@ impl<const S: usize> Comparison<S> {
                 Compared::Reading => return,
                 result => servo.found = Some(result),
             }
-            self.at = self.at.saturating_add(1).checked_rem(self.servos.len()).unwrap_or(0);
-            self.is_asked = false;
+            self.go_on();
         }
     }
 
-    /// Torque is on: nothing is compared, and nothing known.
+    fn go_on(&mut self) {
+        self.at = self.at.saturating_add(1).checked_rem(self.servos.len()).unwrap_or(0);
+        self.is_asked = false;
+    }
+
+    /// Torque is on, or somebody else talks to servos: nothing is compared, and nothing known.
     pub(super) fn stop(&mut self, bus: &mut impl ServoBus) {
         if core::mem::take(&mut self.is_begun) {
             bus.compare(None);
             self.is_asked = false;
             self.servos.iter_mut().for_each(|servo| servo.found = None);
         }
+    }
+
+    /// The first servo whose register of torque says that it is on.
+    pub(super) fn torque_stuck(&self) -> Option<u16> {
+        let is_stuck = |servo: &Servo| matches!(servo.found, Some(Compared::Differs(difference)) if difference.is_torque());
+        u16::try_from(self.servos.iter().position(is_stuck)?).ok()
     }
 
     /// What is known of all servos: of several that differ, the first.

@@ -151,6 +151,9 @@ impl<const V: usize, const S: usize> Watch<V, S> {
             if health.alert || health.hardware_error != 0 {
                 note(Some(Fault::ServoError));
             }
+            if health.has_stopped {
+                note(Some(Fault::ServoStopped));
+            }
             if let Some(read) = condition.feedback {
                 let [least, most] = servo.guard.range_rad;
                 let own_rad = read.position_rad - servo.guard.zero_rad;

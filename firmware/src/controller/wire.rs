@@ -12,6 +12,21 @@ pub trait Wire {
 
     /// What is left of the tick, µs.
     fn left_us(&self) -> u32;
+
+    /// Bytes of a host to the servos of a line, while torque is off: empties its input, talks at `baud` bit/s (0: as
+    /// always), and gives what comes to `reply` until `wait_us` are over since the first byte out. Then the line is as
+    /// before. Says when the last byte came, µs behind the first one out, 0 if none did; nothing if there is no such
+    /// line or rate, and then nothing was sent.
+    fn pass(
+        &mut self,
+        _line: u8,
+        _baud: u32,
+        _bytes: &[u8],
+        _wait_us: u32,
+        _reply: impl FnMut(&[u8]),
+    ) -> Option<u32> {
+        None
+    }
 }
 
 /// The exchange of a tick: packets out and replies in, as long as the bus wants more and there is time. `out`: room for

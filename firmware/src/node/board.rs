@@ -26,12 +26,27 @@ pub trait Safety {
     fn stack_free(&self) -> u32 {
         0
     }
+
+    /// A counter of the processor's cycles, which wraps; 0 where there is none.
+    fn cycles(&self) -> u32 {
+        0
+    }
+
+    /// How fast [`Self::cycles`] counts, Hz; 0 where it does not.
+    fn cycles_hz(&self) -> u32 {
+        0
+    }
 }
 
 /// The board as link and storage see it.
 pub trait Port<'a> {
     /// The clock of [`Safety::now_us`].
     fn now_us(&self) -> u64;
+
+    /// The counter of [`Safety::cycles`].
+    fn cycles(&self) -> u32 {
+        0
+    }
 
     /// Bytes of the host that came, as many as fit: how many. It does not wait.
     fn receive(&mut self, into: &mut [u8]) -> usize;
@@ -47,6 +62,12 @@ pub trait Port<'a> {
     /// **Promise of the node**: it writes and erases nothing in this range until the loop has let go of the show that
     /// lies there. It asks for shows alone, and for another one only when the loop has answered.
     fn lend(&mut self, range: Range<u32>) -> Option<&'a [u8]>;
+
+    /// Whether this board can drive servos as the bytes [behind a rig](super::split_rig) say. By default there must be
+    /// none.
+    fn drives(behind: &[u8]) -> bool {
+        behind.is_empty()
+    }
 }
 
 /// What was found at reset, before anything else ran: the reset's cause, and the record of a panic that RAM has kept.

@@ -1,7 +1,9 @@
 //! What becomes of a command: done here, or given to the loop, whose answer comes later.
 
 use embedded_storage::nor_flash::NorFlash;
-use sinew_link::message::{Applied, Command, Limit, Outcome, Parts, Refusal, TelemetrySetting};
+use sinew_link::message::{
+    Applied, Command, Limit, Outcome, PASS_WAIT_US, Parts, Pass, Refusal, TelemetrySetting,
+};
 use sinew_link::rate::{RigSize, telemetry_hz};
 
 use super::board::Port;
@@ -16,6 +18,7 @@ pub(super) enum Wait {
     Supervisor,
     Load { slot: usize },
     Unload { slot: usize },
+    Service,
 }
 
 impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
@@ -72,6 +75,10 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Command::BeginUpload(item) => self.begin(&item, mail),
             Command::UploadBlock(block) => self.block(&block, mail),
             Command::EndUpload => self.end(port, mail),
+            Command::PassOn(Pass { wait_us, .. }) if wait_us > PASS_WAIT_US => Err(Refusal::Value),
+            Command::PassOn(pass) => return self.serve(Order::Pass(pass), ticket, mail),
+            Command::ReadPassed { offset } => mail.with(|mail| mail.of_servos(offset)),
+            Command::ReadHealth => return self.serve(Order::Health, ticket, mail),
             // The supervisor's were given to it.
             _ => Err(Refusal::Unsupported),
         };
@@ -94,6 +101,20 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             return None;
         }
         self.give(Order::Supervise(order), ticket, Wait::Supervisor, mail)
+    }
+
+    /// For the loop behind its tick.
+    fn serve(
+        &mut self,
+        order: Order<'a, C>,
+        ticket: Ticket,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) -> Option<Outcome> {
+        if self.setup.rig.is_none() {
+            // There is no loop.
+            return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
+        }
+        self.give(order, ticket, Wait::Service, mail)
     }
 
     /// Gives an order to the loop, if it has none.
@@ -136,6 +157,10 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
                 outcome(self.delete(slot, mail))
             }
             (Said::Shown, _) => Outcome::Applied(Applied::Done),
+            (Said::Passed, _) => outcome(mail.with(|mail| mail.of_servos(0))),
+            (Said::NotPassed(state), _) => Outcome::Refused(Refusal::State(words::state(state))),
+            (Said::NoLine, _) => Outcome::Refused(Refusal::Unsupported),
+            (Said::Measured, _) => Outcome::Applied(Applied::Health(mail.with(|mail| mail.health))),
         };
         self.answer(ticket, outcome);
     }

@@ -8,7 +8,9 @@ use sinew_storage::Disarmed;
 use super::board::Safety;
 use super::live::Live;
 use super::mail::{Mail, Order, Said, Shared, Tick, Ticket};
+use super::service::{Asked, Lowest};
 use super::snapshot::{self, Times};
+use super::timing::Timing;
 use crate::controller::{Controller, Incomplete, Inputs, Jog, Wire, exchange};
 use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
 
@@ -16,18 +18,22 @@ use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
 #[derive(Debug)]
 pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
     rig: &'a BoardRig<B, V, S>,
-    controller: Controller<'a, B, V, S, C>,
+    pub(super) controller: Controller<'a, B, V, S, C>,
     live: Live<C>,
     /// Here while torque may be on.
     disarmed: Option<Disarmed>,
     /// The command that this tick carries out.
     asked: Option<Ticket>,
     busy: Option<Ticket>,
+    /// What is done behind this tick.
+    pub(super) service: Option<(Ticket, Asked)>,
+    pub(super) supply: Lowest,
     jog: Option<(Jog, u64)>,
     /// Faults that were handed down.
     told: FaultLog<LOGGED>,
     show_hz: Option<f32>,
     times: Times,
+    timing: Timing,
     wants_snapshot: bool,
 }
 
@@ -50,9 +56,12 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
             disarmed: None,
             asked: None,
             busy: None,
+            service: None,
+            supply: Lowest::default(),
             jog: None,
             show_hz: None,
             times: Times::default(),
+            timing: Timing::default(),
             wants_snapshot: false,
         })
     }
@@ -62,7 +71,13 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         &self.controller
     }
 
+    /// How long ticks, their exchanges and the loop's periods take, in [`Safety::cycles`].
+    pub fn timing(&mut self) -> &mut Timing {
+        &mut self.timing
+    }
+
     /// A tick: orders in, one exchange on the bus, answers out. The watchdog is fed if, and only if, it was whole.
+    /// Behind it a host may talk to servos, if torque is off: that makes the tick longer.
     /// `out`: room for the longest packets. O(freedoms).
     ///
     /// # Errors
@@ -75,21 +90,30 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         wire: &mut impl Wire,
         out: &mut [u8],
     ) -> Result<(), Incomplete> {
-        let now_us = board.now_us();
+        let (now_us, begun_at) = (board.now_us(), board.cycles());
+        self.timing.begins(begun_at);
         let mut inputs = mail.with(|mail| self.take(mail, now_us));
         if board.is_stopped() {
             inputs.found = FaultSet::of(Fault::EStop);
         }
         let begun = self.controller.begin(&inputs, &mut self.live, bus);
         board.enable_outputs(self.controller.permission().torque);
+        let asked_at = board.cycles();
         let exchanged = exchange(bus, wire, out);
+        self.timing.bus(asked_at, board.cycles());
         // Within the time that is measured, and outside of the mail.
         let snapshot = self.snapshot(board);
         let took_us = u32::try_from(board.now_us().saturating_sub(now_us)).unwrap_or(u32::MAX);
         self.times.add(took_us);
         let ended = self.controller.end(begun, exchanged, took_us);
         mail.with(|mail| self.put(mail, snapshot));
-        ended.map(|tick| board.feed(tick))
+        self.timing.tick(begun_at, board.cycles());
+        self.supply.note(&self.controller);
+        let ended = ended.map(|tick| board.feed(tick));
+        if let Some(served) = self.serve(board, bus, wire) {
+            mail.with(|mail| mail.put_served(served));
+        }
+        ended
     }
 
     fn take(&mut self, mail: &mut Mail<'a, V, S, C>, now_us: u64) -> Inputs {
@@ -135,6 +159,14 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
                 self.controller.put_show(show);
                 // There is room: one command is under way, and a stop.
                 let _ = mail.answers.push_back((ticket, Said::Shown));
+                None
+            }
+            Some((ticket, Order::Pass(pass))) => {
+                self.service = Some((ticket, Asked::Pass(pass)));
+                None
+            }
+            Some((ticket, Order::Health)) => {
+                self.service = Some((ticket, Asked::Health));
                 None
             }
             None => mail.enable.take().map(Command::Enable),

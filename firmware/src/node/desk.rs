@@ -15,6 +15,7 @@ use super::mail::{FAULTS_WAITING, Mail, Shared, Ticket};
 use super::outbox::Outbox;
 use super::settings::NodeSettings;
 use super::telemetry::Telemeter;
+use super::timing::Timing;
 use super::words;
 use crate::controller::Jog;
 use crate::supervisor::FaultNews;
@@ -62,6 +63,7 @@ pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: 
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,
     pub(super) telemeter: Telemeter<V, S, C>,
+    timing: Timing,
     /// Of faults what storage has not taken yet.
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// What was stored counts after a restart: until then nobody arms.
@@ -84,6 +86,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             lent: None,
             upload: None,
             telemeter: Telemeter::new(),
+            timing: Timing::default(),
             faults: Deque::new(),
             kept: None,
         }
@@ -94,6 +97,11 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         &mut self.store
     }
 
+    /// How long steps take, in [`Port::cycles`].
+    pub fn timing(&mut self) -> &mut Timing {
+        &mut self.timing
+    }
+
     /// Bytes in, bytes out, and what is to be done between: at most one thing that writes flash. It may take as long as
     /// a sector's erase, and only while torque is off; the loop goes on meanwhile, if it does not run from that flash.
     pub fn step(
@@ -101,6 +109,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         port: &mut impl Port<'a>,
         mail: &impl Shared<Mail<'a, V, S, C>>,
     ) -> Next {
+        let begun_at = port.cycles();
         while let Some((ticket, said)) = mail.with(|mail| mail.answers.pop_front()) {
             self.said(ticket, said, mail);
         }
@@ -118,6 +127,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let counts = (self.decoder.damage().total(), self.session.counts().1.lost);
         self.telemeter.step(port.now_us(), mail, counts, &mut self.outbox);
         self.outbox.send(|bytes| port.send(bytes));
+        self.timing.link(begun_at, port.cycles());
         if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
     }
 

@@ -10,7 +10,7 @@ use super::board::Port;
 use super::desk::Desk;
 use super::mail::{Mail, Shared};
 use super::settings::{NodeSettings, SETTINGS_SCHEMA, SettingsError};
-use super::start::RIG_SCHEMA;
+use super::start::{RIG_SCHEMA, split_rig};
 use super::words;
 use crate::SettingError;
 use crate::controller::open_show;
@@ -116,9 +116,9 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// What cannot be used does not replace what can.
-    pub(super) fn end(
+    pub(super) fn end<P: Port<'a>>(
         &mut self,
-        port: &mut impl Port<'a>,
+        port: &mut P,
         mail: &impl Shared<Mail<'a, V, S, C>>,
     ) -> Done {
         let upload = self.upload.take().ok_or(Refusal::Offset { next: 0 })?;
@@ -128,7 +128,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             self.upload = Some(upload);
             return Err(Refusal::Offset { next });
         }
-        let checked = port.look(upload.place::<F>(), |bytes| self.check(of.kind, bytes));
+        let checked = port.look(upload.place::<F>(), |bytes| self.check::<P>(of.kind, bytes));
         checked.unwrap_or(Err(Refusal::Unsupported))?;
         let restarts = matches!(of.kind, Kind::Settings | Kind::Rig);
         let stored =
@@ -137,12 +137,14 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// That a content is one that this node can use.
-    fn check(&self, kind: Kind, bytes: &[u8]) -> Result<(), Refusal> {
+    fn check<P: Port<'a>>(&self, kind: Kind, bytes: &[u8]) -> Result<(), Refusal> {
         match kind {
             Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
-            Kind::Rig => BoardRig::<B, V, S>::decode(bytes)
-                .map(|_| ())
-                .map_err(|error| words::rig_error(&error)),
+            Kind::Rig => {
+                let (rig, behind) = split_rig(bytes);
+                BoardRig::<B, V, S>::decode(rig).map_err(|error| words::rig_error(&error))?;
+                if P::drives(behind) { Ok(()) } else { Err(Refusal::Unsupported) }
+            }
             Kind::Show => {
                 let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
                 open_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)

@@ -1,7 +1,7 @@
 //! What goes from below the loop to it, and back.
 
 use heapless::{Deque, Vec};
-use sinew_link::message::{Dof, LiveFrame, Servo, Summary};
+use sinew_link::message::{Dof, Health, LiveFrame, PASSED_MAX, Pass, Servo, Summary};
 use sinew_show::ShowFrames;
 use sinew_storage::Disarmed;
 
@@ -44,23 +44,22 @@ pub struct Mail<'a, const V: usize, const S: usize, const C: usize> {
     pub(super) answers: Deque<(Ticket, Said), 4>,
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     pub(super) snapshot: Option<Tick<V, S, C>>,
+    /// What servos said to the last packet of the host.
+    pub(super) of_servos: OfServos,
+    pub(super) health: Health,
     pub(super) state: State,
     pub(super) disarmed: Option<Disarmed>,
 }
 
 /// Something for the loop to do.
 #[derive(Debug)]
-#[cfg_attr(
-    target_pointer_width = "64",
-    expect(
-        clippy::large_enum_variant,
-        reason = "no heap to put it on; there is one order at a time"
-    )
-)]
 pub(super) enum Order<'a, const C: usize> {
     Supervise(Command),
     /// Another show, or none.
     Show(Option<ShowFrames<'a, C>>),
+    /// Bytes for servos.
+    Pass(Pass),
+    Health,
 }
 
 /// What became of it.
@@ -68,8 +67,23 @@ pub(super) enum Order<'a, const C: usize> {
 pub(super) enum Said {
     Supervised(Answer),
     Shown,
+    /// Servos were talked to: [`Mail::of_servos`] is what they said.
+    Passed,
+    /// They were not, in this state.
+    NotPassed(State),
+    /// There is no such line or rate.
+    NoLine,
+    /// [`Mail::health`] is there.
+    Measured,
     /// Somebody is erasing.
     Busy,
+}
+
+/// What servos said to a packet of the host.
+#[derive(Debug, Default)]
+pub(super) struct OfServos {
+    pub(super) bytes: Vec<u8, PASSED_MAX>,
+    pub(super) took_us: u32,
 }
 
 /// What telemetry tells of a tick.
@@ -96,6 +110,8 @@ impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
             answers: Deque::new(),
             faults: Deque::new(),
             snapshot: None,
+            of_servos: OfServos::default(),
+            health: Health::default(),
             state: State::Off,
             disarmed: Some(disarmed),
         }

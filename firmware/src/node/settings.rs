@@ -17,7 +17,7 @@ const EACH: usize = 6;
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
 /// All settings by key, from 1, with the unit behind the name.
-pub const SETTING_NAMES: [&str; 17] = [
+pub const SETTING_NAMES: [&str; 18] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -35,6 +35,7 @@ pub const SETTING_NAMES: [&str; 17] = [
     "beyond_rad",
     "live_delay_s",
     "live_stale_s",
+    "float_rad_s",
 ];
 
 /// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
@@ -183,6 +184,7 @@ impl NodeSettings {
             15 => beyond_rad,
             16 => &mut self.live_delay_s,
             17 => &mut self.live_stale_s,
+            18 => &mut supervisor.float_rad_s,
             _ => return None,
         })
     }

@@ -29,15 +29,15 @@ pub struct Found<F, const B: usize, const V: usize, const S: usize> {
     pub start: Start,
 }
 
-/// Opens storage and reads it back. `causes`: why the board starts. `room`: for the longest rig in its compact form.
-/// O(log).
+/// Opens storage and reads it back. `defaults`: the board's own settings, by what was stored [behind the
+/// rig](split_rig). `causes`: why the board starts. `room`: for the longest item of a rig. O(log).
 ///
 /// # Errors
 /// [`Error`] if the flash cannot be read, or the table does not fit it. Whatever is in the flash is no error.
 pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
     flash: F,
     table: BoardTable,
-    defaults: &NodeSettings,
+    defaults: impl FnOnce(&[u8]) -> NodeSettings,
     mut causes: FaultSet,
     room: &mut [u8],
 ) -> Result<Found<F, B, V, S>, Error<F::Error>> {
@@ -50,14 +50,15 @@ pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
     // anew.
     let mut is_bad =
         was_lost || store.is_damaged(Kind::Settings)? || store.is_damaged(Kind::Rig)?;
-    let mut rig = None;
-    match store.rig()? {
-        Some(item) => {
-            rig = content(&mut store, &item, RIG_SCHEMA, room)?.and_then(read_rig);
-            is_bad |= rig.is_none();
-        }
-        None => is_bad = true,
+    let (mut rig, mut behind): (_, &[u8]) = (None, &[]);
+    if let Some(item) = store.rig()?
+        && let Some(content) = content(&mut store, &item, RIG_SCHEMA, room)?
+    {
+        let (bytes, more) = split_rig(content);
+        (rig, behind) = (read_rig(bytes), more);
     }
+    is_bad |= rig.is_none();
+    let defaults = defaults(behind);
     let mut settings = defaults.clone();
     if let Some(item) = store.settings()? {
         let mut bytes = [0; SETTINGS_MAX];
@@ -77,6 +78,33 @@ pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
     }
     let count = store.run();
     Ok(Found { store, disarmed, settings, rig, is_bad, start: Start { count, causes, log } })
+}
+
+/// How an item ends that has more behind the rig.
+const MORE: [u8; 4] = *b"SNWW";
+
+/// The item of a rig: its compact form, and behind it what only the board reads (how the servos hang on it). That ends
+/// with its own length, u32 little-endian, and `SNWW`; where it does not, all is the rig's.
+pub fn split_rig(item: &[u8]) -> (&[u8], &[u8]) {
+    let split = || {
+        let (item, end) = item.split_last_chunk()?;
+        let (item, len) = item.split_last_chunk()?;
+        let at = item.len().checked_sub(u32::from_le_bytes(*len) as usize)?;
+        (*end == MORE).then(|| item.split_at_checked(at)).flatten()
+    };
+    split().unwrap_or((item, &[]))
+}
+
+/// Ends an item of which the first `rig_len` bytes are a rig, and those up to `len` are behind it: how long it is then.
+/// None if there is no room.
+#[must_use]
+pub fn join_rig(item: &mut [u8], rig_len: usize, len: usize) -> Option<usize> {
+    let more = u32::try_from(len.checked_sub(rig_len)?).ok()?;
+    let (end, _) = item.get_mut(len..)?.split_first_chunk_mut::<8>()?;
+    for (to, from) in end.iter_mut().zip(more.to_le_bytes().into_iter().chain(MORE)) {
+        *to = from;
+    }
+    len.checked_add(end.len())
 }
 
 /// The content of an item, if it is of this version, fits, and has the hash that it should.
@@ -116,4 +144,20 @@ fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Erro
     let first = kept.first.as_ref().and_then(words::kept);
     // By reference: a list that is taken apart can panic as it is dropped.
     Ok(FaultLog::restored(first, last.iter().copied()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_item_is_a_rig_and_what_is_behind_it() {
+        let mut item = *b"rigmore........";
+        assert_eq!(join_rig(&mut item, 3, 7), Some(15));
+        assert_eq!(split_rig(&item), (&b"rig"[..], &b"more"[..]));
+        assert_eq!(split_rig(&item[..14]), (&item[..14], &[][..]));
+        assert_eq!(join_rig(&mut item, 3, 8), None);
+        // It says that it is longer than the item.
+        assert_eq!(split_rig(&item[6..]), (&item[6..], &[][..]));
+    }
 }

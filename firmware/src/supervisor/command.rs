@@ -20,8 +20,10 @@ pub enum Command {
     Stop,
     /// Ranges are found by hand. From limp alone.
     Calibrate,
-    /// Poses are shown by hand. From limp alone.
+    /// Poses are shown by hand, torque off. From limp alone.
     Teach,
+    /// Poses are shown by hand, while the rig carries its own weight. From holding alone: so it was armed.
+    Float,
     /// An operator takes the rig for maintenance, and nobody else may move or arm it until he or she leaves it.
     Maintain(Operator),
     /// The operator holds the enabling button: to be sent again and again, as long as it is held.
@@ -55,6 +57,8 @@ pub enum Refused {
     Moving(Moving),
     /// The feed gives no poses.
     FeedSilent(Feed),
+    /// Some servo takes a position alone, and no effort.
+    NoEffort,
     /// A fault is there, or latched.
     Fault(Fault),
     /// A fault cannot be cleared: its condition is still there. Nothing was cleared.
@@ -87,6 +91,9 @@ impl fmt::Display for Refused {
                 write!(f, "the rig is moving: {moving}; wait until it rests")
             }
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
+            Self::NoEffort => f.write_str(
+                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+            ),
             Self::Fault(fault) => write!(f, "{fault}: mend it and clear it first"),
             Self::StillThere(fault) => write!(f, "{fault} is still there: nothing was cleared"),
             Self::NeedsUpload(fault) => write!(f, "{fault} goes with a new upload alone"),
@@ -108,7 +115,7 @@ const fn way_from(state: State) -> &'static str {
         State::Calibrating | State::Teaching => "disarm it first",
         State::Arming | State::Stopping | State::Lowering => "wait until that is over",
         State::Holding => "it is armed already; what is done by hand needs it limp",
-        State::Playing => "hold it, or disarm it, first",
+        State::Playing | State::Floating => "hold it, or disarm it, first",
         State::Maintenance => "the operator must leave it first",
         State::Faulted => "clear the fault first",
     }

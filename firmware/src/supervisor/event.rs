@@ -23,6 +23,8 @@ pub struct Event {
     pub moving: Option<Moving>,
     /// Which feeds give poses.
     pub feeds: Feeds,
+    /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
+    pub carries: bool,
     /// The enabling button is held.
     pub enabled: bool,
     /// The blend to the source is over, and the rig is there.

@@ -9,7 +9,7 @@
 //!
 //! # States
 //! ```text
-//! power-on ─> Off ─(all servos read)─> Limp ─(arm)─> Arming ─(time)─> Holding <─> Playing, Maintenance
+//! power-on ─> Off ─(all servos read)─> Limp ─(arm)─> Arming ─(time)─> Holding <─> Playing, Maintenance, Floating
 //!                                     │  ^                               │
 //!                  Calibrating, Teaching └────── Lowering <── Stopping <─┘
 //! ```

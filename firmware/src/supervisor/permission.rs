@@ -26,11 +26,14 @@ impl Permission {
     pub(super) fn of(mode: &Mode, settings: &Settings, blended: f32, lowered: f32) -> Self {
         let (torque, source) = (mode.allows() > Allows::Nothing, mode.source());
         let is_jog = source == Source::Feed(Feed::Jog);
-        let soft = (mode.is_soft || is_jog).then_some(settings.soft_rad_s);
+        // What is led by hand is as fast as the hand.
+        let is_led = source == Source::Led;
+        let soft = (mode.is_soft && !is_led || is_jog).then_some(settings.soft_rad_s);
         let of_state = match mode.state {
             State::Maintenance => Some(settings.maintenance_rad_s),
             State::Stopping => Some(settings.stop_rad_s),
             State::Arming | State::Lowering => Some(settings.soft_rad_s),
+            State::Floating => Some(settings.float_rad_s),
             _ => None,
         };
         let speed_rad_s = match (soft, of_state) {

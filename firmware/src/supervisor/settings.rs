@@ -31,10 +31,12 @@ pub struct Settings {
     pub stop_rad_s: f32,
     /// Fastest joint in maintenance, rad/s.
     pub maintenance_rad_s: f32,
+    /// Fastest joint that is led by hand while the rig carries itself, rad/s: beyond it the rig is lowered.
+    pub float_rad_s: f32,
 }
 
 /// Hold after 0.2 s, limp after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowered in 3 s;
-/// 20, 30 and 10 deg/s.
+/// 20, 30 and 10 deg/s; 180 deg/s by hand.
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -48,6 +50,7 @@ impl Default for Settings {
             soft_rad_s: SOFT_MOST_RAD_S,
             stop_rad_s: 30.0 * DEG,
             maintenance_rad_s: 10.0 * DEG,
+            float_rad_s: 180.0 * DEG,
         }
     }
 }
@@ -69,6 +72,7 @@ impl Settings {
             "maintenance_rad_s",
             self.maintenance_rad_s,
             [least_rad_s, SOFT_MOST_RAD_S],
-        )
+        )?;
+        SettingError::check("float_rad_s", self.float_rad_s, [least_rad_s, 360.0 * DEG])
     }
 }

@@ -32,11 +32,13 @@ pub enum State {
     Lowering = 9,
     /// Torque is off, and a fault is latched.
     Faulted = 10,
+    /// It carries its own weight, and goes where it is led by hand.
+    Floating = 11,
 }
 
 impl State {
     /// How many there are.
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 12;
 
     /// All of them, by number.
     pub const ALL: [Self; Self::COUNT] = [
@@ -51,6 +53,7 @@ impl State {
         Self::Stopping,
         Self::Lowering,
         Self::Faulted,
+        Self::Floating,
     ];
 
     /// Its number.
@@ -60,8 +63,8 @@ impl State {
 
     /// Whether the torque of servos may be on.
     pub const fn is_on(self) -> bool {
-        use State::{Arming, Holding, Lowering, Maintenance, Playing, Stopping};
-        matches!(self, Arming | Holding | Playing | Maintenance | Stopping | Lowering)
+        use State::{Arming, Floating, Holding, Lowering, Maintenance, Playing, Stopping};
+        matches!(self, Arming | Holding | Playing | Maintenance | Floating | Stopping | Lowering)
     }
 }
 
@@ -79,6 +82,7 @@ impl fmt::Display for State {
             Self::Stopping => "stopping",
             Self::Lowering => "lowering",
             Self::Faulted => "faulted",
+            Self::Floating => "floating",
         })
     }
 }
@@ -117,6 +121,8 @@ pub enum Source {
     Measured,
     /// The rig's rest pose.
     Rest,
+    /// Wherever a hand leads the rig: the pose that is measured now.
+    Led,
 }
 
 /// How much a state allows, from least to most.
@@ -127,6 +133,8 @@ pub enum Allows {
     Nothing,
     /// Effort that fades to nothing, towards the measured pose.
     Lower,
+    /// Effort that carries the rig's weight, towards no pose.
+    Carry,
     /// Effort, towards a pose that stands.
     Stand,
     /// Effort, towards a pose that moves.
@@ -161,6 +169,7 @@ impl Mode {
             (State::Playing | State::Maintenance, Some(feed)) => Source::Feed(feed),
             (State::Stopping, _) => Source::Rest,
             (State::Arming | State::Lowering, _) => Source::Measured,
+            (State::Floating, _) => Source::Led,
             _ => Source::Hold,
         }
     }
@@ -170,6 +179,7 @@ impl Mode {
         match (self.state, self.source()) {
             (state, _) if !state.is_on() => Allows::Nothing,
             (State::Lowering, _) => Allows::Lower,
+            (State::Floating, _) => Allows::Carry,
             (_, Source::Feed(_) | Source::Rest) => Allows::Move,
             _ => Allows::Stand,
         }

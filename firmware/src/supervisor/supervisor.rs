@@ -35,6 +35,8 @@ pub struct Inputs {
     pub moving: Option<Moving>,
     /// Which feeds give poses.
     pub feeds: Feeds,
+    /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
+    pub carries: bool,
     /// What is commanded is at the source of the last [`Permission`].
     pub is_there: bool,
 }
@@ -167,6 +169,7 @@ impl Supervisor {
             stop_tested: inputs.stop_tested,
             moving: inputs.moving,
             feeds: inputs.feeds,
+            carries: inputs.carries,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),
             arrived: inputs.is_there && over(clocks.source, settings.blend_s),
             time_over: over(clocks.state, time_s),

@@ -112,7 +112,8 @@ impl Mode {
             | Command::Play(_)
             | Command::Hold
             | Command::Calibrate
-            | Command::Teach => {
+            | Command::Teach
+            | Command::Float => {
                 if let Some(operator) = self.operator {
                     return Err(Refused::InMaintenance(operator));
                 }
@@ -123,6 +124,11 @@ impl Mode {
                     Command::Play(feed) => self.play(feed, event, present),
                     Command::Calibrate => self.by_hand(State::Calibrating),
                     Command::Teach => self.by_hand(State::Teaching),
+                    // A tick ago it did not stand yet: it was arming, or it played.
+                    Command::Float if !matches!(was, State::Holding | State::Floating) => {
+                        Err(Refused::InState(was))
+                    }
+                    Command::Float => self.float(event, present),
                     _ => self.hold(),
                 }
             }
@@ -188,7 +194,7 @@ impl Mode {
 
     fn hold(&mut self) -> Result<(), Refused> {
         match self.state {
-            State::Playing => self.state = State::Holding,
+            State::Playing | State::Floating => self.state = State::Holding,
             State::Arming | State::Holding => {}
             state => return Err(Refused::InState(state)),
         }
@@ -201,6 +207,16 @@ impl Mode {
             Ok(())
         } else {
             Err(Refused::InState(self.state))
+        }
+    }
+
+    /// From standing still alone: whoever leads it has it in hand before it yields.
+    fn float(&mut self, event: &Event, present: FaultSet) -> Result<(), Refused> {
+        match self.state {
+            State::Floating => Ok(()),
+            State::Holding if !event.carries => Err(Refused::NoEffort),
+            State::Holding => self.enter(State::Floating, present),
+            state => Err(Refused::InState(state)),
         }
     }
 

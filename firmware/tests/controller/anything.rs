@@ -10,8 +10,8 @@ use crate::stand::{Kind, SERVOS, Stand, figure};
 
 fn command() -> impl Strategy<Value = Command> {
     use Command::{
-        Arm, Calibrate, ClearFaults, Disarm, EStop, Enable, Hold, Leave, Maintain, Play, Stop,
-        Teach,
+        Arm, Calibrate, ClearFaults, Disarm, EStop, Enable, Float, Hold, Leave, Maintain, Play,
+        Stop, Teach,
     };
     let one = Operator(1);
     let rare = vec![Disarm, Stop, Calibrate, Teach, EStop, Leave(one)];
@@ -22,6 +22,7 @@ fn command() -> impl Strategy<Value = Command> {
         Play(Feed::Show),
         Play(Feed::Live),
         Hold,
+        Float,
         Maintain(one),
         Enable(one),
     ];

@@ -8,9 +8,12 @@
 
 mod anything;
 mod arming;
+mod cell;
+mod dead;
 mod matrix;
 mod play;
 mod registers;
 mod run_in;
 mod stand;
 mod swing;
+mod torque_stuck;

@@ -56,11 +56,13 @@ pub(crate) fn figure(kind: Kind) -> &'static Figure {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
-    pub(crate) off_rad: f32,
+    /// How far it is off, in every other tick each.
+    pub(crate) off_rad: [f32; 2],
     pub(crate) current_a: Option<f32>,
     pub(crate) celsius: Option<f32>,
     pub(crate) volts: Option<f32>,
     pub(crate) alert: bool,
+    pub(crate) has_stopped: bool,
     /// It was never read.
     pub(crate) is_unknown: bool,
 }
@@ -69,12 +71,13 @@ pub(crate) struct Planted {
 pub(crate) struct Bus {
     own: arm::Bus,
     pub(crate) planted: Planted,
+    is_odd_tick: bool,
 }
 
 impl From<arm::Bus> for Bus {
     /// Nothing is wrong yet.
     fn from(own: arm::Bus) -> Self {
-        Self { own, planted: Planted::default() }
+        Self { own, planted: Planted::default(), is_odd_tick: false }
     }
 }
 
@@ -90,6 +93,7 @@ impl ServoBus for Bus {
         self.own.command(servo, command)
     }
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
+        self.is_odd_tick = !self.is_odd_tick;
         self.own.plan(out)
     }
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
@@ -110,6 +114,7 @@ impl ServoBus for Bus {
         if servo > 0 {
             return Some(read);
         }
+        let off_rad = off_rad[usize::from(self.is_odd_tick)];
         (!is_unknown).then_some(Feedback {
             position_rad: position_rad.unwrap_or(read.position_rad + off_rad),
             effort: current_a.map_or(read.effort, Effort::Current),
@@ -125,6 +130,7 @@ impl ServoBus for Bus {
             temperature_c: self.planted.celsius.or(health.temperature_c),
             voltage_v: self.planted.volts.or(health.voltage_v),
             alert: self.planted.alert || health.alert,
+            has_stopped: self.planted.has_stopped || health.has_stopped,
             ..health
         })
     }
@@ -243,6 +249,13 @@ impl Stand {
         bench.run_us(left_us.round() as u32);
     }
 
+    /// Time passes, and the controller does nothing.
+    pub(crate) fn pause(&mut self, seconds: f64) {
+        let ticks = self.ticks_of(seconds);
+        self.bench.run_us(ticks * 1_000_000 / self.kind.rate_hz());
+        self.ticks += u64::from(ticks);
+    }
+
     /// Asks to be armed until the rig rests, for a minute at most: why it is refused, if it is.
     pub(crate) fn ask_to_arm(&mut self) -> Option<Refused> {
         for _ in 0..self.ticks_of(60.0) {
@@ -294,22 +307,35 @@ impl Stand {
 
     /// The most that a simulated motor gives, by its current, A.
     pub(crate) fn most_current_a(&self) -> f64 {
-        self.bench.servos().iter().map(|servo| servo.current_a().abs()).fold(0.0, f64::max)
+        most_current_a(&self.bench)
     }
 
     /// Whether torque off for all went out in the last tick.
     pub(crate) fn sent_off(&self) -> bool {
-        let ids = 1..=SERVOS as u8;
-        let off: Vec<u8> = match self.kind {
-            // Sync write to Torque Enable (64), one byte each.
-            Kind::Current => {
-                [0x83, 64, 0, 1, 0].into_iter().chain(ids.flat_map(|id| [id, 0])).collect()
-            }
-            Kind::Position => [0x83, 40, 1].into_iter().chain(ids.flat_map(|id| [id, 0])).collect(),
-        };
-        self.sent.windows(off.len()).any(|bytes| bytes == off)
+        is_off(self.kind, &self.sent)
     }
 }
+
+/// Whether torque off for all servos is in these bytes.
+pub(crate) fn is_off(kind: Kind, sent: &[u8]) -> bool {
+    let ids = 1..=SERVOS as u8;
+    let off: Vec<u8> = match kind {
+        // Sync write to Torque Enable (64), one byte each.
+        Kind::Current => {
+            [0x83, 64, 0, 1, 0].into_iter().chain(ids.flat_map(|id| [id, 0])).collect()
+        }
+        Kind::Position => [0x83, 40, 1].into_iter().chain(ids.flat_map(|id| [id, 0])).collect(),
+    };
+    sent.windows(off.len()).any(|bytes| bytes == off)
+}
+
+/// The most that a simulated motor gives, by its current, A.
+pub(crate) fn most_current_a(bench: &Bench<'static, Vec<Arm>>) -> f64 {
+    bench.servos().iter().map(|servo| servo.current_a().abs()).fold(0.0, f64::max)
+}
+
+/// A motor that draws less is without torque, A: a thousandth of an XL330's stall.
+pub(crate) const NOTHING_A: f64 = 1.5e-3;
 
 /// The arm's simulated servos, where they are at home.
 pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {

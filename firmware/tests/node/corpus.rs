@@ -25,5 +25,5 @@ fn node() {
     println!("{} kinds of messages in {} states: {} pairs", kinds.len(), states.len(), said.len());
     assert_eq!(states.len(), State::COUNT, "{states:?}");
     // Greeting, commands, streams.
-    assert_eq!(kinds.len(), 1 + 21 + 4, "{kinds:?}");
+    assert_eq!(kinds.len(), 1 + 25 + 4, "{kinds:?}");
 }

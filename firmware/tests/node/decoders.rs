@@ -103,6 +103,7 @@ fn world_in(state: State) -> World {
         State::Maintenance => &[Command::Arm, Command::Maintain(Operator(1))],
         State::Stopping => &[Command::Arm, Command::Stop],
         State::Lowering => &[Command::Arm, Command::Disarm],
+        State::Floating => &[Command::Arm, Command::Float],
     };
     for command in ask {
         if world.state() == Some(State::Arming) {

@@ -10,7 +10,7 @@ use sinew_emulated::built_in::BuiltIn;
 use sinew_emulated::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
 use sinew_emulated::node::{self, FLASH_LEN};
 use sinew_firmware::controller::Wire;
-use sinew_firmware::supervisor::State;
+use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
 
 use crate::hardware::Servos;
@@ -24,9 +24,12 @@ const IMAGE: &str = "SINEW_NODE_IMAGE";
 
 /// A node at the other end of two pipes.
 pub(crate) struct Emulated {
+    kind: Kind,
     node: End<Pipes<Box<dyn Read>, Box<dyn Write>>>,
     /// The state of its loop.
     pub(crate) state: Option<State>,
+    /// Faults that are there, and those that are latched.
+    faults: [u32; 2],
     /// Who runs it, if it is QEMU.
     qemu: Option<Child>,
 }
@@ -58,7 +61,7 @@ impl Emulated {
         let run = || {
             let host = Pipes { from: BufReader::new(from_host), to: to_host };
             let (mut flash, mut lent) = (vec![0; FLASH_LEN], vec![0; 1 << 20]);
-            node::run(&mut End::new(host), &mut flash, &mut lent)
+            node::run(&mut End::new(host), FaultSet::EMPTY, &mut flash, &mut lent)
         };
         // Its capacities are those of an image, all on the stack.
         thread::Builder::new().stack_size(64 << 20).spawn(run).unwrap();
@@ -86,7 +89,19 @@ impl Emulated {
         let from = Box::new(BufReader::new(from));
         let mut node = End::new(Pipes { from: from as Box<dyn Read>, to });
         node.put(&ToNode::PowerOn(BuiltIn::Arm(kind))).unwrap();
-        Self { node, state: None, qemu }
+        Self { kind, node, state: None, faults: [0; 2], qemu }
+    }
+
+    /// Its program stops itself, and it begins anew.
+    pub(crate) fn panic(&mut self) {
+        self.put(&ToNode::Panic);
+        self.put(&ToNode::PowerOn(BuiltIn::Arm(self.kind)));
+        (self.state, self.faults) = (None, [0; 2]);
+    }
+
+    /// Whether a fault is there, and whether it is latched.
+    pub(crate) fn has(&self, fault: Fault) -> [bool; 2] {
+        self.faults.map(|faults| faults & node::bit(fault) != 0)
     }
 
     fn put(&mut self, message: &ToNode<'_>) {
@@ -112,9 +127,10 @@ impl Emulated {
     /// All that goes over the bus in a tick, and what came of it.
     fn exchange(&mut self, world: &mut World, [base_s, end_s]: [f64; 2]) {
         let start_us = world.pins.clock_us.get();
-        let World { bench, hash, pins, commanded, .. } = world;
-        let clock_us = pins.clock_us.clone();
-        let mut wire = Servos { bench, base_s, end_s, clock_us, start_us, hash };
+        let World { bench, hash, pins, commanded, told, sent, late_us, .. } = world;
+        let (clock_us, late_us) = (pins.clock_us.clone(), *late_us);
+        let mut wire =
+            Servos { bench, base_s, end_s, clock_us, start_us, late_us, hash, told, sent };
         self.put(&ToNode::Plan { line: 0 });
         loop {
             let ToHost::Planned(planned) = self.take() else { panic!("nothing is planned") };
@@ -134,12 +150,12 @@ impl Emulated {
             ToHost::Ticked(Some(of_loop)) => of_loop,
             other => panic!("{other:?} behind an exchange"),
         };
-        let OfLoop { is_fed, outputs, state, commanded: numbers } = of_loop;
+        let OfLoop { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
         assert!(is_fed, "a tick was not whole");
         pins.fed += 1;
         pins.outputs = outputs;
         hash_of(commanded, numbers);
-        self.state = Some(State::ALL[usize::from(state)]);
+        (self.state, self.faults) = (Some(State::ALL[usize::from(state)]), faults);
     }
 
     /// Steps below the loop.

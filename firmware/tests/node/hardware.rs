@@ -16,6 +16,7 @@ use sinew_servo_sim::load::Arm;
 use crate::flash::{MockFlash, PowerFailed};
 use crate::host::Host;
 use crate::stand::hash_of;
+use crate::told::Told;
 
 /// Flash that its driver and the processor both see.
 #[derive(Clone)]
@@ -142,19 +143,45 @@ pub(crate) struct Servos<'b> {
     pub(crate) end_s: f64,
     pub(crate) clock_us: Rc<Cell<u64>>,
     pub(crate) start_us: u64,
+    /// Added to what a tick takes.
+    pub(crate) late_us: u64,
     pub(crate) hash: &'b mut u64,
+    pub(crate) told: &'b mut Told,
+    pub(crate) sent: &'b mut Vec<u8>,
 }
 
 impl Wire for Servos<'_> {
     fn exchange(&mut self, bytes: &[u8], wait_us: u32, mut reply: impl FnMut(&[u8]) -> bool) {
-        let hash = &mut *self.hash;
+        let Self { bench, hash, told, sent, .. } = self;
         hash_of(hash, bytes);
-        self.bench.exchange(bytes, wait_us, |said| {
-            hash_of(hash, said);
-            reply(said)
+        sent.extend_from_slice(bytes);
+        told.asked(bytes);
+        bench.exchange(bytes, wait_us, |said| {
+            let said = told.told(said);
+            hash_of(hash, &said);
+            reply(&said)
         });
         let took_us = ((self.bench.time_s() - self.base_s) * 1e6).round() as u64;
-        self.clock_us.set(self.start_us + took_us);
+        self.clock_us.set(self.start_us + took_us + self.late_us);
+    }
+    fn pass(
+        &mut self,
+        line: u8,
+        baud: u32,
+        bytes: &[u8],
+        wait_us: u32,
+        mut reply: impl FnMut(&[u8]),
+    ) -> Option<u32> {
+        if line > 0 || ![0, self.bench.baud].contains(&baud) {
+            return None;
+        }
+        let mut has_said = false;
+        let took_us = self.bench.exchange(bytes, wait_us, |said| {
+            has_said |= !said.is_empty();
+            reply(said);
+            false
+        });
+        Some(if has_said { took_us } else { 0 })
     }
     fn left_us(&self) -> u32 {
         ((self.end_s - self.bench.time_s()) * 1e6).max(0.0) as u32

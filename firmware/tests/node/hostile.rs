@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
     Block, Command, Feed, Hello, Item, Kind as ItemKind, LiveFrame, Numbered, Operator, Parts,
-    Place, Stream, TelemetrySetting, ToController, Value, Version,
+    Pass, Place, Stream, TelemetrySetting, ToController, Value, Version,
 };
 
 use crate::line::{Trouble, random};
@@ -89,11 +89,12 @@ impl Hostile {
         let operator = Operator(self.below(3) as u8);
         let feed = [Feed::Show, Feed::Live, Feed::Jog][self.below(3) as usize];
         let (slot, key) = (self.below(4) as u8, self.below(20) as u16);
-        match self.below(25) {
+        match self.below(28) {
             0 if self.below(400) == 0 => Command::EStop,
             1 | 2 if self.arms => Command::Arm,
             3 if self.below(rare) == 0 => Command::Disarm,
             4 | 5 => Command::Play(feed),
+            6 => Command::Float,
             7 if self.below(rare) == 0 => Command::Stop,
             8 if self.below(20) == 0 => Command::Calibrate,
             9 if self.below(20) == 0 => Command::Teach,
@@ -120,6 +121,15 @@ impl Hostile {
                 Command::UploadBlock(Block { offset, bytes })
             }
             23 => Command::EndUpload,
+            25 => {
+                let len = self.below(129) as usize;
+                let bytes: heapless::Vec<u8, 128> =
+                    (0..len).map(|_| self.below(256) as u8).collect();
+                let wait_us = [0, 300, 20_000, u32::MAX][self.below(4) as usize];
+                Command::PassOn(Pass { line: self.below(2) as u8, baud: 0, wait_us, bytes })
+            }
+            26 => Command::ReadPassed { offset: self.below(600) as u16 },
+            27 => Command::ReadHealth,
             _ => Command::Hold,
         }
     }

@@ -6,6 +6,8 @@
     reason = "the controller's side is f32, the servos' f64"
 )]
 
+#[path = "../controller/cell.rs"]
+mod cell;
 #[path = "../../../storage/tests/common/flash.rs"]
 mod flash;
 #[path = "../controller/stand.rs"]
@@ -27,6 +29,7 @@ mod ideal;
 mod inputs;
 mod line;
 mod live;
+mod matrix;
 mod mismatch;
 mod people;
 mod power_cut;
@@ -35,5 +38,6 @@ mod settings;
 mod shows;
 mod silence;
 mod stored;
+mod told;
 mod whole;
 mod world;

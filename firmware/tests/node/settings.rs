@@ -44,7 +44,8 @@ fn what_the_next_start_would_refuse_is_refused_at_once() {
         assert_eq!(bounds(&world.ask(write(1, 2.0)), 2.0), (2, [2.01, 60.0]));
         // The same of all settings in one upload.
         let mut bytes = settings(kind).bytes();
-        let at = bytes.len() - 4 - 4 * 6;
+        // Each has its key, of two bytes, and its value, of four; they are in order, from key 1.
+        let at = 12 * 6 + 2;
         bytes[at..at + 4].copy_from_slice(&(0.9 * tick_s).to_le_bytes());
         let of: Item = item(ItemKind::Settings, &bytes, rig(kind).1);
         assert_eq!(bounds(&world.upload(&of, &bytes), 0.9 * tick_s).0, 13);

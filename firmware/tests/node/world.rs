@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use sinew_emulated::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
-use sinew_firmware::supervisor::{FaultSet, State};
+use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
@@ -17,6 +17,7 @@ use crate::ideal::{Ideal, NoServos};
 use crate::line::Trouble;
 use crate::stand::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
 use crate::stored::{item, rig};
+use crate::told::Told;
 
 type Loop = Control<'static, 8, 8, 8, 8>;
 
@@ -47,14 +48,19 @@ pub(crate) struct World {
     pub(crate) commanded: u64,
     /// Steps below the loop in each tick.
     pub(crate) steps: u32,
+    /// What servo 0 tells that is not so.
+    pub(crate) told: Told,
+    /// What went out to servos in the last tick.
+    pub(crate) sent: Vec<u8>,
+    /// By how much each tick of the loop takes longer, us.
+    pub(crate) late_us: u64,
 }
 
-fn boot(kind: Kind, chip: &Chip, first_session: u16) -> Option<Board> {
+fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option<Board> {
     let parts = setup(kind);
     let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let mut room = vec![0; RIG_ROOM];
-    let found =
-        start::<_, 8, 8, 8>(chip.clone(), TABLE, &defaults, FaultSet::EMPTY, &mut room).ok()?;
+    let found = start::<_, 8, 8, 8>(chip.clone(), TABLE, |_| defaults, causes, &mut room).ok()?;
     let rig = found.rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
     let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, LINE_BPS);
     let control = rig.and_then(|(rig, _)| {
@@ -81,7 +87,7 @@ impl World {
 
     /// With this flash.
     pub(crate) fn with(kind: Kind, chip: Chip, trouble: Trouble, seed: u64) -> Self {
-        let board = boot(kind, &chip, first_session(1)).unwrap();
+        let board = boot(kind, &chip, first_session(1), FaultSet::EMPTY).unwrap();
         Self {
             kind,
             chip,
@@ -97,20 +103,28 @@ impl World {
             emulated: None,
             commanded: HASH_BEGIN,
             steps: 4,
+            told: Told::default(),
+            sent: Vec::new(),
+            late_us: 0,
         }
     }
 
     /// With rig and show stored, a host that is welcome, and the show loaded.
     pub(crate) fn ready(kind: Kind, trouble: Trouble, seed: u64, show: &[u8]) -> Self {
         let mut world = Self::new(kind, Trouble::default(), seed);
-        world.connect();
-        let (bytes, crc) = rig(kind);
-        world.upload(&item(ItemKind::Rig, &bytes, 0), &bytes);
-        world.connect();
-        world.upload(&item(ItemKind::Show, show, crc), show);
-        assert_eq!(world.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(Applied::Done));
+        world.store(show);
         (world.host.there.trouble, world.host.back.trouble) = (trouble, trouble);
         world
+    }
+
+    /// Uploads rig and show, and loads it.
+    pub(crate) fn store(&mut self, show: &[u8]) {
+        self.connect();
+        let (bytes, crc) = rig(self.kind);
+        self.upload(&item(ItemKind::Rig, &bytes, 0), &bytes);
+        self.connect();
+        self.upload(&item(ItemKind::Show, show, crc), show);
+        assert_eq!(self.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(Applied::Done));
     }
 
     pub(crate) fn tick_us(&self) -> u64 {
@@ -123,14 +137,50 @@ impl World {
 
     /// The board begins anew, with what is in flash; its clock goes on, as the host's does.
     pub(crate) fn restart(&mut self) -> bool {
+        self.restart_after(FaultSet::EMPTY)
+    }
+
+    /// The same, for these reasons.
+    fn restart_after(&mut self, causes: FaultSet) -> bool {
         self.starts += 1;
         self.pins.outputs = false;
         *self.chip.lent.borrow_mut() = None;
-        let board = boot(self.kind, &self.chip, first_session(self.starts));
+        let board = boot(self.kind, &self.chip, first_session(self.starts), causes);
         board.map(|board| self.board = board).is_some()
     }
 
+    /// Time passes, and no board is there.
+    pub(crate) fn pass_tick(&mut self) {
+        self.bench.run_us(self.tick_us() as u32);
+        self.ticks += 1;
+    }
+
+    /// The board's program stops itself. It begins anew after so many ticks; `look` sees the servos after each.
+    pub(crate) fn panic(&mut self, ticks: u32, mut look: impl FnMut(&Bench<'static, Vec<Arm>>)) {
+        if let Some(emulated) = &mut self.emulated {
+            emulated.panic();
+        }
+        for _ in 0..ticks {
+            self.pass_tick();
+            look(&self.bench);
+        }
+        if self.emulated.is_none() {
+            assert!(self.restart_after(FaultSet::of(Fault::Panic)));
+        }
+    }
+
+    /// Whether a fault is there, and whether it is latched.
+    pub(crate) fn has(&self, fault: Fault) -> [bool; 2] {
+        if let Some(emulated) = &self.emulated {
+            return emulated.has(fault);
+        }
+        let (control, _) = self.board.control.as_ref().unwrap();
+        let report = control.controller().report();
+        [report.present, report.latched].map(|faults| faults.contains(fault))
+    }
+
     pub(crate) fn tick(&mut self) {
+        self.sent.clear();
         let (tick_us, now_us) = (self.tick_us(), self.now_us());
         let base_s = self.bench.time_s();
         let end_s = base_s + 1e-6 * tick_us as f64;
@@ -148,8 +198,19 @@ impl World {
             self.emulated = Some(emulated);
         } else if let Some((control, bus)) = &mut self.board.control {
             let clock_us = self.pins.clock_us.clone();
-            let (bench, hash) = (&mut self.bench, &mut self.hash);
-            let mut wire = Servos { bench, base_s, end_s, clock_us, start_us: now_us, hash };
+            let late_us = self.late_us;
+            let Self { bench, hash, told, sent, .. } = self;
+            let mut wire = Servos {
+                bench,
+                base_s,
+                end_s,
+                clock_us,
+                start_us: now_us,
+                late_us,
+                hash,
+                told,
+                sent,
+            };
             let mut out = [0; 1024];
             let ended = control.tick(&mut self.pins, &self.board.mail, bus, &mut wire, &mut out);
             assert!(ended.is_ok(), "{ended:?}");

@@ -159,6 +159,18 @@ fn broken(
             to.mode.state != State::Maintenance || !moves || event.enabled && event.feeds.jog,
             "maintenance moves while the button is held",
         ),
+        (
+            to.mode.state != State::Floating
+                || from.mode.state == State::Floating
+                || from.mode.state == State::Holding
+                    && event.command == Some(Command::Float)
+                    && event.carries,
+            "it floats from standing, by command, and where every servo takes an effort",
+        ),
+        (
+            from.mode.state != State::Floating || !moves,
+            "what is in somebody's hands goes nowhere by itself",
+        ),
         (has_one_operator(from, event, to), "one operator has the rig until he or she leaves it"),
     ];
     rules.into_iter().find(|(holds, _)| !holds).map(|(_, rule)| rule)

@@ -1,7 +1,5 @@
 //! Every event that there is, up to faults and operators that are alike.
 
-use std::collections::HashSet;
-
 use sinew_firmware::supervisor::{
     Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Registers, TABLE,
 };
@@ -34,9 +32,15 @@ pub(crate) struct Events {
 impl Events {
     /// With none of these faults at once, one, two, or all.
     pub(crate) fn new(faults: &[Fault]) -> Self {
-        let mut sets = HashSet::from([FaultSet::EMPTY, faults.iter().copied().collect()]);
-        for one in faults {
-            sets.extend(faults.iter().map(|other| FaultSet::of(*one).with(*other)));
+        // In order, so that what breaks two rules at once breaks the same one in every run.
+        let mut sets = vec![FaultSet::EMPTY];
+        let pairs = faults
+            .iter()
+            .flat_map(|one| faults.iter().map(|other| FaultSet::of(*one).with(*other)));
+        for set in pairs.chain([faults.iter().copied().collect()]) {
+            if !sets.contains(&set) {
+                sets.push(set);
+            }
         }
         let mut situations = Vec::new();
         for present in sets {
@@ -53,6 +57,8 @@ impl Events {
                     registers: if missing == [1, 0] { Registers::Unread } else { Registers::Same },
                     stop_tested: missing != [0, 1],
                     moving: (missing == [1, 1]).then_some(moving),
+                    // Alike to all that looks at the other one.
+                    carries: is(7),
                     feeds: Feeds { show: is(3), live: is(4), jog: is(5) },
                     enabled: is(6),
                     arrived: is(7),
@@ -78,6 +84,7 @@ fn commands() -> Vec<Option<Command>> {
         Some(Command::Stop),
         Some(Command::Calibrate),
         Some(Command::Teach),
+        Some(Command::Float),
         Some(Command::ClearFaults),
         Some(Command::EStop),
     ];

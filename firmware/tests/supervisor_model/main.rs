@@ -8,7 +8,9 @@ mod events;
 
 use checker::{Counts, check};
 use events::{Events, kinds};
-use sinew_firmware::supervisor::{Answer, Event, Fault, FaultSet, Feeds, Mode, Source, State};
+use sinew_firmware::supervisor::{
+    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Source, State,
+};
 
 fn all_kinds() -> Events {
     Events::new(&kinds())
@@ -89,6 +91,42 @@ fn a_fault_that_need_not_be_cleared_is_found() {
 fn an_enabling_button_that_sticks_is_found() {
     let rule = mistake(|mode, event| mode.next(&Event { enabled: true, ..*event }));
     assert_eq!(rule, "maintenance moves while the button is held");
+}
+
+#[test]
+fn a_limp_rig_that_floats_unarmed_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        let is_limp = mode.state == State::Limp && event.measured && event.present.is_empty();
+        if is_limp && event.command == Some(Command::Float) {
+            next.state = State::Floating;
+            return (next, Some(Ok(State::Floating)));
+        }
+        (next, answer)
+    });
+    assert_eq!(rule, "torque comes on by an arm command alone");
+}
+
+#[test]
+fn servos_that_take_no_effort_and_are_to_float_are_found() {
+    let rule = mistake(|mode, event| mode.next(&Event { carries: true, ..*event }));
+    assert_eq!(rule, "it floats from standing, by command, and where every servo takes an effort");
+}
+
+/// To the rest pose, out of the hands of whoever leads it.
+#[test]
+fn a_stop_that_pulls_a_rig_out_of_hands_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        // Nothing else is wrong with it.
+        let is_stop = event.command == Some(Command::Stop) && event.measured;
+        let is_stop = is_stop && event.present.is_empty();
+        if mode.state == State::Floating && is_stop && next.state == State::Lowering {
+            next.state = State::Stopping;
+        }
+        (next, answer.map(|answer| answer.map(|_| next.state)))
+    });
+    assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
 /// A mode is named by its state: what it follows fits.

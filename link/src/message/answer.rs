@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::finite;
 
-use super::{FaultReport, Feed, Item, Numbered, Operator, State, TelemetrySetting, Value};
+use super::{
+    FaultReport, Feed, Health, Item, Numbered, Operator, Passed, State, TelemetrySetting, Value,
+};
 
 /// The answer to the command of the same session and number.
 pub type Answer = Numbered<Outcome>;
@@ -44,6 +46,10 @@ pub enum Applied {
         /// The offset.
         next: u32,
     },
+    /// Servos have said this.
+    Passed(Passed),
+    /// The controller has measured this of itself.
+    Health(Health),
 }
 
 /// What limited a command, or a degree of freedom.
@@ -198,6 +204,8 @@ pub enum Refusal {
         #[serde(with = "finite")]
         most: f32,
     },
+    /// Some servo takes a position alone, and no effort: the rig cannot float.
+    NoEffort,
 }
 
 impl fmt::Display for Refusal {
@@ -256,6 +264,9 @@ impl fmt::Display for Refusal {
             Self::Setting { key, found, least, most } => {
                 write!(f, "setting {key} is {found}; it must be a number from {least} to {most}")
             }
+            Self::NoEffort => f.write_str(
+                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+            ),
         }
     }
 }

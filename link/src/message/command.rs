@@ -4,7 +4,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Block, Item, Place, TelemetrySetting, Value};
+use super::{Block, Item, Pass, Place, TelemetrySetting, Value};
 
 /// Something to do. The controller answers each with what it did, and what limited it.
 ///
@@ -28,7 +28,7 @@ pub enum Command {
     Stop,
     /// Ranges are found by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). From limp alone.
     Calibrate,
-    /// Poses are shown by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). From limp alone.
+    /// Poses are shown by hand, torque off, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). From limp alone.
     Teach,
     /// An operator takes the rig for maintenance, and nobody else may move or arm it until he or she leaves it. It
     /// moves while fresh [`Stream::HoldToRun`](super::Stream::HoldToRun) and [`Stream::Jog`](super::Stream::Jog) come.
@@ -74,6 +74,18 @@ pub enum Command {
     UploadBlock(Block),
     /// The upload is whole: read it back, compare its SHA-256, and use it.
     EndUpload,
+    /// Pass bytes on to servos, and listen. Only while torque is off, and nobody moves the rig by hand. Since 1.1.
+    PassOn(Pass),
+    /// More of what servos said to the last bytes that were passed on. Since 1.1.
+    ReadPassed {
+        /// From this byte on.
+        offset: u16,
+    },
+    /// Read what the controller has measured of itself; cycles are counted anew. Since 1.1.
+    ReadHealth,
+    /// Poses are shown by hand, while the rig carries its own weight, until [`Hold`](Self::Hold), [`Stop`](Self::Stop)
+    /// or [`Disarm`](Self::Disarm). From holding alone. For the supervisor, too. Since 1.1.
+    Float,
 }
 
 /// Who gives poses from outside. Each may fall silent, and then the rig holds.

@@ -15,7 +15,7 @@ pub struct Version {
 
 impl Version {
     /// Of this crate.
-    pub const CURRENT: Self = Self { major: 1, minor: 0 };
+    pub const CURRENT: Self = Self { major: 1, minor: 1 };
 
     /// What a controller of this version says to a host of version `host`: the minor version that both speak, or the
     /// misfit.

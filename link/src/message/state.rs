@@ -29,11 +29,13 @@ pub enum State {
     Lowering,
     /// Torque is off, and a fault is latched.
     Faulted,
+    /// It carries its own weight, and goes where it is led by hand.
+    Floating,
 }
 
 impl State {
     /// All of them, by number.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Off,
         Self::Limp,
         Self::Calibrating,
@@ -45,6 +47,7 @@ impl State {
         Self::Stopping,
         Self::Lowering,
         Self::Faulted,
+        Self::Floating,
     ];
 
     /// Its number, which is that of its kind on the wire.
@@ -67,6 +70,7 @@ impl fmt::Display for State {
             Self::Stopping => "stopping",
             Self::Lowering => "lowering",
             Self::Faulted => "faulted",
+            Self::Floating => "floating",
         })
     }
 }

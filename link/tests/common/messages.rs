@@ -60,7 +60,7 @@ fn version(r: &mut Random) -> Version {
 }
 
 /// How many kinds of commands there are.
-pub(crate) const COMMANDS: usize = 21;
+pub(crate) const COMMANDS: usize = 25;
 
 pub(crate) fn command_of_kind(kind: usize, r: &mut Random) -> Command {
     match kind {
@@ -84,7 +84,16 @@ pub(crate) fn command_of_kind(kind: usize, r: &mut Random) -> Command {
         17 => Command::AskStored(place(r)),
         18 => Command::BeginUpload(item(r)),
         19 => Command::UploadBlock(Block { offset: r.bits(), bytes: r.bytes() }),
-        _ => Command::EndUpload,
+        20 => Command::EndUpload,
+        21 => Command::PassOn(Pass {
+            line: r.bits() as u8,
+            baud: r.bits(),
+            wait_us: r.bits(),
+            bytes: r.bytes(),
+        }),
+        22 => Command::ReadPassed { offset: r.bits() as u16 },
+        23 => Command::ReadHealth,
+        _ => Command::Float,
     }
 }
 
@@ -141,7 +150,7 @@ fn limit(r: &mut Random) -> Limit {
 }
 
 fn refusal(r: &mut Random) -> Refusal {
-    match r.below(27) {
+    match r.below(28) {
         0 => Refusal::Session,
         1 => Refusal::Late,
         2 => Refusal::Forgotten,
@@ -167,6 +176,7 @@ fn refusal(r: &mut Random) -> Refusal {
         22 => Refusal::Busy,
         23 => Refusal::RegistersUnread,
         24 => Refusal::Moving { dof: r.bits() as u16, mrad_s: r.bits(), most_mrad_s: r.bits() },
+        26 => Refusal::NoEffort,
         25 => Refusal::Setting {
             key: r.bits() as u16,
             found: r.finite(),
@@ -182,15 +192,30 @@ fn refusal(r: &mut Random) -> Refusal {
     }
 }
 
+fn cycles(r: &mut Random) -> Cycles {
+    Cycles { least: r.bits(), mean: r.bits(), most: r.bits(), count: r.bits() }
+}
+
 fn applied(r: &mut Random) -> Applied {
-    match r.below(7) {
+    match r.below(9) {
         0 => Applied::Done,
         1 => Applied::State(state(r)),
         2 => Applied::Telemetry(setting(r)),
         3 => Applied::Setting(value(r)),
         4 => Applied::Fault(FaultReport { count: r.bits() as u16, record: r.maybe(fault) }),
         5 => Applied::Stored(r.maybe(item)),
-        _ => Applied::Upload { next: r.bits() },
+        6 => Applied::Upload { next: r.bits() },
+        7 => {
+            Applied::Passed(Passed { count: r.bits() as u16, took_us: r.bits(), bytes: r.bytes() })
+        }
+        _ => Applied::Health(Health {
+            cycles_hz: r.bits(),
+            tick: cycles(r),
+            bus: cycles(r),
+            link: cycles(r),
+            period: cycles(r),
+            supply_least_v: r.finite(),
+        }),
     }
 }
 

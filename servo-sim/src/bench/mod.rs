@@ -253,6 +253,7 @@ impl<'m, P: Plant> Bench<'m, P> {
                 FaultKind::BrownOut if changes => servo.is_unplugged = is_on,
                 FaultKind::Reboot if begins => servo.reboot(),
                 FaultKind::TorqueLost if begins => servo.lose_torque(),
+                FaultKind::TorqueStuck if changes => servo.stick_torque(is_on),
                 FaultKind::EncoderJump(rad) if changes => {
                     servo.encoder_jump_rad = if is_on { rad } else { 0.0 };
                 }

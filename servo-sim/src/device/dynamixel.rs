@@ -157,6 +157,11 @@ impl<'m> Dynamixel<'m> {
         self.firmware.settings.torque_is_on = false;
     }
 
+    pub(super) fn keep_torque(&mut self) {
+        self.device.memory_mut().set(address::TORQUE_ENABLE, 1);
+        self.firmware.settings.torque_is_on = true;
+    }
+
     pub(super) fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.time_ms += dt_s * 1e3;
         self.device.pass_time(super::whole(dt_s * 1e6).unsigned_abs());

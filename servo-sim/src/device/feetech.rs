@@ -135,6 +135,11 @@ impl<'m> Feetech<'m> {
         self.firmware.settings.torque = 0;
     }
 
+    pub(super) fn keep_torque(&mut self) {
+        self.device.set(address::TORQUE_ENABLE, 1);
+        self.firmware.settings.torque = 1;
+    }
+
     pub(super) fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         let power = self.firmware.tick(sensed, dt_s);
         if self.firmware.is_unloaded() && self.firmware.settings.torque != 0 {

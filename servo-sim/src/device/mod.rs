@@ -54,6 +54,7 @@ pub struct Servo<'m> {
     pub encoder_jump_rad: f64,
     /// Whether its supply is cut: a fault.
     pub is_unplugged: bool,
+    is_torque_stuck: bool,
 }
 
 impl<'m> Servo<'m> {
@@ -104,6 +105,7 @@ impl<'m> Servo<'m> {
             lost_w: [0.0; 2],
             encoder_jump_rad: 0.0,
             is_unplugged: false,
+            is_torque_stuck: false,
         };
         servo.place(0.5 * kind.range_rad);
         Ok(servo)
@@ -232,6 +234,23 @@ impl<'m> Servo<'m> {
             Program::Dynamixel(servo) => servo.lose_torque(),
             Program::Feetech(servo) => servo.lose_torque(),
             Program::Pulse(firmware) => firmware.pulse_us = None,
+        }
+    }
+
+    /// Its torque is on, whatever it is told, or no longer so.
+    pub fn stick_torque(&mut self, is_stuck: bool) {
+        self.is_torque_stuck = is_stuck;
+        self.keep_torque();
+    }
+
+    /// What is stuck stays on.
+    fn keep_torque(&mut self) {
+        if self.is_torque_stuck {
+            match &mut self.program {
+                Program::Dynamixel(servo) => servo.keep_torque(),
+                Program::Feetech(servo) => servo.keep_torque(),
+                Program::Pulse(_) => {}
+            }
         }
     }
 

@@ -32,6 +32,7 @@ impl BusDevice for Servo<'_> {
             }
             Program::Pulse(_) => {}
         }
+        self.keep_torque();
     }
 
     fn due_us(&self) -> Option<u32> {

@@ -32,6 +32,8 @@ pub enum FaultKind {
     TorqueLost,
     /// Its encoder reads so much more, rad.
     EncoderJump(f64),
+    /// Its torque is on, whatever it is told.
+    TorqueStuck,
 }
 
 impl FaultKind {
@@ -64,7 +66,7 @@ impl Fault {
     }
 }
 
-/// So many faults of all kinds, spread over servos and over a time; the same for a seed.
+/// So many faults of all kinds but torque that is stuck, spread over servos and over a time; the same for a seed.
 pub fn random(seed: u64, count: usize, servos: usize, duration_s: f64) -> Vec<Fault> {
     let mut random = Random::new(seed);
     let mut fault = || {

@@ -28,7 +28,7 @@ pub struct FaultOrder {
 }
 
 /// What can be ordered: name, how much if nothing is said, and what that is.
-const KINDS: [(&str, &str, &str); 11] = [
+const KINDS: [(&str, &str, &str); 12] = [
     ("silent", "", "does not answer"),
     ("late", "5ms", "answers later by a time"),
     ("wrong-crc", "", "the check of its replies is wrong"),
@@ -40,6 +40,7 @@ const KINDS: [(&str, &str, &str); 11] = [
     ("rebooted", "", "starts anew"),
     ("torque-lost", "", "its torque goes off"),
     ("encoder-jump", "90", "its encoder reads so many deg more"),
+    ("torque-stuck", "", "its torque is on, whatever it is told"),
 ];
 
 /// Why an order was refused.
@@ -115,6 +116,7 @@ impl FromStr for FaultOrder {
             "brown-out" => FaultKind::BrownOut,
             "rebooted" => FaultKind::Reboot,
             "torque-lost" => FaultKind::TorqueLost,
+            "torque-stuck" => FaultKind::TorqueStuck,
             _ => FaultKind::EncoderJump(within(-3600.0, 3600.0)?.to_radians()),
         };
         Ok(Self {
@@ -156,6 +158,7 @@ mod tests {
         assert_eq!(kind("2:brown-out+50ms"), FaultKind::BrownOut);
         assert_eq!(kind("2:rebooted"), FaultKind::Reboot);
         assert_eq!(kind("2:torque-lost"), FaultKind::TorqueLost);
+        assert_eq!(kind("2:torque-stuck"), FaultKind::TorqueStuck);
         assert_eq!(kind("2:encoder-jump=-180"), FaultKind::EncoderJump(-std::f64::consts::PI));
         for (name, ..) in KINDS {
             kind(&format!("2:{name}"));

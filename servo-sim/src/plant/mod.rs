@@ -7,6 +7,7 @@
 //! matrices, no torque overshoots, however stiff gears are and however light the rig is; of a servo alone it is exact.
 
 mod drives;
+mod hand;
 mod mechanics;
 mod symmetric;
 
@@ -22,6 +23,8 @@ use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_NM_RAD, Shaft};
 use crate::model::Parameters;
 use crate::rig::{HORN_KG_M2, RigServosError};
 use drives::Driven;
+pub use hand::Hand;
+use hand::Holds;
 use mechanics::{Mechanics, advance};
 use symmetric::Symmetric;
 
@@ -57,6 +60,7 @@ pub struct RigPlant {
     /// By freedom.
     frictions: Vec<Friction>,
     ends: Vec<End>,
+    hands: Vec<Holds>,
     /// By servo: least and most own position, rad.
     stops_rad: Vec<[f64; 2]>,
     own: Vec<Shaft>,
@@ -133,6 +137,7 @@ impl RigPlant {
             extra: Vec::new(),
             frictions: vec![Friction::default(); mechanics.freedoms()],
             ends: Vec::new(),
+            hands: Vec::new(),
             own: vec![Shaft::default(); servos.len()],
             loads: vec![Arm::default(); servos.len()],
             matrix: Symmetric::default(),
@@ -318,6 +323,10 @@ impl RigPlant {
             if let Some((force, slope)) = stop(dt_s, end.stiffness, end.range, at, speed) {
                 add(&along(&self.joints, end.freedom), force, slope);
             }
+        }
+        for hand in &self.hands {
+            let (force, slope) = hand.push(dt_s, &self.q, &self.qd);
+            add(&along(&self.joints, hand.freedom), force, slope);
         }
         for (servo, (shaft, range)) in self.own.iter().zip(&self.stops_rad).enumerate() {
             let (at, speed) = (shaft.position_rad, shaft.velocity_rad_s);

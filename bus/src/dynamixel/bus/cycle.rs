@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::servo::{Goals, Servo};
+use super::servo::Servo;
 use super::{Awaits, Bus, MOTION_LEN, settings_of};
 use crate::compare::Comparison;
 use crate::dynamixel::fast::{FastReader, answer_len};
@@ -53,7 +53,7 @@ impl<const S: usize> ServoBus for Bus<S> {
         for (index, servo) in self.servos.iter_mut().enumerate() {
             servo.is_in_group = group.next_if_eq(&&servo.setup.id).is_some();
             servo.state.age();
-            servo.goals = Goals::default();
+            servo.planned();
             servo.state.is_awaited = self.schedule.reads(self.tick, index);
         }
         let fast_len = answer_len(ids.iter().map(|_| MOTION_LEN));
@@ -69,7 +69,7 @@ impl<const S: usize> ServoBus for Bus<S> {
         self.tick = self.tick.wrapping_add(1);
         self.retries_left = self.settings.retries;
         self.slow_is_due = !core::mem::take(&mut self.slow_waits) && !self.servos.is_empty();
-        self.registers_are_due = self.comparison.is_some();
+        self.registers_are_due = true;
         Ok(self.request(written.saturating_add(asked), reply_len))
     }
 
@@ -94,10 +94,13 @@ impl<const S: usize> ServoBus for Bus<S> {
                 return Ok(request);
             }
         }
-        if core::mem::take(&mut self.registers_are_due) {
+        if !core::mem::take(&mut self.registers_are_due) {
+            return Ok(None);
+        }
+        if self.comparison.is_some() {
             return self.ask_registers(left_us, out);
         }
-        Ok(None)
+        self.ask_watchdog(left_us, out)
     }
 
     fn reply(&mut self, bytes: &[u8]) -> bool {

@@ -14,7 +14,7 @@ use super::parser::Parser;
 use super::table::{Table, address};
 use crate::compare::{Comparison, patient_us};
 use crate::servo_state::servos_of;
-use crate::settings::{self, Demand, Setting};
+use crate::settings::{self, DYNAMIXEL_WATCHDOG, Demand, Setting};
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
@@ -29,6 +29,11 @@ const EXTRA_LEN: u32 = 14 + 11 + 3;
 const LONGEST: usize = 32;
 
 /// Up to `S` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
+///
+/// With torque off goes what stops a servo later, if it hears nothing any more: its Bus Watchdog (98), 100 ms, which
+/// counts while torque is on. So it is set, and can be read back, before torque comes on. One that has run out is
+/// cleared first. While torque is on it is read in the time that is left: see
+/// [`Health::has_stopped`](crate::Health::has_stopped).
 #[derive(Debug, Clone)]
 pub struct Bus<const S: usize> {
     servos: Vec<Servo, S>,
@@ -45,6 +50,8 @@ pub struct Bus<const S: usize> {
     slow_is_due: bool,
     comparison: Option<Comparison>,
     registers_are_due: bool,
+    /// Whose watchdog is read next.
+    watched: usize,
     /// There was no time for registers behind supply and temperature: in the next tick these wait.
     slow_waits: bool,
 }
@@ -89,6 +96,7 @@ impl<const S: usize> Bus<S> {
             slow_is_due: false,
             comparison: None,
             registers_are_due: false,
+            watched: 0,
             slow_waits: false,
         })
     }
@@ -99,19 +107,27 @@ impl<const S: usize> Bus<S> {
         out: &mut [u8],
         from: usize,
         address: u16,
-        goal: impl Fn(&Goals) -> Option<[u8; K]>,
+        goal: impl Fn(&Servo) -> Option<[u8; K]>,
     ) -> Result<usize, EncodeError> {
-        if !self.servos.iter().any(|servo| goal(&servo.goals).is_some()) {
+        if !self.servos.iter().any(|servo| goal(servo).is_some()) {
             return Ok(from);
         }
         let length = u16::try_from(K).map_err(|_| EncodeError::Length)?;
         let mut packet = SyncWriter::new(out.get_mut(from..).unwrap_or_default(), address, length);
         for servo in &self.servos {
-            if let Some(bytes) = goal(&servo.goals) {
+            if let Some(bytes) = goal(servo) {
                 packet.push(servo.setup.id, &bytes);
             }
         }
         packet.finish().map(|len| from.saturating_add(len))
+    }
+
+    /// Whose watchdog is set in this tick, if its torque is off: one servo in every second tick, so that a bus without
+    /// time to spare has the others for what is read before arming.
+    fn watchdog_turn(&self) -> Option<u8> {
+        let count = u32::try_from(self.servos.len()).ok()?;
+        let turn = (self.tick / 2).checked_rem(count).filter(|_| self.tick.is_multiple_of(2))?;
+        self.servos.get(usize::try_from(turn).ok()?).map(|servo| servo.setup.id)
     }
 
     /// Torque goes off before anything else, and on after everything else: a servo never moves to an old goal.
@@ -119,23 +135,41 @@ impl<const S: usize> Bus<S> {
         let torque = |goals: &Goals, on: bool| {
             goals.torque.filter(|wanted| *wanted == on).map(|on| [u8::from(on)])
         };
-        let end = self.write_goals(out, 0, address::TORQUE_ENABLE, |goals| torque(goals, false))?;
-        let end = self
-            .write_goals(out, end, address::POSITION_P, |goals| goals.gain.map(u16::to_le_bytes))?;
         let end =
-            self.write_goals(out, end, address::GOAL_PWM, |goals| goals.pwm.map(i16::to_le_bytes))?;
-        let end = self.write_goals(out, end, address::GOAL_CURRENT, |goals| {
-            goals.current.map(i16::to_le_bytes)
+            self.write_goals(out, 0, address::TORQUE_ENABLE, |servo| torque(&servo.goals, false))?;
+        let id = self.watchdog_turn();
+        let is_turn = |servo: &&Servo| Some(servo.setup.id) == id;
+        let watchdog = |servo: &Servo, value| {
+            Some(servo)
+                .filter(is_turn)
+                .and_then(|servo| torque(&servo.goals, false))
+                .map(|_| [value])
+        };
+        // One that has run out takes nothing else before it is cleared.
+        let end = self.write_goals(out, end, address::BUS_WATCHDOG, |servo| watchdog(servo, 0))?;
+        let end = self.write_goals(out, end, address::BUS_WATCHDOG, |servo| {
+            watchdog(servo, DYNAMIXEL_WATCHDOG)
         })?;
-        let end = self.write_goals(out, end, address::PROFILE_VELOCITY, |goals| {
-            let ([a, b, c, d], [e, f, g, h]) =
-                (goals.speed?.to_le_bytes(), goals.position?.to_le_bytes());
-            Some([a, b, c, d, e, f, g, h])
+        let end = self.write_goals(out, end, address::POSITION_P, |servo| {
+            servo.goals.gain.map(u16::to_le_bytes)
         })?;
-        let end = self.write_goals(out, end, address::GOAL_POSITION, |goals| {
-            goals.position.filter(|_| goals.speed.is_none()).map(i32::to_le_bytes)
+        let end = self.write_goals(out, end, address::GOAL_PWM, |servo| {
+            servo.goals.pwm.map(i16::to_le_bytes)
         })?;
-        self.write_goals(out, end, address::TORQUE_ENABLE, |goals| torque(goals, true))
+        let end = self.write_goals(out, end, address::GOAL_CURRENT, |servo| {
+            servo.goals.current.map(i16::to_le_bytes)
+        })?;
+        let end =
+            self.write_goals(out, end, address::PROFILE_VELOCITY, |Servo { goals, .. }| {
+                let ([a, b, c, d], [e, f, g, h]) =
+                    (goals.speed?.to_le_bytes(), goals.position?.to_le_bytes());
+                Some([a, b, c, d, e, f, g, h])
+            })?;
+        let end =
+            self.write_goals(out, end, address::GOAL_POSITION, |Servo { goals, .. }| {
+                goals.position.filter(|_| goals.speed.is_none()).map(i32::to_le_bytes)
+            })?;
+        self.write_goals(out, end, address::TORQUE_ENABLE, |servo| torque(&servo.goals, true))
     }
 
     /// Notes who was asked by itself and has not answered.
@@ -203,6 +237,24 @@ impl<const S: usize> Bus<S> {
         Ok(request.map(|asked| Request { time_us: patient_us(asked.time_us, left_us), ..asked }))
     }
 
+    /// Asks the next servo whose torque is on whether it has stopped by itself, if there is time.
+    fn ask_watchdog(
+        &mut self,
+        left_us: u32,
+        out: &mut [u8],
+    ) -> Result<Option<Request>, EncodeError> {
+        let is_on = |(_, servo): &(usize, &Servo)| servo.is_on();
+        let all = || self.servos.iter().enumerate().filter(is_on);
+        let behind = all().find(|(index, _)| *index > self.watched);
+        let Some((servo, _)) = behind.or_else(|| all().next()) else { return Ok(None) };
+        let request = self.ask_one(servo, (address::BUS_WATCHDOG, 1), left_us, out)?;
+        if request.is_some() {
+            self.watched = servo;
+        }
+        self.slow_waits = request.is_none();
+        Ok(request)
+    }
+
     /// Asks one servo, if there is time.
     fn ask_one(
         &mut self,
@@ -226,5 +278,5 @@ impl<const S: usize> Bus<S> {
 
 /// What a servo must hold in its registers. Where they are does not depend on the firmware.
 fn settings_of(servo: &Servo, demand: Demand) -> impl Iterator<Item = Setting> + Clone + use<> {
-    settings::dynamixel(Table { model: servo.setup.model, firmware: u8::MAX }, demand)
+    settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, demand)
 }

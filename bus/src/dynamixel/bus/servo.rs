@@ -24,6 +24,8 @@ pub(super) struct Servo {
     pub(super) state: ServoState,
     range: [i32; 2],
     pub(super) goals: Goals,
+    /// Torque as it was last sent.
+    torque: Option<bool>,
     /// It is asked together with the others in this tick.
     pub(super) is_in_group: bool,
     /// It was silent when asked by itself. Until it answers it is not asked together with the others: behind it the
@@ -60,7 +62,23 @@ impl Servo {
         // A servo may stand outside of where it may be sent.
         let state = ServoState::new(Plausible::new([-MOST_TURNS, MOST_TURNS], step));
         let (is_in_group, is_left_out) = (false, false);
-        Ok(Self { setup, state, range, goals: Goals::default(), is_in_group, is_left_out })
+        let (goals, torque) = (Goals::default(), None);
+        Ok(Self { setup, state, range, goals, torque, is_in_group, is_left_out })
+    }
+
+    /// Whether its torque is on, as it was told.
+    pub(super) fn is_on(&self) -> bool {
+        self.torque == Some(true)
+    }
+
+    /// All that was commanded is in the packets of this tick.
+    pub(super) fn planned(&mut self) {
+        let goals = core::mem::take(&mut self.goals);
+        if let Some(is_on) = goals.torque {
+            self.torque = Some(is_on);
+            // It is cleared with torque off, and asked again when torque is on.
+            self.state.health.has_stopped &= is_on;
+        }
     }
 
     pub(super) fn command(&mut self, command: Command) -> Result<Option<Limit>, CommandError> {
@@ -168,6 +186,7 @@ impl Servo {
                 health.age_ticks = 0;
             }
             (address::HARDWARE_ERROR, &[bits]) => health.hardware_error = bits,
+            (address::BUS_WATCHDOG, &[raw]) => health.has_stopped = raw.cast_signed() < 0,
             _ if address == address::PRESENT_CURRENT => {
                 self.state.answered();
             }

@@ -1,7 +1,7 @@
 //! The items of all models, by address.
 
 use crate::table::Range::{Any, Between, PlusMinus, Within};
-use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, Unit};
+use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
 /// Addresses that this crate uses itself.
 pub mod address {
@@ -151,7 +151,7 @@ pub(super) const ITEMS: &[(Only, Item)] = &[
     (Only::X, MAP.write(60, 1, "Startup Configuration", Unit::NONE, Between(0, 3), 0)),
     (Only::X330, MAP.write(62, 1, "PWM Slope", Unit::NONE, Between(1, 255), 140)),
     (Only::All, MAP.write(63, 1, "Shutdown", Unit::NONE, Any, 52)),
-    (Only::All, MAP.write(64, 1, "Torque Enable", Unit::NONE, Between(0, 1), 0)),
+    (Only::All, MAP.write(64, 1, TORQUE_ENABLE, Unit::NONE, Between(0, 1), 0)),
     (Only::All, MAP.write(65, 1, "LED", Unit::NONE, Between(0, 1), 0)),
     (Only::All, MAP.write(68, 1, "Status Return Level", Unit::NONE, Between(0, 2), 2)),
     (Only::All, MAP.read(69, 1, "Registered Instruction", Unit::NONE)),

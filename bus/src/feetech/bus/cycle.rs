@@ -172,7 +172,7 @@ impl Registers {
         };
         if id_of(comparison.servo).is_some_and(|id| status.answers(id, length.into())) {
             self.awaited = None;
-            let settings = settings::feetech(family, comparison.demand);
+            let settings = settings::feetech_limp(family, comparison.demand);
             comparison.take(settings, family.order(), address, status.data);
         }
     }

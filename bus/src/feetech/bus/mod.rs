@@ -163,7 +163,7 @@ impl<const S: usize> Bus<S> {
         let family = self.settings.family;
         let next = self.registers.comparison.as_ref().and_then(|comparison| {
             let id = self.servos.get(comparison.servo)?.setup.id;
-            let registers = comparison.next(settings::feetech(family, comparison.demand))?;
+            let registers = comparison.next(settings::feetech_limp(family, comparison.demand))?;
             Some((id, registers))
         });
         let Some((id, registers)) = next else { return Ok(None) };

@@ -2,7 +2,7 @@
 
 use super::address;
 use crate::table::Range::{Any, Between};
-use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, Unit};
+use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
 pub(super) const STS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::TAU / 4096.0 };
@@ -59,7 +59,7 @@ pub(super) const STS: &[Item] = &[
     MAP.write(37, 1, "Velocity P Coefficient", Unit::NONE, Between(0, 254), 0),
     MAP.write(38, 1, "Over Current Protection Time", TEN_MILLISECONDS, Between(0, 254), 200),
     MAP.write(39, 1, "Velocity I Coefficient", Unit::NONE, Between(0, 254), 0),
-    MAP.write(40, 1, "Torque Enable", Unit::NONE, Between(0, 128), 0),
+    MAP.write(40, 1, TORQUE_ENABLE, Unit::NONE, Between(0, 128), 0),
     MAP.write(41, 1, "Acceleration", ACCELERATION, Between(0, 254), 0),
     signed(15, MAP.write(42, 2, "Goal Position", STS_POSITION, Between(-32_767, 32_767), 0)),
     signed(10, MAP.write(44, 2, "Goal Time", Unit::PER_MILLE, Between(-1_000, 1_000), 0)),
@@ -111,7 +111,7 @@ pub(super) const SCS: &[Item] = &[
     MAP.write(27, 1, "CCW Dead Zone", SCS_POSITION, Any, 1),
     MAP.write(37, 1, "Protective Torque", Unit::NONE, Any, 0),
     MAP.write(38, 1, "Protection Time", Unit::NONE, Any, 0),
-    MAP.write(40, 1, "Torque Enable", Unit::NONE, Between(0, 128), 0),
+    MAP.write(40, 1, TORQUE_ENABLE, Unit::NONE, Between(0, 128), 0),
     MAP.write(41, 1, "Acceleration", Unit::NONE, Any, 0),
     MAP.write(42, 2, "Goal Position", SCS_POSITION, Between(0, 1_023), 0),
     signed(10, MAP.write(44, 2, "Running Time", MILLISECOND, Between(-1_023, 1_023), 0)),

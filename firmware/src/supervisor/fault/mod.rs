@@ -61,11 +61,15 @@ pub enum Fault {
     BrownOut = 18,
     /// The program stopped itself.
     Panic = 19,
+    /// A servo heard nothing for too long, and has stopped by itself.
+    ServoStopped = 20,
+    /// A servo keeps its torque, though it was switched off.
+    TorqueStuck = 21,
 }
 
 impl Fault {
     /// How many there are.
-    pub const COUNT: usize = 19;
+    pub const COUNT: usize = 21;
 
     /// All of them, by number.
     pub const ALL: [Self; Self::COUNT] = [
@@ -88,6 +92,8 @@ impl Fault {
         Self::WatchdogReset,
         Self::BrownOut,
         Self::Panic,
+        Self::ServoStopped,
+        Self::TorqueStuck,
     ];
 
     /// Its number.
@@ -117,6 +123,8 @@ impl Fault {
             Self::WatchdogReset => "watchdog reset",
             Self::BrownOut => "brown-out",
             Self::Panic => "panic",
+            Self::ServoStopped => "servo has stopped",
+            Self::TorqueStuck => "torque stuck",
         }
     }
 }

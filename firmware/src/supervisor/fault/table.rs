@@ -45,30 +45,30 @@ const fn sets() -> [FaultSet; 3] {
 const LIMP: [Reaction; State::COUNT] = [Reaction::Limp; State::COUNT];
 
 /// A row of reactions: where torque is off, a fault is only told.
-const fn reactions(on: [Reaction; 6]) -> [Reaction; State::COUNT] {
+const fn reactions(on: [Reaction; 7]) -> [Reaction; State::COUNT] {
     const OFF: Reaction = Reaction::Note;
-    let [arming, holding, playing, maintenance, stopping, lowering] = on;
-    [OFF, OFF, OFF, OFF, arming, holding, playing, maintenance, stopping, lowering, OFF]
+    let [arming, holding, playing, maintenance, stopping, lowering, floating] = on;
+    [OFF, OFF, OFF, OFF, arming, holding, playing, maintenance, stopping, lowering, OFF, floating]
 }
 
-const LOWER: [Reaction; State::COUNT] = reactions([Reaction::Lower; 6]);
+const LOWER: [Reaction; State::COUNT] = reactions([Reaction::Lower; 7]);
 
-/// To the rest pose, but not past the hands of an operator, and not up again from being lowered.
+/// To the rest pose, but not past the hands of whoever jogs or leads it, and not up again from being lowered.
 const STOP: [Reaction; State::COUNT] = {
     use Reaction::{Lower, Stop};
-    reactions([Lower, Stop, Stop, Lower, Stop, Lower])
+    reactions([Lower, Stop, Stop, Lower, Stop, Lower, Lower])
 };
 
 /// What moves holds.
 const HOLD: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
-    reactions([Note, Note, Hold, Hold, Note, Note])
+    reactions([Note, Note, Hold, Hold, Note, Note, Note])
 };
 
 /// Of the show: what plays holds.
 const HOLD_SHOW: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
-    reactions([Note, Note, Hold, Note, Note, Note])
+    reactions([Note, Note, Hold, Note, Note, Note, Note])
 };
 
 /// The table, by number.
@@ -203,6 +203,20 @@ pub const TABLE: &[Row; Fault::COUNT] = &[
         fault: Fault::Panic,
         when: "the board begins, since its program stopped itself",
         remedy: "keep the record, and report it",
+        reactions: LIMP,
+        clears: Clears::Command,
+    },
+    Row {
+        fault: Fault::ServoStopped,
+        when: "a servo with torque heard nothing for 0.1 s: its own watchdog has stopped it",
+        remedy: "look at the bus and its cable; keep the record",
+        reactions: LOWER,
+        clears: Clears::Command,
+    },
+    Row {
+        fault: Fault::TorqueStuck,
+        when: "torque was switched off, and a servo's register says that it is on",
+        remedy: "cut its supply; restart the servo, or replace it",
         reactions: LIMP,
         clears: Clears::Command,
     },

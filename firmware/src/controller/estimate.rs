@@ -1,0 +1,18 @@
+//! How long a tick takes a board, by an estimate.
+
+/// Cycles of a tick of the loop on a Cortex-M4F: so many, and so many for each servo. It is the line over what
+/// `budget.toml` has of 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: by current, `recommended`, all read
+/// in every tick), which a test of `xtask` compares: instructions by the manual's cycles, without wait states of the
+/// flash.
+pub const TICK_CYCLES: [u32; 2] = [23_000, 17_100];
+
+/// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] at the clock of its processor, Hz. O(1).
+///
+/// An estimate: a board measures its own. It is what `ControllerSettings::compute_us` should be at least.
+pub fn estimated_us(servos: usize, clock_hz: u32) -> u32 {
+    let [fixed, each] = TICK_CYCLES.map(u64::from);
+    let servos = u64::try_from(servos).unwrap_or(u64::MAX);
+    let cycles = fixed.saturating_add(each.saturating_mul(servos));
+    let us = cycles.saturating_mul(1_000_000).div_ceil(u64::from(clock_hz.max(1)));
+    u32::try_from(us).unwrap_or(u32::MAX)
+}

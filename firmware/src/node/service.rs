@@ -1,0 +1,135 @@
+//! What a host does with a rig that is limp, behind a tick of the loop: packets to its servos, and what was measured.
+
+use heapless::Vec;
+use sinew_bus::ServoBus;
+use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
+
+use super::board::Safety;
+use super::control::Control;
+use super::mail::{Mail, OfServos, Said, Ticket};
+use super::timing::{Spread, Timings};
+use crate::controller::{Controller, Wire};
+use crate::supervisor::State;
+
+/// What a tick is asked for beside its own work.
+#[derive(Debug)]
+pub(super) enum Asked {
+    Pass(Pass),
+    Health,
+}
+
+/// What came of it.
+#[expect(clippy::large_enum_variant, reason = "no heap to put it on; there is one at a time")]
+pub(super) enum Served {
+    Passed(OfServos),
+    NotPassed(State),
+    NoLine,
+    Measured(Health),
+}
+
+/// The lowest supply that servos told while torque was on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Lowest(Option<f32>);
+
+impl Lowest {
+    /// A tick. O(servos).
+    pub(super) fn note<const B: usize, const V: usize, const S: usize, const C: usize>(
+        &mut self,
+        controller: &Controller<'_, B, V, S, C>,
+    ) {
+        if controller.permission().torque {
+            let servos = &controller.report().servos;
+            let told = servos.iter().filter_map(|servo| servo.voltage_v);
+            self.0 = told.filter(|v| v.is_finite()).chain(self.0).reduce(f32::min);
+        }
+    }
+}
+
+impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_, B, V, S, C> {
+    /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as servos are
+    /// waited for, at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
+    pub(super) fn serve(
+        &mut self,
+        board: &impl Safety,
+        bus: &mut impl ServoBus,
+        wire: &mut impl Wire,
+    ) -> Option<(Ticket, Served)> {
+        let (ticket, asked) = self.service.take()?;
+        let pass = match asked {
+            Asked::Health => return Some((ticket, Served::Measured(self.health(board)))),
+            Asked::Pass(pass) => pass,
+        };
+        let state = self.controller.report().state;
+        let is_still = matches!(state, State::Off | State::Limp | State::Faulted);
+        if self.controller.permission().torque || !is_still {
+            return Some((ticket, Served::NotPassed(state)));
+        }
+        let mut came = Vec::new();
+        let took = wire.pass(pass.line, pass.baud, &pass.bytes, pass.wait_us, |bytes| {
+            for byte in bytes {
+                // What is too much is lost, as it is where nobody reads.
+                let _ = came.push(*byte);
+            }
+        });
+        // A register may have been written.
+        self.controller.forget_registers(bus);
+        Some((
+            ticket,
+            took.map_or(Served::NoLine, |took_us| {
+                Served::Passed(OfServos { bytes: came, took_us })
+            }),
+        ))
+    }
+
+    fn health(&mut self, board: &impl Safety) -> Health {
+        let Timings { tick, bus, link, period } = self.timing().take();
+        Health {
+            cycles_hz: board.cycles_hz(),
+            tick: cycles(tick),
+            bus: cycles(bus),
+            link: cycles(link),
+            period: cycles(period),
+            supply_least_v: self.supply.0.unwrap_or(0.0),
+        }
+    }
+}
+
+fn cycles(Spread { least, mean, most, count }: Spread) -> Cycles {
+    Cycles { least, mean, most, count }
+}
+
+impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
+    /// The loop has served the host.
+    pub(super) fn put_served(&mut self, (ticket, served): (Ticket, Served)) {
+        let said = match served {
+            Served::Passed(of_servos) => {
+                self.of_servos = of_servos;
+                Said::Passed
+            }
+            Served::NotPassed(state) => Said::NotPassed(state),
+            Served::NoLine => Said::NoLine,
+            Served::Measured(health) => {
+                self.health = health;
+                Said::Measured
+            }
+        };
+        // There is room: one command is under way, and a stop.
+        let _ = self.answers.push_back((ticket, said));
+    }
+
+    /// What servos said, from a byte on.
+    pub(super) fn of_servos(&self, offset: u16) -> Result<Applied, Refusal> {
+        let OfServos { bytes, took_us } = &self.of_servos;
+        let count = u16::try_from(bytes.len()).unwrap_or(u16::MAX);
+        let rest = bytes.get(usize::from(offset)..);
+        let rest = rest.ok_or(Refusal::Offset { next: count.into() })?;
+        // As many as an answer has room for.
+        let mut bytes = Vec::new();
+        for byte in rest {
+            if bytes.push(*byte).is_err() {
+                break;
+            }
+        }
+        Ok(Applied::Passed(Passed { count, took_us: *took_us, bytes }))
+    }
+}
