@@ -1,11 +1,10 @@
 //! What goes over all lines in a tick, side by side in simulated time: as on a board with a serial port for each.
 
-use sinew_bus::{EncodeError, ServoBus as _};
+use sinew_bus::{EncodeError, ServoBus};
 use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;
 
-use super::bus::Protocol;
 use super::stand::Wires;
 
 /// Room for the packets of a tick of one line.
@@ -18,7 +17,7 @@ const IN_LEN: usize = 1024;
 /// # Errors
 /// [`EncodeError`] if there is no room for a packet: it did not go out, and none behind it.
 pub(super) fn exchange<P: Plant>(
-    buses: &mut [Protocol],
+    buses: &mut [Box<dyn ServoBus>],
     lines: &mut [Line<Branch<'_, P>>],
     end_ns: u64,
     wires: &mut Wires,
@@ -39,7 +38,7 @@ pub(super) fn exchange<P: Plant>(
         for ((bus, line), wait) in buses.iter_mut().zip(&mut *lines).zip(&mut waits) {
             let Some(until_ns) = *wait else { continue };
             let now_ns = line.servos.now_ns();
-            if !has_all(bus, line, wires) && now_ns < until_ns {
+            if !has_all(&mut **bus, line, wires) && now_ns < until_ns {
                 continue;
             }
             let left_us = u32::try_from(end_ns.saturating_sub(now_ns) / 1000).unwrap_or(u32::MAX);
@@ -66,7 +65,7 @@ fn ask<P: Plant>(
 
 /// Gives the bus what has come. Whether that is all that it asked for.
 fn has_all<P: Plant>(
-    bus: &mut Protocol,
+    bus: &mut dyn ServoBus,
     line: &mut Line<Branch<'_, P>>,
     wires: &mut Wires,
 ) -> bool {

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use sinew_bus::feetech::table::BAUDS as FEETECH_BAUDS;
-use sinew_bus::{Schedule, Timing, dynamixel, feetech};
+use sinew_bus::{Schedule, ServoBus, Timing, dynamixel, feetech};
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 
-use super::bus::Protocol;
+use super::SERVOS;
 use super::parts::{Parts, PartsError};
 use super::schedule::Load;
 use super::servo_part::{Drive, ServoPart, current_a, encoder, mode, no_load_rad_s, single, table};
@@ -32,6 +32,11 @@ pub struct Line {
 }
 
 impl Line {
+    /// Whether Dynamixels hang on it; else Feetech servos do.
+    pub fn is_dynamixel(&self) -> bool {
+        matches!(self.table, RegisterTable::Dynamixel(_))
+    }
+
     /// What a line has to do in a tick.
     pub(super) fn load(&self, servos: &[ServoPart]) -> Load {
         let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
@@ -97,21 +102,21 @@ pub(super) fn lines(servos: &[RigServo], baud: Option<u32>) -> Result<Vec<Line>,
 
 impl Parts {
     /// The bus of each line, with its servos as they are driven.
-    pub(super) fn buses(&self) -> Result<Vec<Protocol>, PartsError> {
+    pub(super) fn buses(&self) -> Result<Vec<Box<dyn ServoBus>>, PartsError> {
         let each = self.lines.iter().zip(&self.schedules);
         each.map(|(line, schedule)| self.bus(line, *schedule)).collect()
     }
 
-    fn bus(&self, line: &Line, schedule: Schedule) -> Result<Protocol, PartsError> {
+    fn bus(&self, line: &Line, schedule: Schedule) -> Result<Box<dyn ServoBus>, PartsError> {
         let failed = |reason| PartsError::Bus { bus: line.name.clone(), reason };
         Ok(match self.of_line(line) {
             OfLine::Dynamixel(setups, settings) => {
-                let bus = dynamixel::Bus::new(&setups, schedule, settings).map_err(failed)?;
-                Protocol::Dynamixel(Box::new(bus))
+                let bus = dynamixel::Bus::<SERVOS>::new(&setups, schedule, settings);
+                Box::new(bus.map_err(failed)?)
             }
             OfLine::Feetech(setups, settings) => {
-                let bus = feetech::Bus::new(&setups, schedule, settings).map_err(failed)?;
-                Protocol::Feetech(Box::new(bus))
+                let bus = feetech::Bus::<SERVOS>::new(&setups, schedule, settings);
+                Box::new(bus.map_err(failed)?)
             }
         })
     }

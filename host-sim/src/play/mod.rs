@@ -5,8 +5,10 @@
 //!                       └─> Stand (controller, buses, one bench), a tick a call ─> Tally, Recorder
 //! stop ─> Director (arm, play, stop) ─────┘       └─ Twin (the node in QEMU), if there is one
 //! ```
-//! All is in simulated time: the same show gives the same bytes on every run.
+//! All is in simulated time: the same show gives the same bytes on every run. [`SimulatedBoard`] is a whole board in
+//! place of the controller, for those who talk to boards.
 
+mod board;
 mod bus;
 mod director;
 mod exchange;
@@ -21,6 +23,7 @@ mod stand;
 mod tally;
 mod twin;
 
+pub use board::{BoardError, Chip, SimulatedBoard};
 pub use director::{Director, Ended};
 pub use line::Line;
 pub use parts::{Options, Parts, PartsError};

@@ -2,7 +2,7 @@
 
 use sinew_bus::Schedule;
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
-use sinew_firmware::controller::{ControllerSettings, ServoSetup};
+use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_rig::board::BakeError;
 use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::Freedom;
@@ -15,7 +15,7 @@ use thiserror::Error;
 use super::Board;
 use super::line::{Line, lines};
 use super::schedule::{Load, Needs, RateError, choose};
-use super::servo_part::{Drive, ServoPart, drives, setup};
+use super::servo_part::{Drive, ServoPart, drives, setup, single};
 use crate::performance::rig_hash;
 
 /// What may be chosen. Default: what each servo can do, and the lines have time for.
@@ -93,6 +93,9 @@ pub enum PartsError {
     },
 }
 
+/// Clock of the reference board's processor, an STM32F446, Hz.
+const BOARD_HZ: u32 = 180_000_000;
+
 /// All that a stand is made of.
 pub struct Parts {
     pub(super) board: Board,
@@ -116,6 +119,9 @@ pub struct Parts {
     pub first_servo: Vec<Option<usize>>,
     /// Ticks a second.
     pub rate_hz: u32,
+    /// What a tick takes the reference board besides its bus by the estimate, µs, and the ticks a second that it holds
+    /// with that; none if it holds none that servos of this drive need.
+    pub on_board: (u32, Option<u32>),
 }
 
 impl Parts {
@@ -148,6 +154,11 @@ impl Parts {
             lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
         let needs = Needs { compute_us: settings.compute_us, stale_s: settings.stale_s };
         let (rate_hz, schedules) = choose(&loads, options.rate_hz, needs)?;
+        let compute_us = estimated_us(parts.len(), BOARD_HZ);
+        let of_board = Needs { compute_us, ..needs };
+        let holds =
+            choose(&loads, Some(rate_hz), of_board).or_else(|_| choose(&loads, None, of_board));
+        let on_board = (compute_us, holds.ok().map(|(rate_hz, _)| rate_hz));
         // The tracker's readings are of lines that close its loop, if any does.
         let closes = loads.iter().any(|(_, load)| load.closes_loop);
         let latest = loads
@@ -176,6 +187,7 @@ impl Parts {
             drives,
             first_servo,
             rate_hz,
+            on_board,
             board,
         })
     }
@@ -223,6 +235,11 @@ impl Parts {
     pub(super) fn place_on_bench(&self, servo: usize) -> usize {
         let (line, place) = self.servos[servo].place;
         place + self.lines[..line].iter().map(|line| line.servos.len()).sum::<usize>()
+    }
+
+    /// The voltage of what feeds all servos, if the rig's file says it.
+    pub fn supply_v(&self) -> Option<f32> {
+        self.supply.map(|supply| single(supply.voltage_v))
     }
 
     /// What feeds all servos, as the rig's file says.

@@ -13,6 +13,7 @@ use sinew_servo_sim::bench::{Bench, Branch};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_show::ShowError;
 use thiserror::Error;
@@ -81,13 +82,14 @@ pub struct Stand<'a, P> {
 
 impl<'a, P: Plant> Stand<'a, P> {
     /// A stand just before power comes on, each servo where the rig's home has it, set up as `sinew servo apply` would.
+    /// Without a show there is nothing to play.
     /// `memories`: one for each servo; `plant`: what the servos move, line after line.
     ///
     /// # Errors
     /// [`StandError`].
     pub fn new(
         parts: &'a Parts,
-        show: &'a [u8],
+        show: Option<&'a [u8]>,
         memories: &'a mut [Memory],
         plant: P,
     ) -> Result<Self, StandError> {
@@ -95,33 +97,13 @@ impl<'a, P: Plant> Stand<'a, P> {
         let controller =
             Loop::new(&parts.board, &parts.settings, &parts.setups, &parts.schedule, start)?;
         let mut controller = Box::new(controller);
-        controller.load_show(Some(show))?;
-        let mut servos: Vec<Vec<Servo>> = parts.lines.iter().map(|_| Vec::new()).collect();
-        for (index, memory) in (0..parts.servos.len()).zip(memories) {
-            servos[parts.servos[index].place.0].push(servo(parts, index, memory)?);
-        }
-        let counts: Vec<usize> = servos.iter().map(Vec::len).collect();
-        let line_of = |place| {
-            let mut end = 0;
-            let ends = counts.iter().map(|count| {
-                end += count;
-                end
-            });
-            ends.take_while(|end| *end <= place).count()
-        };
-        let servos = servos.into_iter().flatten().collect();
-        let bench = match parts.supply() {
-            Some(supply) => Bench::new(servos, plant, supply),
-            None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
-        };
-        let lines = Branch::of(bench, &counts).into_iter().map(Line::of_master).collect();
-        let places = parts.servos.iter().map(|part| part.place).collect();
+        controller.load_show(show)?;
         Ok(Self {
             parts,
             controller,
-            buses: Buses::new(parts.buses()?, places),
-            lines,
-            wires: Wires { sent: 0, answered: 0, hash: FNV.0 },
+            buses: parts.all_buses()?,
+            lines: lines(parts, memories, plant)?,
+            wires: Wires::default(),
             ticks: 0,
             incomplete: 0,
             last: None,
@@ -144,7 +126,7 @@ impl<'a, P: Plant> Stand<'a, P> {
     /// What it said that was different, or why it is gone.
     pub fn check_twin(&self) -> Result<Option<[u64; 2]>, TwinError> {
         let Some(twin) = &self.twin else { return Ok(None) };
-        let mut twin = twin.borrow_mut();
+        let twin = twin.borrow();
         twin.check()?;
         Ok(Some(twin.compared()))
     }
@@ -167,7 +149,10 @@ impl<'a, P: Plant> Stand<'a, P> {
         let begun = controller.begin(&inputs, &mut (), buses);
         let begin_ns = lines[0].servos.now_ns();
         let end_ns = self.ticks * tick_us * 1000;
-        let exchanged = exchange(&mut buses.lines, lines, end_ns, wires);
+        // The tick's computing takes its part: what is asked besides the schedule ends before it.
+        let asked_until_ns =
+            end_ns.saturating_sub(u64::from(self.parts.settings.compute_us) * 1000);
+        let exchanged = exchange(&mut buses.lines, lines, asked_until_ns, wires);
         let took_us = (lines[0].servos.now_ns() - begin_ns) / 1000;
         let took_us = u32::try_from(took_us)
             .unwrap_or(u32::MAX)
@@ -223,6 +208,11 @@ impl<'a, P: Plant> Stand<'a, P> {
         })
     }
 
+    /// What was measured last, in the rig's coordinates.
+    pub fn measured(&self) -> &[f32] {
+        self.controller.measured()
+    }
+
     /// Current of a servo as it tells it, A; what it tells as load is a part of its stall current.
     pub fn current_a(&self, servo: usize) -> Option<f32> {
         Some(match self.buses.feedback(servo)?.effort {
@@ -231,7 +221,8 @@ impl<'a, P: Plant> Stand<'a, P> {
         })
     }
 
-    /// What limits a joint now: its effort, its first servo's drive, the guard, or heat and supply.
+    /// What limits a joint now, as tables and recordings count it: its effort, its first servo's drive, the guard, or
+    /// heat and supply.
     pub fn limiter(&self, freedom: usize) -> Option<String> {
         let effort = self.report().freedoms[freedom].limit.map(|limit| format!("{limit:?}"));
         let of_servo = || {
@@ -292,6 +283,33 @@ impl<'a, P: Plant> Stand<'a, P> {
     }
 }
 
+/// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
+pub(super) fn lines<'a, P: Plant>(
+    parts: &Parts,
+    memories: &'a mut [Memory],
+    plant: P,
+) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
+    let mut servos: Vec<Vec<Servo>> = parts.lines.iter().map(|_| Vec::new()).collect();
+    for (index, memory) in (0..parts.servos.len()).zip(memories) {
+        servos[parts.servos[index].place.0].push(servo(parts, index, memory)?);
+    }
+    let counts: Vec<usize> = servos.iter().map(Vec::len).collect();
+    let line_of = |place| {
+        let mut end = 0;
+        let ends = counts.iter().map(|count| {
+            end += count;
+            end
+        });
+        ends.take_while(|end| *end <= place).count()
+    };
+    let servos = servos.into_iter().flatten().collect();
+    let bench = match parts.supply() {
+        Some(supply) => Bench::new(servos, plant, supply),
+        None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
+    };
+    Ok(Branch::of(bench, &counts).into_iter().map(Line::of_master).collect())
+}
+
 /// A servo at home, with the registers that the controller compares before it arms.
 fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Servo<'a>, StandError> {
     let part = &parts.servos[index];
@@ -313,6 +331,24 @@ fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Serv
     }
     servo.place(part.own.home_rad);
     Ok(servo)
+}
+
+impl Stand<'_, RigPlant> {
+    /// A hand takes a joint's freedom, or leads it on; none lets go. See [`RigPlant::lead`].
+    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
+        self.lines[0].servos.bench_mut().plant.lead(freedom, hand)
+    }
+
+    /// Where the simulated rig is, in its coordinates.
+    pub fn q(&self) -> Vec<f64> {
+        self.lines[0].servos.bench().plant.q().to_vec()
+    }
+}
+
+impl Default for Wires {
+    fn default() -> Self {
+        Self { sent: 0, answered: 0, hash: FNV.0 }
+    }
 }
 
 impl Wires {

@@ -69,8 +69,7 @@ impl Tally {
             sums.current_a = sums.current_a.max(current_a);
             let told = &report.servos[servo];
             sums.celsius = sums.celsius.max(told.temperature_c.map_or(0.0, f64::from));
-            let is_limited = told.limit.is_some() || told.guard.is_some();
-            sums.limited += u64::from(is_limited || freedom.limit.is_some());
+            sums.limited += u64::from(stand.limiter(index).is_some());
         }
     }
 

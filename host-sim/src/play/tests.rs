@@ -23,7 +23,7 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let show = show.unwrap().written.bytes;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig, &mechanism).unwrap();
-    let mut stand = Stand::new(&parts, &show, &mut memories, plant).unwrap();
+    let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
     if let Some((servo, register, raw)) = wrong {
         stand.set_register(servo, register, raw);
     }

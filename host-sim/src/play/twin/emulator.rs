@@ -45,7 +45,7 @@ impl Emulator {
         // Ctrl-C on a terminal is for this program, which stops the rig by it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut qemu = command.spawn().map_err(TwinError::NoQemu)?;
+        let mut qemu = command.spawn().map_err(|why| TwinError::NoQemu(why.into()))?;
         let pipes = qemu.stdout.take().zip(qemu.stdin.take());
         let (from, to) = pipes.expect("both are piped");
         let mut emulator = Self::over(from, to);

@@ -3,13 +3,14 @@
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitStatus;
+use std::sync::Arc;
 
 use sinew_firmware::supervisor::Command;
 use sinew_link::message::Refusal;
 use thiserror::Error;
 
 /// Why the image in QEMU does not play, or plays something else.
-#[derive(Debug, Error)]
+#[derive(Debug, Clone, Error)]
 #[non_exhaustive]
 pub enum TwinError {
     /// There is no image.
@@ -25,7 +26,7 @@ pub enum TwinError {
     },
     /// There is no emulator.
     #[error("qemu-system-arm cannot be started ({0}): `cargo xtask setup` installs it")]
-    NoQemu(#[source] io::Error),
+    NoQemu(#[source] Arc<io::Error>),
     /// The emulator has ended.
     #[error("QEMU has ended ({}): what it said stands above", status.map_or_else(|| "still there".to_owned(), |of| of.to_string()))]
     Left {

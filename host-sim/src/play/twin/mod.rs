@@ -23,7 +23,7 @@ pub(super) use twinned::Twinned;
 
 use sinew_bus::Request;
 use sinew_emulated::message::{OfLoop, Packets, ToHost, ToNode};
-use sinew_emulated::node::commanded;
+use sinew_emulated::node::{bits, commanded};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
 
@@ -37,6 +37,7 @@ pub struct Twin {
     tick_us: u64,
     ticks: u64,
     packets: u64,
+    /// What went wrong first: it stays.
     failed: Option<TwinError>,
 }
 
@@ -64,8 +65,8 @@ impl Twin {
     ///
     /// # Errors
     /// What was different first, or why there is no twin any more.
-    pub fn check(&mut self) -> Result<(), TwinError> {
-        self.failed.take().map_or(Ok(()), Err)
+    pub fn check(&self) -> Result<(), TwinError> {
+        self.failed.clone().map_or(Ok(()), Err)
     }
 
     /// What is left of it works no more once something has failed.
@@ -147,11 +148,13 @@ impl Twin {
             let ToHost::Ticked(Some(of_loop)) = twin.node.take()? else {
                 return Err(TwinError::Version);
             };
-            let OfLoop { is_fed, outputs, state, commanded: numbers } = of_loop;
+            let OfLoop { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
             let state = State::ALL.get(usize::from(state)).copied();
             let numbers = numbers.to_vec();
             let own: Vec<u8> = commanded(controller).flat_map(f32::to_le_bytes).collect();
-            twin.same("the state", &state, &Some(controller.report().state))?;
+            let report = controller.report();
+            twin.same("the state", &state, &Some(report.state))?;
+            twin.same("faults", &faults, &[report.present, report.latched].map(bits))?;
             twin.same("whether torque is on", &outputs, &controller.permission().torque)?;
             twin.same("whether the tick is whole", &is_fed, &is_whole)?;
             twin.same("poses, efforts and errors", &numbers, &own)?;

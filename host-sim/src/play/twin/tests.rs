@@ -5,6 +5,7 @@ use std::thread;
 
 use sinew_emulated::message::{Bytes, End};
 use sinew_emulated::node::{self, FLASH_LEN};
+use sinew_firmware::supervisor::FaultSet;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::new::arm;
 use sinew_rig::{Description, Mechanism};
@@ -34,7 +35,8 @@ fn here(parts: &Parts, show: &[u8]) -> Result<Twin, TwinError> {
     let [(from_node, to_host), (from_host, to_node)] = [pipe().unwrap(), pipe().unwrap()];
     let run = || {
         let (mut flash, mut lent) = (vec![0; FLASH_LEN], vec![0; 1 << 20]);
-        node::run(&mut End::new(Ends(from_host, to_host)), &mut flash, &mut lent)
+        let host = &mut End::new(Ends(from_host, to_host));
+        node::run(host, FaultSet::EMPTY, &mut flash, &mut lent)
     };
     thread::Builder::new().stack_size(64 << 20).spawn(run).unwrap();
     Twin::new(Emulator::over(from_node, to_node), parts, show)
@@ -69,7 +71,7 @@ impl Swing {
 
     fn stand<'a>(&'a self, memories: &'a mut [Memory]) -> Stand<'a, RigPlant> {
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
-        Stand::new(&self.parts, &self.show, memories, plant).unwrap()
+        Stand::new(&self.parts, Some(&self.show), memories, plant).unwrap()
     }
 }
 
@@ -117,6 +119,8 @@ fn a_node_that_is_not_the_same_is_noticed() {
     let mut stand = swing.stand(&mut memories).with_twin(here(&other, &swing.show).unwrap());
     let refused = played(&mut stand).unwrap_err();
     assert!(matches!(refused, TwinError::Differs { tick: 1.., .. }), "{refused}");
+    // It stays so, however often somebody asks.
+    assert_eq!(stand.check_twin().unwrap_err().to_string(), refused.to_string());
 }
 
 #[test]

@@ -10,17 +10,20 @@ use sinew_bus::{
 use sinew_emulated::message::ToNode;
 
 use super::Twin;
-use crate::play::bus::Protocol;
 
 /// The bus in process, and the same line of the twin.
 pub(in crate::play) struct Twinned {
-    own: Protocol,
+    own: Box<dyn ServoBus>,
     twin: Rc<RefCell<Twin>>,
     line: usize,
 }
 
 impl Twinned {
-    pub(in crate::play) fn new(own: Protocol, twin: Rc<RefCell<Twin>>, line: usize) -> Self {
+    pub(in crate::play) fn new(
+        own: Box<dyn ServoBus>,
+        twin: Rc<RefCell<Twin>>,
+        line: usize,
+    ) -> Self {
         Self { own, twin, line }
     }
 }

@@ -1,0 +1,329 @@
+//! A session with a controller.
+
+use std::time::{Duration, SystemTime};
+
+use sinew_link::message::{
+    About, Applied, Command, FaultRecord, Hello, Limit, Misfit, Outcome, Parts, Refusal, State,
+    Stream, TelemetrySetting, ToController, ToHost, Value, Version, Welcome,
+};
+use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
+
+use crate::{ClientError, Line, Seen};
+
+/// How often a greeting is sent again.
+const HELLO_EVERY: Duration = Duration::from_millis(100);
+/// How often the host says that it is there: a quarter of the time after which a rig holds.
+const BEAT_EVERY: Duration = Duration::from_millis(50);
+
+/// A controller, in a session.
+#[derive(Debug)]
+pub struct Board<L> {
+    line: L,
+    decoder: Decoder<ToHost>,
+    sender: Sender,
+    nonce: u32,
+    welcome: Option<Welcome>,
+    outcome: Option<Outcome>,
+    beat_due: Duration,
+    /// What it has told unasked.
+    pub seen: Seen,
+}
+
+/// A number for a greeting, another one for each run of a program.
+pub fn nonce() -> u32 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    since.subsec_nanos() ^ std::process::id().rotate_left(16)
+}
+
+impl<L: Line> Board<L> {
+    /// Says hello until there is a session. One that another program has is waited for, too. `nonce`: see [`nonce()`].
+    ///
+    /// # Errors
+    /// [`ClientError::NoController`] if nothing answers within `patience`, [`ClientError::Misfit`] if the versions
+    /// differ or the rig is not free by then, [`ClientError::Line`].
+    pub fn connect(line: L, nonce: u32, patience: Duration) -> Result<Self, ClientError> {
+        let mut board = Self {
+            beat_due: line.now(),
+            line,
+            decoder: Decoder::new(),
+            sender: Sender::new(0),
+            nonce: nonce.wrapping_sub(1),
+            welcome: None,
+            outcome: None,
+            seen: Seen::default(),
+        };
+        board.reconnect(patience)?;
+        Ok(board)
+    }
+
+    /// Says hello anew: behind a restart of the board.
+    ///
+    /// # Errors
+    /// As of [`Self::connect`].
+    pub fn reconnect(&mut self, patience: Duration) -> Result<(), ClientError> {
+        self.nonce = self.nonce.wrapping_add(1);
+        (self.welcome, self.outcome) = (None, None);
+        let end = self.line.now() + patience;
+        let mut busy = false;
+        while self.line.now() < end {
+            let hello = Hello { protocol: Version::CURRENT, nonce: self.nonce };
+            self.send(&ToController::Hello(hello))?;
+            let again = (self.line.now() + HELLO_EVERY).min(end);
+            while self.welcome.is_none() && self.line.now() < again {
+                self.listen(again.saturating_sub(self.line.now()))?;
+            }
+            match self.welcome.map(|welcome| welcome.verdict) {
+                Some(Ok(_)) => return Ok(()),
+                Some(Err(Misfit::Busy)) => {
+                    (busy, self.welcome) = (true, None);
+                    self.listen(again.saturating_sub(self.line.now()))?;
+                }
+                Some(Err(misfit)) => return Err(ClientError::Misfit(misfit)),
+                None => {}
+            }
+        }
+        Err(if busy { ClientError::Misfit(Misfit::Busy) } else { ClientError::NoController })
+    }
+
+    /// Who it is.
+    ///
+    /// # Panics
+    /// Never: it has answered a greeting.
+    pub fn about(&self) -> About {
+        const NOBODY: About = About {
+            protocol: Version::CURRENT,
+            firmware: sinew_link::message::Release { major: 0, minor: 0, patch: 0 },
+            rig: 0,
+            capacities: sinew_link::message::Capacities {
+                bodies: 0,
+                coordinates: 0,
+                dofs: 0,
+                servos: 0,
+                slots: 0,
+                slot_bytes: 0,
+            },
+        };
+        self.welcome.map_or(NOBODY, |welcome| welcome.about)
+    }
+
+    /// The version of messages that both speak.
+    pub fn version(&self) -> Version {
+        let minor = self.welcome.and_then(|welcome| welcome.verdict.ok()).unwrap_or(0);
+        Version { major: Version::CURRENT.major, minor }
+    }
+
+    /// That both know the messages of a minor version.
+    ///
+    /// # Errors
+    /// [`ClientError::Old`] names both versions.
+    pub fn needs(&self, minor: u8) -> Result<(), ClientError> {
+        let has = self.version();
+        let needs = Version { minor, ..has };
+        if has.minor >= minor { Ok(()) } else { Err(ClientError::Old { needs, has }) }
+    }
+
+    /// The line.
+    pub fn line_mut(&mut self) -> &mut L {
+        &mut self.line
+    }
+
+    /// The line's clock.
+    pub fn now(&self) -> Duration {
+        self.line.now()
+    }
+
+    /// Sends a command until it is answered. Says what was done.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] if it was not done; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
+    /// [`ClientError::Line`].
+    pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
+        self.ask_limited(command).map(|(applied, _)| applied)
+    }
+
+    /// The same, with what limited it.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn ask_limited(
+        &mut self,
+        command: Command,
+    ) -> Result<(Applied, Option<Limit>), ClientError> {
+        self.outcome = None;
+        let busy = |_| ClientError::Unexpected("the command before");
+        let command = self.sender.send(command, self.now_ms()).map_err(busy)?;
+        self.send(&ToController::Command(command))?;
+        loop {
+            if let Some(outcome) = self.outcome.take() {
+                return match outcome {
+                    Outcome::Applied(applied) => Ok((applied, None)),
+                    Outcome::Limited(applied, limit) => Ok((applied, Some(limit))),
+                    Outcome::Refused(Refusal::Session) => Err(ClientError::SessionOver),
+                    Outcome::Refused(refusal) => Err(ClientError::Refused(refusal)),
+                    Outcome::Working => Err(ClientError::Unexpected("a command")),
+                };
+            }
+            self.step(BEAT_EVERY)?;
+        }
+    }
+
+    /// Takes what comes, waits for it up to `wait`, and sends what is due: heartbeats, and commands without an answer.
+    ///
+    /// # Errors
+    /// [`ClientError::Line`], [`ClientError::NoAnswer`].
+    pub fn step(&mut self, wait: Duration) -> Result<(), ClientError> {
+        if self.line.now() >= self.beat_due {
+            self.stream(Stream::Heartbeat)?;
+        }
+        match self.sender.poll(self.now_ms()) {
+            Next::Send(command) => self.send(&ToController::Command(command))?,
+            Next::GaveUp(command) => return Err(ClientError::NoAnswer(Box::new(command.item))),
+            Next::Idle | Next::Wait => {}
+        }
+        self.listen(wait.min(self.beat_due.saturating_sub(self.line.now())))
+    }
+
+    /// Takes what comes, for so long.
+    ///
+    /// # Errors
+    /// As of [`Self::step`].
+    pub fn run(&mut self, time: Duration) -> Result<(), ClientError> {
+        let end = self.line.now() + time;
+        while self.line.now() < end {
+            self.step(end.saturating_sub(self.line.now()))?;
+        }
+        Ok(())
+    }
+
+    /// Sends something of the stream, once. It counts as a heartbeat.
+    ///
+    /// # Errors
+    /// [`ClientError::Line`].
+    pub fn stream(&mut self, stream: Stream) -> Result<(), ClientError> {
+        self.beat_due = self.line.now() + BEAT_EVERY;
+        let numbered = self.sender.stream(stream);
+        self.send(&ToController::Stream(numbered))
+    }
+
+    /// Asks for telemetry; says what is sent.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn telemetry(
+        &mut self,
+        rate_hz: f32,
+        parts: Parts,
+    ) -> Result<TelemetrySetting, ClientError> {
+        match self.ask(Command::SetTelemetry(TelemetrySetting { rate_hz, parts }))? {
+            Applied::Telemetry(setting) => Ok(setting),
+            _ => Err(ClientError::Unexpected("the telemetry")),
+        }
+    }
+
+    /// The state, by the newest telemetry.
+    pub fn state(&self) -> Option<State> {
+        self.seen.summary.map(|summary| summary.state)
+    }
+
+    /// A summary that is newer than this call: telemetry must be on.
+    ///
+    /// # Errors
+    /// As of [`Self::step`]; [`ClientError::Impatient`] if none comes.
+    pub fn fresh_state(&mut self, patience: Duration) -> Result<State, ClientError> {
+        let (before, end) = (self.seen.summaries, self.line.now() + patience);
+        while self.line.now() < end {
+            self.step(BEAT_EVERY)?;
+            if self.seen.summaries != before
+                && let Some(state) = self.state()
+            {
+                return Ok(state);
+            }
+        }
+        Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
+    }
+
+    /// The log of faults: the first since they were cleared, then from the latest back.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn fault_log(&mut self) -> Result<Vec<FaultRecord>, ClientError> {
+        let mut records = Vec::new();
+        for index in 0..u16::MAX {
+            let Applied::Fault(report) = self.ask(Command::ReadFault { index })? else {
+                return Err(ClientError::Unexpected("the log of faults"));
+            };
+            let Some(record) = report.record else { break };
+            records.push(record);
+            if index + 1 >= report.count {
+                break;
+            }
+        }
+        Ok(records)
+    }
+
+    /// A setting by its key.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn setting(&mut self, key: u16) -> Result<f32, ClientError> {
+        number(&self.ask(Command::ReadSetting { key })?)
+    }
+
+    /// Writes a setting; says what the board has then. It starts anew with it: see [`Self::reconnect`].
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn set_setting(&mut self, key: u16, value: f32) -> Result<f32, ClientError> {
+        number(&self.ask(Command::WriteSetting { key, value: Value::Number(value) })?)
+    }
+
+    fn now_ms(&self) -> u32 {
+        // It may begin at 0 again: only differences count.
+        (self.line.now().as_millis() & u128::from(u32::MAX)).try_into().unwrap_or(0)
+    }
+
+    fn send(&mut self, message: &ToController) -> Result<(), ClientError> {
+        let mut out = [0; FRAME_MAX];
+        // A number that is not finite: nothing may be sent then.
+        let frame = encode(message, &mut out).map_err(|_| ClientError::Refused(Refusal::Value))?;
+        self.line.send(frame).map_err(ClientError::Line)
+    }
+
+    fn listen(&mut self, wait: Duration) -> Result<(), ClientError> {
+        let mut bytes = [0; 1024];
+        let count = self.line.receive(&mut bytes, wait).map_err(ClientError::Line)?;
+        let mut messages = Vec::new();
+        self.decoder.feed(bytes.get(..count).unwrap_or_default(), |message| messages.push(message));
+        for message in messages {
+            self.take(message);
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, message: ToHost) {
+        match message {
+            ToHost::Welcome(welcome) if welcome.nonce == self.nonce => {
+                if self.welcome.is_none() && welcome.verdict.is_ok() {
+                    self.sender = Sender::new(welcome.session);
+                    self.seen = Seen::default();
+                }
+                self.welcome = self.welcome.or(Some(welcome));
+            }
+            ToHost::Answer(answer) => {
+                if let Some(outcome) = self.sender.take(&answer) {
+                    self.outcome = Some(outcome);
+                }
+            }
+            ToHost::Telemetry(telemetry) => self.seen.take(telemetry),
+            ToHost::Fault(fault) => self.seen.faults.push(fault),
+            ToHost::Welcome(_) => {}
+        }
+    }
+}
+
+fn number(applied: &Applied) -> Result<f32, ClientError> {
+    match *applied {
+        Applied::Setting(Value::Number(value)) => Ok(value),
+        _ => Err(ClientError::Unexpected("a setting")),
+    }
+}

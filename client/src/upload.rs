@@ -1,0 +1,113 @@
+//! What a controller stores: what is there, and how something new comes there.
+
+use std::time::Duration;
+
+use sha2::{Digest as _, Sha256};
+use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Place, Refusal};
+
+use crate::{Board, ClientError, Line};
+
+/// A board that starts anew answers within this time, unless it is slow to erase flash.
+const RESTART: Duration = Duration::from_secs(10);
+
+/// What a content is. `rig`: the CRC of the rig that it belongs to, 0 for any.
+///
+/// # Errors
+/// [`ClientError::Approver`] if the name cannot be.
+pub fn item(
+    kind: Kind,
+    schema: u16,
+    content: &[u8],
+    rig: u32,
+    approver: &str,
+) -> Result<Item, ClientError> {
+    let is_name = !approver.is_empty() && !approver.chars().any(char::is_control);
+    let name = approver.try_into().ok().filter(|_| is_name);
+    Ok(Item {
+        kind,
+        schema,
+        length: u32::try_from(content.len()).unwrap_or(u32::MAX),
+        hash: Sha256::digest(content).into(),
+        rig,
+        approver: name.ok_or_else(|| ClientError::Approver(approver.to_owned()))?,
+    })
+}
+
+impl<L: Line> Board<L> {
+    /// Uploads a content block by block, on from where the same upload was interrupted; `progress` gets the bytes that
+    /// are there. Behind a rig or settings the board starts anew, and this returns in a new session.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] says why the board does not take it; others as of [`Self::ask`].
+    pub fn upload(
+        &mut self,
+        item: &Item,
+        content: &[u8],
+        progress: &mut dyn FnMut(u32),
+    ) -> Result<(), ClientError> {
+        let mut command = Command::BeginUpload(item.clone());
+        loop {
+            let is_end = command == Command::EndUpload;
+            let next = match self.ask(command) {
+                Ok(Applied::Upload { next })
+                | Err(ClientError::Refused(Refusal::Offset { next })) => next,
+                Ok(Applied::Stored(_)) => break,
+                // The answer to the end was lost, and the board has begun anew.
+                Err(ClientError::SessionOver) if is_end && restarts(item.kind) => break,
+                Ok(_) => return Err(ClientError::Unexpected("an upload")),
+                Err(error) => return Err(error),
+            };
+            progress(next);
+            command = match content.get(next as usize..) {
+                None | Some([]) => Command::EndUpload,
+                Some(rest) => {
+                    let bytes = rest.iter().copied().take(BLOCK_MAX).collect();
+                    Command::UploadBlock(Block { offset: next, bytes })
+                }
+            };
+        }
+        if !restarts(item.kind) {
+            return Ok(());
+        }
+        self.reconnect(RESTART)?;
+        let place = if item.kind == Kind::Rig { Place::Rig } else { Place::Settings };
+        let is_there = self.stored(place)?.is_some_and(|stored| stored.hash == item.hash);
+        if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
+    }
+
+    /// What is stored at a place.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn stored(&mut self, place: Place) -> Result<Option<Item>, ClientError> {
+        match self.ask(Command::AskStored(place))? {
+            Applied::Stored(item) => Ok(item),
+            _ => Err(ClientError::Unexpected("what is stored")),
+        }
+    }
+
+    /// What is in each slot of shows.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn shows(&mut self) -> Result<Vec<Option<Item>>, ClientError> {
+        (0..self.about().capacities.slots).map(|slot| self.stored(Place::Show { slot })).collect()
+    }
+
+    /// The slot of a show of this rig with this content.
+    ///
+    /// # Errors
+    /// As of [`Self::ask`].
+    pub fn slot_of(&mut self, show: &Item) -> Result<Option<u8>, ClientError> {
+        let is_it = |item: &Option<Item>| {
+            item.as_ref().is_some_and(|item| item.hash == show.hash && item.rig == show.rig)
+        };
+        let slot = self.shows()?.iter().position(is_it);
+        Ok(slot.and_then(|slot| u8::try_from(slot).ok()))
+    }
+}
+
+/// Rig and settings count after a restart.
+fn restarts(kind: Kind) -> bool {
+    matches!(kind, Kind::Rig | Kind::Settings)
+}

@@ -1,0 +1,93 @@
+//! `sinew doctor`: a board looked over while its rig is limp.
+
+mod bus;
+mod own;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use sinew_sim::command::{note, print};
+use sinew_sim::play::{Options, Parts};
+
+use super::BoardPort;
+use crate::cli::rig::read;
+
+/// Look a board over while its rig is limp: versions, faults, time of ticks, link, supply; with --rig each servo's
+/// answers at each rate.
+///
+/// Nothing moves. Each line says ok, doubtful or wrong, and what to do; all goes into one file that you can send. Exit
+/// code 1 if anything is wrong.
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct DoctorArgs {
+    #[command(flatten)]
+    board: BoardPort,
+
+    /// The rig that the board has: a rig.toml, a URDF or an MJCF file.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// The file.
+    #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
+    output: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Ok,
+    Doubtful,
+    Wrong,
+}
+
+/// What was looked at.
+#[derive(Debug, Default)]
+struct Findings {
+    lines: String,
+    is_wrong: bool,
+}
+
+impl Findings {
+    /// A line. `todo`: what to do, unless it is well.
+    fn add(&mut self, verdict: Verdict, what: &str, found: &str, todo: &str) {
+        let word = match verdict {
+            Verdict::Ok => "ok",
+            Verdict::Doubtful => "doubtful",
+            Verdict::Wrong => "wrong",
+        };
+        self.is_wrong |= verdict == Verdict::Wrong;
+        self.lines.extend([format!("{word:<9} {what}: {found}\n")]);
+        if verdict != Verdict::Ok && !todo.is_empty() {
+            self.lines.extend([format!("          {todo}\n")]);
+        }
+    }
+
+    /// Well, or else.
+    fn expect(&mut self, is_well: bool, other: Verdict, what: &str, found: &str, todo: &str) {
+        self.add(if is_well { Verdict::Ok } else { other }, what, found, todo);
+    }
+}
+
+/// Looks, prints and writes.
+pub(in crate::cli) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
+    let rig = args.rig.as_deref().map(read).transpose()?;
+    let parts = rig.as_ref().map(|rig| {
+        let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+        parts.with_context(|| rig.description.name.clone())
+    });
+    let parts = parts.transpose()?;
+    let mut board = args.board.open()?;
+    let mut findings = Findings::default();
+    let passes = own::look(&mut board, parts.as_ref(), &mut findings)?;
+    match &parts {
+        Some(parts) if passes => bus::look(board, parts, &mut findings)?,
+        Some(_) => {}
+        None => {
+            findings.lines += "          servos were not asked: --rig RIG says which there are\n";
+        }
+    }
+    let head = format!("sinew {} doctor\n", env!("CARGO_PKG_VERSION"));
+    print(&findings.lines)?;
+    sinew_sim::output::write(&args.output, &(head + &findings.lines))?;
+    note(format_args!("wrote {}", args.output.display()));
+    Ok(if findings.is_wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}

@@ -1,0 +1,131 @@
+//! `sinew flash`: firmware into a board, through probe-rs.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context as _, bail};
+use sinew_client::ClientError;
+use sinew_link::message::{Misfit, State, Version};
+use sinew_sim::command::{note, print};
+
+use super::BoardPort;
+
+/// What `probe-rs` calls the chip of each board.
+const CHIPS: [(&str, &str); 1] = [("nucleo_f446re", "STM32F446RETx")];
+/// Where `cargo xtask firmware` puts images.
+const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
+
+/// Write firmware into a board, through its debugger and `probe-rs`.
+///
+/// Refused while the rig is armed. The firmware must speak this program's version of the link.
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct FlashArgs {
+    /// A board whose image `cargo xtask firmware` has built, such as `nucleo_f446re`, or an image (ELF).
+    #[arg(value_name = "BOARD|ELF")]
+    image: PathBuf,
+
+    /// The chip, as `probe-rs chip list` has it. Default: that of the board.
+    #[arg(long, value_name = "CHIP")]
+    chip: Option<String>,
+
+    #[command(flatten)]
+    board: BoardPort,
+}
+
+/// Writes it, and looks what answers.
+pub(in crate::cli) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
+    let name = args.image.file_stem().map(|name| name.to_string_lossy().into_owned());
+    let known = CHIPS.iter().find(|(board, _)| Some(*board) == name.as_deref());
+    let image = match known {
+        Some((board, _)) if !args.image.exists() => Path::new(IMAGES).join(board),
+        _ => args.image.clone(),
+    };
+    let chip = args.chip.as_deref().or(known.map(|(_, chip)| *chip)).with_context(|| {
+        let boards: Vec<_> = CHIPS.iter().map(|(board, _)| *board).collect();
+        format!("which chip? `--chip` names it; known boards: {}", boards.join(", "))
+    })?;
+    let bytes = std::fs::read(&image).with_context(|| {
+        format!("{}: `cargo xtask firmware` builds the images of all boards", image.display())
+    })?;
+    check(&image, &bytes)?;
+    is_limp(&args.board)?;
+    let mut command = Command::new("probe-rs");
+    command.args(["download", "--chip", chip, "--verify"]).arg(&image);
+    let status = match command.status() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => bail!(
+            "`probe-rs` is not installed, and nothing was written. `cargo install probe-rs-tools --locked` installs \
+             it; its page (https://probe.rs) has programs for all systems. On Linux it wants udev rules too"
+        ),
+        status => status.context("probe-rs")?,
+    };
+    if !status.success() {
+        bail!(
+            "`probe-rs` failed ({status}): is the board's debugger plugged in, and no other program using it?"
+        );
+    }
+    // Without this the board waits for its debugger.
+    let _ = Command::new("probe-rs").args(["reset", "--chip", chip]).status();
+    match args.board.open() {
+        Ok(board) => print(&format!("firmware {} answers\n", board.about().firmware))?,
+        Err(error) => note(format_args!("written; but {error:#}")),
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// That a file is an image whose link fits.
+fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let shown = path.display();
+    if !bytes.starts_with(b"\x7fELF") {
+        bail!("{shown}: is no ELF file; expected a board's name or its image");
+    }
+    let speaks = sinew_firmware::node::link_version(bytes);
+    let own = Version::CURRENT;
+    match speaks {
+        Some(version) if version.major == own.major => Ok(()),
+        Some(version) => bail!(
+            "{shown}: this firmware speaks version {version} of the link, this program {own}: nothing was written. Use \
+             firmware and program of one release"
+        ),
+        None => {
+            bail!("{shown}: is no firmware of Sinew with a link, or one from before version 1.1")
+        }
+    }
+}
+
+/// That what is on the board now does not hold a rig. A board that does not answer holds none: it has no such firmware.
+fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
+    let mut board = match port.open() {
+        Ok(board) => board,
+        Err(error) => match error.downcast_ref::<ClientError>() {
+            Some(ClientError::Misfit(Misfit::Busy)) => {
+                bail!(
+                    "the rig is armed: nothing was written. End the program that has it, or disarm"
+                )
+            }
+            Some(
+                ClientError::NoController
+                | ClientError::NoneFound(_)
+                | ClientError::Misfit(Misfit::Version { .. }),
+            ) => {
+                note(format_args!("no firmware of this version answers yet"));
+                return Ok(());
+            }
+            _ => return Err(error),
+        },
+    };
+    board.telemetry(10.0, sinew_link::message::Parts::SUMMARY).or_else(|error| match error {
+        // Without a rig nothing can be armed.
+        ClientError::Refused(_) => Ok(sinew_link::message::TelemetrySetting {
+            rate_hz: 0.0,
+            parts: sinew_link::message::Parts(0),
+        }),
+        error => Err(error),
+    })?;
+    let state = board.fresh_state(std::time::Duration::from_secs(1));
+    match state {
+        Ok(State::Off | State::Limp | State::Faulted) | Err(ClientError::Impatient(_)) => Ok(()),
+        Ok(state) => bail!("the rig is {state}: nothing was written. Disarm it first"),
+        Err(error) => Err(error.into()),
+    }
+}

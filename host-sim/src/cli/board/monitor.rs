@@ -1,0 +1,73 @@
+//! `sinew monitor`: what a controller tells of its rig.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::ensure;
+use sinew_link::message::{Parts, Summary};
+use sinew_sim::command::{note, print};
+
+use super::{BoardPort, named};
+use crate::cli::play::stop::Stop;
+
+/// Show what a controller tells of its rig: state, fault, supply, tick, errors of the bus, heat. Nothing moves by it.
+///
+/// A line for each change of the state, and one in every --every seconds, until Ctrl-C.
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct MonitorArgs {
+    #[command(flatten)]
+    board: BoardPort,
+
+    /// Seconds between two lines.
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    every: f64,
+
+    /// End after so many lines.
+    #[arg(long, value_name = "N")]
+    lines: Option<u32>,
+}
+
+/// Prints until it is stopped.
+pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
+    ensure!((0.05..=3600.0).contains(&args.every), "--every: expected 0.05 to 3600 s");
+    let mut board = args.board.open()?;
+    let stop = Stop::new()?;
+    let about = board.about();
+    note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
+    board.telemetry(10.0, Parts::SUMMARY.and(Parts::SERVOS))?;
+    let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
+    while stop.times() == 0 && args.lines.is_none_or(|most| lines < most) {
+        board.step(Duration::from_millis(50))?;
+        for fault in board.seen.faults.iter().skip(faults) {
+            print(&format!("{}\n", super::words::told(fault)))?;
+        }
+        faults = board.seen.faults.len();
+        let Some(summary) = board.seen.summary else { continue };
+        if state.replace(summary.state) == Some(summary.state) && board.now() < due {
+            continue;
+        }
+        due = board.now() + Duration::from_secs_f64(args.every);
+        lines += 1;
+        print(&line(&summary, &board.seen.servos))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A line of a summary.
+fn line(summary: &Summary, servos: &[sinew_link::message::Servo]) -> String {
+    let errors: u32 = servos.iter().map(|servo| u32::from(servo.bus_errors)).sum();
+    let hottest = servos.iter().filter_map(|servo| servo.temperature_c).max();
+    let hottest = hottest.map_or_else(String::new, |c| format!(", hottest {c} C"));
+    let fault = summary.fault.map_or_else(String::new, |fault| format!(", {}", named(fault)));
+    let supply = match summary.supply_v {
+        0.0 => String::new(),
+        v => format!(", supply {v:.2} V"),
+    };
+    let following = summary.errors.map_or_else(String::new, |errors| {
+        format!(", error {:.2} deg at most", errors.largest_deg)
+    });
+    format!(
+        "{}{fault}{supply}{hottest}, tick {} us ({} at most, {} late), {errors} bus errors{following}\n",
+        summary.state, summary.tick_us, summary.tick_max_us, summary.overruns
+    )
+}

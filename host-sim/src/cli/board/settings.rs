@@ -1,0 +1,75 @@
+//! `sinew settings`: what a controller can be told.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::Context as _;
+use clap::Subcommand;
+use sinew_firmware::node::SETTING_NAMES;
+use sinew_sim::command::{print, table};
+
+use super::{BoardPort, PortBoard};
+
+/// A board that starts anew answers within this time.
+const RESTART: Duration = Duration::from_secs(10);
+
+/// Show or set what a controller can be told: times, speeds and bounds of safety. All of them without a subcommand.
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct SettingsArgs {
+    #[command(flatten)]
+    board: BoardPort,
+
+    #[command(subcommand)]
+    what: Option<What>,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Show one.
+    Get {
+        /// Its name, such as `stop_s`.
+        key: String,
+    },
+    /// Set one. The board keeps it, and starts anew; refused while the rig is armed.
+    Set {
+        /// Its name, such as `stop_s`.
+        key: String,
+        /// Its value, in the unit behind its name.
+        #[arg(allow_negative_numbers = true)]
+        value: f32,
+    },
+}
+
+/// Shows or sets.
+pub(in crate::cli) fn run(args: &SettingsArgs) -> anyhow::Result<ExitCode> {
+    let key = match &args.what {
+        Some(What::Get { key } | What::Set { key, .. }) => Some(number(key)?),
+        None => None,
+    };
+    let mut board = args.board.open()?;
+    match (&args.what, key) {
+        (Some(What::Get { .. }), Some(key)) => print(&format!("{}\n", board.setting(key)?))?,
+        (Some(What::Set { key: name, value }), Some(key)) => {
+            let before = board.setting(key)?;
+            let now = board.set_setting(key, *value)?;
+            board.reconnect(RESTART)?;
+            print(&format!("{name} is {now} now, before {before}\n"))?;
+        }
+        _ => print(&all(&mut board)?)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn all(board: &mut PortBoard) -> anyhow::Result<String> {
+    let mut table = table(["setting", "value"], [1]);
+    for (key, name) in (1..).zip(SETTING_NAMES) {
+        table.add_row([name.to_owned(), board.setting(key)?.to_string()]);
+    }
+    Ok(format!("{table}\n"))
+}
+
+/// The key of a name.
+fn number(name: &str) -> anyhow::Result<u16> {
+    let known = (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key);
+    known.with_context(|| format!("`{name}`: expected one of {}", SETTING_NAMES.join(", ")))
+}

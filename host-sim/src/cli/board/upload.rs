@@ -1,0 +1,139 @@
+//! `sinew upload`: a rig or a show to a controller.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew_client::{Board, ClientError, Line, item};
+use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
+use sinew_link::message::{Command, Item, Kind, Refusal};
+use sinew_show::Show;
+use sinew_sim::command::{note, print};
+use sinew_sim::play::{Options, Parts, ServoChoice, put_servos};
+
+use super::BoardPort;
+use crate::cli::rig::read;
+
+/// Bring a rig or a show to a controller. It goes on where the same upload was interrupted; refused while armed.
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct UploadArgs {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// A rig, and how its servos hang on the board. The board starts anew with it.
+    Rig {
+        /// A rig.toml, a URDF or an MJCF file.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+
+        /// Servos for a rig whose file has none, as of `sinew play`.
+        #[arg(long, value_name = "[JOINTS=]KIND")]
+        servo: Vec<ServoChoice>,
+
+        #[command(flatten)]
+        common: Common,
+    },
+    /// A show of `sinew bake`, into a free slot.
+    Show {
+        /// The show.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+
+        /// Delete the show of this slot before.
+        #[arg(long, value_name = "SLOT")]
+        replace: Option<u8>,
+
+        #[command(flatten)]
+        common: Common,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct Common {
+    #[command(flatten)]
+    board: BoardPort,
+
+    /// Who stands for it: the board keeps the name.
+    #[arg(long, value_name = "NAME", default_value = "sinew upload")]
+    by: String,
+}
+
+/// Uploads.
+pub(in crate::cli) fn run(args: &UploadArgs) -> anyhow::Result<ExitCode> {
+    match &args.what {
+        What::Rig { file, servo, common } => rig(file, servo, common),
+        What::Show { file, replace, common } => show(file, *replace, common),
+    }
+}
+
+fn rig(file: &Path, servo: &[ServoChoice], common: &Common) -> anyhow::Result<ExitCode> {
+    let of_file = || file.display().to_string();
+    let mut rig = read(file)?;
+    if put_servos(&mut rig.description, servo).with_context(of_file)? > 0 {
+        rig.mechanism = rig.description.mechanism()?;
+    }
+    let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+    let bytes = parts.with_context(of_file)?.board_rig().map_err(anyhow::Error::msg);
+    let bytes = bytes.with_context(of_file)?;
+    let mut board = common.board.open()?;
+    let item = item(Kind::Rig, RIG_SCHEMA, &bytes, 0, &common.by)?;
+    put(&mut board, &item, &bytes)?;
+    let now = board.about().rig;
+    print(&format!("the board has rig {now:08x} ({}), {} bytes\n", file.display(), bytes.len()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<ExitCode> {
+    let bytes = sinew_mocap::read::bytes(file).with_context(|| file.display().to_string())?;
+    if Show::open(&bytes).is_err() {
+        bail!("{}: is no show of `sinew bake`", file.display());
+    }
+    let mut board = common.board.open()?;
+    if let Some(slot) = replace {
+        board.ask(Command::DeleteShow { slot })?;
+    }
+    let slot = put_show(&mut board, &bytes, &common.by)?;
+    print(&format!("{} is in slot {slot}\n", file.display()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The slot of a show on a board: uploaded if it is not there by its hash.
+pub(in crate::cli) fn put_show<L: Line>(
+    board: &mut Board<L>,
+    bytes: &[u8],
+    by: &str,
+) -> anyhow::Result<u8> {
+    let item = item(Kind::Show, SHOW_SCHEMA, bytes, board.about().rig, by)?;
+    if let Some(slot) = board.slot_of(&item)? {
+        note(format_args!("the show is on the board already, in slot {slot}"));
+        return Ok(slot);
+    }
+    match put(board, &item, bytes) {
+        Err(ClientError::Refused(Refusal::NoFreeSlot)) => {
+            let shows = board.shows()?;
+            let count = shows.iter().flatten().count();
+            bail!(
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew upload show FILE --replace \
+                 SLOT` deletes one before",
+                shows.len(),
+                board.about().capacities.slot_bytes
+            )
+        }
+        put => put?,
+    }
+    board.slot_of(&item)?.context("the board has taken the show, and does not have it")
+}
+
+fn put<L: Line>(board: &mut Board<L>, item: &Item, bytes: &[u8]) -> Result<(), ClientError> {
+    let style = ProgressStyle::with_template("{bytes} of {total_bytes} {bar:40} {bytes_per_sec}");
+    let bar = ProgressBar::new(item.length.into());
+    let bar = style.map_or(bar.clone(), |style| bar.with_style(style));
+    let uploaded = board.upload(item, bytes, &mut |next| bar.set_position(next.into()));
+    bar.finish_and_clear();
+    uploaded
+}

@@ -1,0 +1,25 @@
+//! Faults in words.
+
+use sinew_firmware::supervisor::{Fault, TABLE};
+use sinew_link::message::FaultRecord;
+
+/// The fault of a number; its number alone if this program does not know it.
+pub(in crate::cli) fn named(number: u8) -> String {
+    let known = Fault::ALL.into_iter().find(|fault| fault.number() == number);
+    known.map_or_else(|| format!("fault {number}"), |fault| fault.to_string())
+}
+
+/// When a fault comes, and what to do.
+pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
+    let row = TABLE.iter().find(|row| row.fault.number() == number)?;
+    Some(format!("{} {}", row.when, row.remedy))
+}
+
+/// Where and when a fault came.
+pub(super) fn told(record: &FaultRecord) -> String {
+    let FaultRecord { fault, state, servo, start, time_us, times } = *record;
+    let servo = servo.map_or_else(String::new, |servo| format!(", servo {servo}"));
+    let again = if times > 1 { format!(", {times} times") } else { String::new() };
+    let time_s = time_us as f64 * 1e-6;
+    format!("{}{servo}: while {state}, {time_s:.1} s after start {start}{again}", named(fault))
+}

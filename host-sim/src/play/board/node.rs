@@ -1,0 +1,143 @@
+//! The node from one start of a board to the next, and its hardware.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use sinew_firmware::controller::Controller;
+use sinew_firmware::node::{
+    Control, Desk, Found, Mail, NodeSettings, Port, Safety, Setup, Shared, start,
+};
+use sinew_firmware::supervisor::FaultSet;
+use sinew_firmware::watchdog::Complete;
+use sinew_link::message::About;
+use sinew_wiring::{LINES, Wiring};
+
+use super::flash::{Chip, TABLE};
+use super::simulated::BoardError;
+use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, SERVOS};
+
+/// Room for the longest rig in its compact form.
+pub(super) const RIG_ROOM: usize = 1 << 16;
+
+/// What the line to the host carries, bit/s: as the NUCLEO's.
+const LINE_BPS: u32 = 1_000_000;
+
+type Letters = Mail<'static, FREEDOMS, SERVOS, COORDINATES>;
+
+/// A critical section: nothing interrupts.
+pub(super) struct Alone(RefCell<Letters>);
+
+impl Shared<Letters> for Alone {
+    fn with<R>(&self, act: impl FnOnce(&mut Letters) -> R) -> R {
+        act(&mut self.0.borrow_mut())
+    }
+}
+
+/// Loop, desk, and the mail between them.
+pub(super) struct Node {
+    /// None without a rig that fits the servos.
+    pub(super) control: Option<Box<Control<'static, BODIES, FREEDOMS, SERVOS, COORDINATES>>>,
+    pub(super) desk: Box<Desk<'static, Chip, BODIES, FREEDOMS, SERVOS, COORDINATES>>,
+    pub(super) mail: Box<Alone>,
+}
+
+impl Node {
+    /// Starts with what is in flash.
+    pub(super) fn start(parts: &Parts, chip: &Chip, about: About) -> Result<Self, BoardError> {
+        let defaults = NodeSettings::new(parts.settings.clone(), parts.schedule);
+        let found = start::<_, BODIES, FREEDOMS, SERVOS>(
+            chip.clone(),
+            TABLE,
+            |_| defaults,
+            FaultSet::EMPTY,
+            &mut vec![0; RIG_ROOM],
+        );
+        let Found { store, disarmed, settings, rig, is_bad, start } =
+            found.map_err(|error| BoardError::Flash(format!("{error:?}")))?;
+        // As long as the program: a board starts a few times at most.
+        let rig = rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
+        // Another number at each start.
+        let first_session = u16::try_from(start.count % 655).unwrap_or(0) * 100;
+        let control = rig.and_then(|(rig, _)| {
+            let of_loop = &settings.controller;
+            let made = Controller::new(rig, of_loop, &parts.setups, &parts.schedule, start);
+            Control::new(rig, made.ok()?, settings.live()).ok().map(Box::new)
+        });
+        let rig = rig.filter(|_| control.is_some());
+        let tick_s = 1e-6 * parts.tick_us() as f32;
+        let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
+        Ok(Self {
+            control,
+            desk: Box::new(Desk::new(store, setup, first_session)),
+            mail: Box::new(Alone(RefCell::new(Mail::new(disarmed)))),
+        })
+    }
+}
+
+/// Clock and outputs.
+pub(super) struct Pins<'c> {
+    pub(super) clock_us: &'c Cell<u64>,
+}
+
+impl Safety for Pins<'_> {
+    fn now_us(&self) -> u64 {
+        self.clock_us.get()
+    }
+    fn is_stopped(&mut self) -> bool {
+        false
+    }
+    fn enable_outputs(&mut self, _: bool) {}
+    fn feed(&mut self, _: Complete) {}
+    /// Simulated time: that of lines and servos.
+    #[expect(clippy::cast_possible_truncation, reason = "it wraps")]
+    fn cycles(&self) -> u32 {
+        self.clock_us.get() as u32
+    }
+    fn cycles_hz(&self) -> u32 {
+        1_000_000
+    }
+}
+
+/// Line to the host, and flash as memory.
+pub(super) struct Desktop<'d> {
+    pub(super) now_us: u64,
+    pub(super) came: &'d mut VecDeque<u8>,
+    pub(super) said: &'d mut VecDeque<u8>,
+    pub(super) chip: &'d Chip,
+    pub(super) lent: &'d mut Vec<&'static [u8]>,
+}
+
+impl Port<'static> for Desktop<'_> {
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+    fn receive(&mut self, into: &mut [u8]) -> usize {
+        let count = into.len().min(self.came.len());
+        into.iter_mut().zip(self.came.drain(..count)).for_each(|(to, byte)| *to = byte);
+        count
+    }
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        self.said.extend(bytes);
+        bytes.len()
+    }
+    fn look<R>(&mut self, range: Range<u32>, look: impl FnOnce(&[u8]) -> R) -> Option<R> {
+        self.chip.look(range, look)
+    }
+    /// Its lines are those of its own rig: others are told for nothing.
+    fn drives(behind: &[u8]) -> bool {
+        behind.is_empty() || Wiring::<LINES, SERVOS>::decode(behind).is_ok()
+    }
+    fn lend(&mut self, range: Range<u32>) -> Option<&'static [u8]> {
+        // A copy for as long as the program, one of each show.
+        let Self { chip, lent, .. } = self;
+        chip.look(range, |bytes| {
+            if let Some(before) = lent.iter().find(|before| **before == bytes) {
+                return *before;
+            }
+            let copy = &*Vec::leak(bytes.to_vec());
+            lent.push(copy);
+            copy
+        })
+    }
+}

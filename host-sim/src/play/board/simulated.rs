@@ -1,0 +1,237 @@
+//! A board with its servos, tick by tick.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::io;
+use std::time::Duration;
+
+use sinew_firmware::node::{Next, RIG_SCHEMA};
+use sinew_firmware::supervisor::State;
+use sinew_link::message::{About, Capacities, Release, Version};
+use sinew_servo_sim::bench::Branch;
+use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::load::Plant;
+use sinew_storage::{Approver, Descriptor, Kind, Store};
+use thiserror::Error;
+
+use super::bus::{AllLines, Servos};
+use super::flash::{Chip, TABLE};
+use super::node::{Desktop, Node, Pins};
+use crate::play::bus::Buses;
+use crate::play::stand::{Memory, StandError, Wires, lines};
+use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, PartsError, SERVOS};
+
+/// Steps below the loop in each tick: they take 64 bytes each.
+const STEPS: u32 = 8;
+/// Who stands for the rig that a simulated board has built in.
+const APPROVER: &str = "simulated board";
+
+/// Why there is no simulated board.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BoardError {
+    /// Its servos cannot be.
+    #[error(transparent)]
+    Stand(#[from] StandError),
+    /// A line cannot be.
+    #[error(transparent)]
+    Parts(#[from] PartsError),
+    /// Its flash cannot be read.
+    #[error("the board's flash cannot be used: {0}")]
+    Flash(String),
+    /// The rig has no compact form that fits.
+    #[error("the rig is too large for the board: {0}")]
+    Rig(String),
+}
+
+/// A board, its power on.
+pub struct SimulatedBoard<'a, P> {
+    parts: &'a Parts,
+    chip: Chip,
+    about: About,
+    node: Node,
+    buses: RefCell<Buses>,
+    lines: Vec<Line<Branch<'a, P>>>,
+    bauds: Vec<u32>,
+    wires: Wires,
+    lent: Vec<&'static [u8]>,
+    ticks: u64,
+    starts: u32,
+    /// Bytes of the host that the board has not taken yet.
+    came: VecDeque<u8>,
+    /// Bytes for the host.
+    pub(super) said: VecDeque<u8>,
+}
+
+impl<'a, P: Plant> SimulatedBoard<'a, P> {
+    /// A board with what is in its flash. `memories`: one for each servo; `plant`: what the servos move.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn new(
+        parts: &'a Parts,
+        memories: &'a mut [Memory],
+        plant: P,
+        chip: Chip,
+    ) -> Result<Self, BoardError> {
+        let about = ABOUT;
+        Ok(Self {
+            node: Node::start(parts, &chip, about)?,
+            buses: RefCell::new(parts.all_buses()?),
+            lines: lines(parts, memories, plant)?,
+            bauds: parts.lines.iter().map(|line| line.baud).collect(),
+            wires: Wires::default(),
+            lent: Vec::new(),
+            ticks: 0,
+            starts: 1,
+            came: VecDeque::new(),
+            said: VecDeque::new(),
+            about,
+            chip,
+            parts,
+        })
+    }
+
+    /// Stores the rig of these parts in flash that has none, as an upload would.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn store_rig(parts: &Parts, chip: &Chip) -> Result<(), BoardError> {
+        let failed = |error| BoardError::Flash(format!("{error:?}"));
+        let (mut store, disarmed) = Store::open(chip.clone(), TABLE).map_err(failed)?;
+        if store.rig().map_err(failed)?.is_some() {
+            return Ok(());
+        }
+        let bytes = parts.board_rig().map_err(BoardError::Rig)?;
+        let approver = Approver::new(APPROVER).map_err(|why| BoardError::Flash(why.to_string()))?;
+        let descriptor = Descriptor::of(Kind::Rig, RIG_SCHEMA, &bytes, 0, approver);
+        store.put(&disarmed, &descriptor, &bytes).map_err(failed)?;
+        Ok(())
+    }
+
+    /// The same board with firmware that speaks another version of the link.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn speaking(mut self, protocol: Version) -> Result<Self, BoardError> {
+        self.about.protocol = protocol;
+        self.node = Node::start(self.parts, &self.chip, self.about)?;
+        Ok(self)
+    }
+
+    /// A tick: the loop, then some steps below it. A packet that is passed on to servos makes it longer.
+    pub fn tick(&mut self) {
+        let tick_ns = u64::from(self.parts.tick_us()) * 1000;
+        let (clock_us, failed) = (Cell::new(self.now_us()), Cell::new(None));
+        self.ticks += 1;
+        let end_ns = self.ticks * tick_ns;
+        if let Some(control) = &mut self.node.control {
+            let mut wire = Servos {
+                buses: &self.buses,
+                failed: &failed,
+                lines: &mut self.lines,
+                bauds: &self.bauds,
+                end_ns,
+                clock_us: &clock_us,
+                wires: &mut self.wires,
+            };
+            let mut pins = Pins { clock_us: &clock_us };
+            let mut bus = AllLines { buses: &self.buses, failed: &failed };
+            // Without a watchdog a tick that is not whole is seen in telemetry alone.
+            let _ = control.tick(&mut pins, &*self.node.mail, &mut bus, &mut wire, &mut []);
+        }
+        run_all(&mut self.lines, end_ns);
+        let now_ns = self.lines.first().map_or(end_ns, |line| line.servos.now_ns());
+        self.ticks = self.ticks.max(now_ns.div_ceil(tick_ns));
+        for _ in 0..STEPS {
+            let now_us = self.now_us();
+            let Self { came, said, chip, lent, node, .. } = self;
+            let mut port = Desktop { now_us, came, said, chip, lent };
+            if node.desk.step(&mut port, &*node.mail) == Next::Restart {
+                self.restart();
+                return;
+            }
+        }
+    }
+
+    /// The board begins anew, with what is in flash; servos keep their power.
+    fn restart(&mut self) {
+        // It could at the first start, with the same parts.
+        if let (Ok(node), Ok(buses)) =
+            (Node::start(self.parts, &self.chip, self.about), self.parts.all_buses())
+        {
+            (self.node, self.buses) = (node, RefCell::new(buses));
+            self.starts += 1;
+        }
+    }
+
+    /// Bytes of a host.
+    pub fn give(&mut self, bytes: &[u8]) {
+        self.came.extend(bytes);
+    }
+
+    /// Time since power-on, us.
+    pub fn now_us(&self) -> u64 {
+        self.ticks * u64::from(self.parts.tick_us())
+    }
+
+    /// The state of its loop; none without a rig that fits.
+    pub fn state(&self) -> Option<State> {
+        self.node.control.as_ref().map(|control| control.controller().report().state)
+    }
+
+    /// How often it has started.
+    pub fn starts(&self) -> u32 {
+        self.starts
+    }
+
+    /// Length of a tick.
+    pub(super) fn tick_time(&self) -> Duration {
+        Duration::from_micros(self.parts.tick_us().into())
+    }
+}
+
+/// Without a port, in simulated time: time passes while the host waits.
+impl<P: Plant> sinew_client::Line for SimulatedBoard<'_, P> {
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.give(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let end = self.now() + wait;
+        while self.said.is_empty() && self.now() < end {
+            self.tick();
+        }
+        let count = into.len().min(self.said.len());
+        into.iter_mut().zip(self.said.drain(..count)).for_each(|(to, byte)| *to = byte);
+        Ok(count)
+    }
+
+    fn now(&self) -> Duration {
+        Duration::from_micros(self.now_us())
+    }
+}
+
+impl Parts {
+    /// The buses of all lines.
+    pub(in crate::play) fn all_buses(&self) -> Result<Buses, PartsError> {
+        let places = self.servos.iter().map(|part| part.place).collect();
+        Ok(Buses::new(self.buses()?, places))
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "they are small")]
+const ABOUT: About = About {
+    protocol: Version::CURRENT,
+    firmware: Release { major: 0, minor: 1, patch: 0 },
+    rig: 0,
+    capacities: Capacities {
+        bodies: BODIES as u16,
+        coordinates: COORDINATES as u16,
+        dofs: FREEDOMS as u16,
+        servos: SERVOS as u16,
+        slots: TABLE.slots.len() as u8,
+        slot_bytes: TABLE.slots[0].total_len(),
+    },
+};

@@ -1,0 +1,63 @@
+//! What a board stores of a rig: its compact form, and behind it how its servos hang on the board.
+
+use sinew_wiring::{LINES, Line, OnLine, Protocol, Servo, Wiring};
+
+use super::node::RIG_ROOM;
+use crate::play::line::OfLine;
+use crate::play::{Parts, SERVOS};
+
+impl Parts {
+    /// The rig in its compact form. It ends with the CRC by which boards and shows name it.
+    ///
+    /// # Errors
+    /// Why it has none.
+    pub fn compact_rig(&self) -> Result<Vec<u8>, String> {
+        let mut bytes = vec![0; RIG_ROOM];
+        let len = self.board.encode(&mut bytes).map_err(|error| error.to_string())?;
+        bytes.truncate(len);
+        Ok(bytes)
+    }
+
+    /// The item that a board takes as its rig.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn board_rig(&self) -> Result<Vec<u8>, String> {
+        let mut item = self.compact_rig()?;
+        let len = item.len();
+        item.resize(RIG_ROOM, 0);
+        let wiring = self.wiring().ok_or_else(|| format!("it has more than {LINES} buses"))?;
+        let len = wiring.append(&mut item, len).ok_or("it has too many servos")?;
+        item.truncate(len);
+        Ok(item)
+    }
+
+    fn wiring(&self) -> Option<Wiring<LINES, SERVOS>> {
+        let of_lines: Vec<OfLine> = self.lines.iter().map(|line| self.of_line(line)).collect();
+        let mut wiring = Wiring {
+            rate_hz: self.rate_hz,
+            latest: self.schedules.iter().position(|of| *of == self.schedule).unwrap_or_default(),
+            tracker: self.settings.tracker,
+            lines: heapless::Vec::new(),
+            servos: heapless::Vec::new(),
+        };
+        for (line, of_line) in self.lines.iter().zip(&of_lines) {
+            let load = line.load(&self.servos);
+            let protocol = match of_line {
+                OfLine::Dynamixel(_, settings) => Protocol::Dynamixel(*settings),
+                OfLine::Feetech(_, settings) => Protocol::Feetech(*settings),
+            };
+            let (timing, traffic) = (load.timing, load.traffic);
+            wiring.lines.push(Line { protocol, timing, traffic }).ok()?;
+        }
+        for (part, setup) in self.servos.iter().zip(&self.setups) {
+            let (line, place) = part.place;
+            let on_line = match of_lines.get(line)? {
+                OfLine::Dynamixel(setups, _) => OnLine::Dynamixel((*setups.get(place)?).into()),
+                OfLine::Feetech(setups, _) => OnLine::Feetech(*setups.get(place)?),
+            };
+            wiring.servos.push(Servo { line, on_line, setup: *setup }).ok()?;
+        }
+        Some(wiring)
+    }
+}

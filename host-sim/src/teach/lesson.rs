@@ -1,0 +1,179 @@
+//! A simulated rig that a scripted hand leads.
+
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+use sinew_servo_sim::plant::{Hand, RigPlant};
+use thiserror::Error;
+
+use super::Leads;
+use crate::play::{Drive, Parts, Stand};
+
+/// After so long a rig that is not ready will not be, s.
+const READY_S: f64 = 10.0;
+
+/// How the rig is while it is led.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Torque is off.
+    Limp,
+    /// It carries its own weight.
+    Float,
+}
+
+/// Why nothing was taught.
+#[derive(Debug, Error)]
+pub enum LessonError {
+    /// Servos that take no effort.
+    #[error(
+        "the rig cannot carry itself: servo `{0}` is driven by position, and takes no effort; teach it limp (`--limp`)"
+    )]
+    NoEffort(String),
+    /// A command was refused.
+    #[error("the controller refused: {0}")]
+    Refused(Refused),
+    /// Faults ended it.
+    #[error("it ended with {}: see docs/faults.md", names(*.0))]
+    Faults(FaultSet),
+    /// It did not become what it was asked to be.
+    #[error("the rig is still {0} after 10 s")]
+    NotReady(State),
+}
+
+fn names(faults: FaultSet) -> String {
+    faults.iter().map(sinew_firmware::supervisor::Fault::name).collect::<Vec<_>>().join(", ")
+}
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub struct Taken {
+    /// From row to row, s.
+    pub dt_s: f64,
+    /// Measured coordinates while a hand led.
+    pub rows: Vec<Vec<f64>>,
+    /// How far each coordinate went after the hand let go, rad or m: the most in all that time.
+    pub drift: Vec<f64>,
+}
+
+/// A rig on its stand, and a hand.
+pub struct Lesson<'s, 'a> {
+    stand: &'s mut Stand<'a, RigPlant>,
+    /// Freedom and coordinate of all that a hand can lead.
+    led: Vec<(usize, usize)>,
+}
+
+impl<'s, 'a> Lesson<'s, 'a> {
+    /// With a stand just before power comes on.
+    pub fn new(stand: &'s mut Stand<'a, RigPlant>, mechanism: &Mechanism) -> Self {
+        let (mut led, mut freedom, mut coordinate) = (Vec::new(), 0, 0);
+        for link in &mechanism.bodies {
+            let kind = link.joint.kind();
+            let (freedoms, coordinates) = (kind.degrees_of_freedom(), kind.coordinate_count());
+            if !matches!(link.joint, Freedom::Spherical | Freedom::Free) {
+                led.extend((freedom..freedom + freedoms).zip(coordinate..));
+            }
+            (freedom, coordinate) = (freedom + freedoms, coordinate + coordinates);
+        }
+        Self { stand, led }
+    }
+
+    /// Power on, the hand holds the rig; it is led along a way, let go for `let_go_s`, and made limp. `each` sees every
+    /// tick's state.
+    ///
+    /// # Errors
+    /// [`LessonError`].
+    pub fn run(
+        &mut self,
+        mode: Mode,
+        leads: &Leads,
+        let_go_s: f64,
+        mut each: impl FnMut(f64, State),
+    ) -> Result<Taken, LessonError> {
+        let parts: &Parts = self.stand.parts;
+        if mode == Mode::Float
+            && let Some(servo) = parts.servos.iter().find(|part| part.drive != Drive::Current)
+        {
+            return Err(LessonError::NoEffort(servo.own.name.clone()));
+        }
+        let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
+        self.hold(leads, 0.0);
+        while self.stand.report().state != taught {
+            let command = self.towards(mode);
+            self.tick(command, &mut each)?;
+            let state = self.stand.report().state;
+            if state != taught && self.stand.time_s() > READY_S {
+                return Err(LessonError::NotReady(state));
+            }
+        }
+        let begin_s = self.stand.time_s();
+        let mut rows = Vec::new();
+        loop {
+            let time_s = self.stand.time_s() - begin_s;
+            if time_s > leads.duration_s() {
+                break;
+            }
+            self.hold(leads, time_s);
+            self.tick(None, &mut each)?;
+            rows.push(self.stand.measured().iter().map(|x| f64::from(*x)).collect());
+        }
+        for (freedom, _) in &self.led {
+            self.stand.lead(*freedom, None);
+        }
+        let (left, from_s) = (self.stand.q(), self.stand.time_s());
+        let mut drift = vec![0.0; left.len()];
+        while self.stand.time_s() < from_s + let_go_s {
+            self.tick(None, &mut each)?;
+            for ((most, at), left) in drift.iter_mut().zip(self.stand.q()).zip(&left) {
+                *most = f64::max(*most, (at - left).abs());
+            }
+        }
+        let mut command = Some(Command::Stop);
+        while !matches!(self.stand.report().state, State::Limp | State::Faulted) {
+            self.tick(command.take(), &mut each)?;
+        }
+        Ok(Taken { dt_s: 1e-6 * f64::from(self.stand.parts.tick_us()), rows, drift })
+    }
+
+    /// What leads from the present state to the one in which it is taught.
+    fn towards(&self, mode: Mode) -> Option<Command> {
+        let report = self.stand.report();
+        match (mode, report.state) {
+            (Mode::Limp, State::Limp) => Some(Command::Teach),
+            (Mode::Float, State::Limp) if self.stand.is_known() && report.moving.is_none() => {
+                Some(Command::Arm)
+            }
+            (Mode::Float, State::Holding) => Some(Command::Float),
+            _ => None,
+        }
+    }
+
+    /// Where the hand is now.
+    fn hold(&mut self, leads: &Leads, time_s: f64) {
+        let instant = leads.at(time_s);
+        for (freedom, coordinate) in &self.led {
+            let (position, velocity) = (instant.q[*coordinate], instant.qd[*freedom]);
+            self.stand.lead(*freedom, Some(Hand { position, velocity }));
+        }
+    }
+
+    fn tick(
+        &mut self,
+        command: Option<Command>,
+        each: &mut impl FnMut(f64, State),
+    ) -> Result<(), LessonError> {
+        self.stand.tick(command);
+        let report = self.stand.report();
+        each(self.stand.time_s(), report.state);
+        match report.answer {
+            // Registers are still being read.
+            Some(Err(Refused::RegistersUnread | Refused::StopUntested | Refused::NotMeasured)) => {}
+            Some(Err(why)) => return Err(LessonError::Refused(why)),
+            _ => {}
+        }
+        if report.raised.is_empty() || !report.state.is_on() && report.state != State::Faulted {
+            Ok(())
+        } else {
+            Err(LessonError::Faults(report.raised))
+        }
+    }
+}
