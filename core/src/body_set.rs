@@ -9,14 +9,17 @@
 /// assert_eq!(set.iter().collect::<Vec<_>>(), [0, 3, 5]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct BodySet([u32; 4]);
+pub struct BodySet([u32; WORDS]);
+
+/// Words of 32 bodies.
+const WORDS: usize = if cfg!(feature = "large") { 8 } else { 4 };
 
 impl BodySet {
-    /// The largest number of bodies of a tree.
-    pub const CAPACITY: usize = 128;
+    /// The largest number of bodies of a tree: 128, with the feature `large` 256.
+    pub const CAPACITY: usize = 32 * WORDS;
 
     /// The set without members.
-    pub const EMPTY: Self = Self([0; 4]);
+    pub const EMPTY: Self = Self([0; WORDS]);
 
     /// The word and the bit in it that stand for a body.
     fn place(body: usize) -> (usize, u32) {
@@ -40,13 +43,16 @@ impl BodySet {
     /// The members of either set.
     #[must_use]
     pub(crate) fn union(self, other: Self) -> Self {
-        let (Self([a, b, c, d]), Self([e, f, g, h])) = (self, other);
-        Self([a | e, b | f, c | g, d | h])
+        let mut union = self;
+        for (word, other) in union.0.iter_mut().zip(other.0) {
+            *word |= other;
+        }
+        union
     }
 
     /// Number of members.
     pub fn len(self) -> usize {
-        // At most 128.
+        // At most the capacity.
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 

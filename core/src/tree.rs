@@ -52,7 +52,7 @@ impl Body {
     }
 }
 
-/// A tree of at most `N` bodies (`N` up to 128), immutable once built.
+/// A tree of at most `N` bodies (`N` up to [`BodySet::CAPACITY`]), immutable once built.
 ///
 /// Its sets carry the paper's names: λ parent, κ supporters, ν subtree, µ children.
 ///
@@ -86,7 +86,7 @@ pub struct Tree<const N: usize> {
 impl<const N: usize> Tree<N> {
     /// A tree without bodies.
     pub fn new() -> Self {
-        const { assert!(N <= BodySet::CAPACITY, "a tree holds at most 128 bodies") };
+        const { assert!(N <= BodySet::CAPACITY, "a tree holds at most BodySet::CAPACITY bodies") };
         Self {
             bodies: Vec::new(),
             supporters: Vec::new(),

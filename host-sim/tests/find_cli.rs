@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use glam::{DQuat, DVec3};
 use serde_json::Value;
-use sinew_mocap::{bvh, gaps};
+use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint, bvh, gaps};
 use sinew_sim::builtin;
 use sinew_sim::pipeline::{self, Settings};
 
@@ -244,6 +245,83 @@ fn what_cannot_be_done_is_said() {
         assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
         assert!(output.stdout.is_empty(), "{arguments:?}");
     }
+}
+
+/// A creature of so many joints, each with two below it, that writhes; the last `still` of them do not.
+fn creature(joints: usize, still: usize) -> Clip {
+    let joint = |index: usize| SkeletonJoint {
+        name: format!("feeler_{index}"),
+        parent: index.checked_sub(1).map(|before| before / 2),
+        offset_m: DVec3::new(0.1, 0.02 * (index % 2) as f64, 0.01 * (index % 5) as f64),
+        end_sites_m: Vec::new(),
+    };
+    let skeleton = Skeleton { joints: (0..joints).map(joint).collect() };
+    let sample = |frame: usize, index: usize| JointSample {
+        rotation: if index < joints - still {
+            DQuat::from_rotation_z(0.3 * libm::sin(0.2 * frame as f64 + index as f64))
+        } else {
+            DQuat::from_rotation_x(0.1)
+        },
+        position_m: skeleton.joints[index].offset_m,
+    };
+    let frames = (0..60).map(|frame| (0..joints).map(|index| sample(frame, index)).collect());
+    Clip {
+        name: "creature".into(),
+        frames: frames.collect(),
+        skeleton: skeleton.clone(),
+        frame_time_s: 1.0 / 30.0,
+    }
+}
+
+#[test]
+fn any_skeleton_is_searched_and_blended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (joints, still) in [(12, 0), (200, 0), (300, 100)] {
+        bvh::write(&folder.path().join("a.bvh"), &creature(joints, still), 0.01).expect("a clip");
+        let arguments = ["find", "a.bvh", "--like", "a.bvh@20", "--check", "--apart", "0.2"];
+        for metric in ["positions", "line"] {
+            let (found, told) =
+                json(folder.path(), &[&arguments[..], &["--metric", metric]].concat());
+            assert!(told.contains("checked: the same moments"), "{told}");
+            // All joints swing 0.2 rad a frame: a period of 31.4 frames.
+            assert_eq!(found["moments"][0]["frame"], 51, "{found}");
+        }
+    }
+    let blend = ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2"];
+    bvh::write(&folder.path().join("a.bvh"), &creature(40, 10), 0.01).expect("a clip");
+    let (blended, _) = json(folder.path(), &blend);
+    assert!(blended["geodesic_m"].as_f64().is_some_and(|length_m| length_m > 0.0), "{blended}");
+    let read = bvh::read(&folder.path().join("b.bvh")).expect("a clip");
+    assert_eq!(read.skeleton.joints.len(), 40);
+    let drawn = sinew(folder.path(), &[&blend[..], &["--picture", "b.svg"]].concat());
+    assert!(
+        text(&drawn.stderr).contains("expected a human, which alone is drawn"),
+        "{}",
+        text(&drawn.stderr)
+    );
+    bvh::write(&folder.path().join("a.bvh"), &creature(300, 20), 0.01).expect("a clip");
+    let refused = sinew(folder.path(), &["find", "a.bvh", "--like", "a.bvh@20"]);
+    let told = text(&refused.stderr);
+    assert!(told.contains("expected at most 256 joints that move, found 2"), "{told}");
+}
+
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn a_face_of_163_joints_is_searched_and_blended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = std::env::var_os("SINEW_DATA").expect("SINEW_DATA is set");
+    let face = Path::new(&data).join("foreign/bvh/makehuman_face.bvh").display().to_string();
+    let like = format!("{face}@20");
+    for metric in ["positions", "line"] {
+        let (found, told) =
+            json(folder.path(), &["find", &face, "--like", &like, "--check", "--metric", metric]);
+        assert!(told.contains("checked: the same moments"), "{told}");
+        assert!(found["moments"].as_array().is_some_and(|moments| !moments.is_empty()), "{found}");
+    }
+    let (from, to) = (format!("{face}@20"), format!("{face}@40"));
+    let (blended, _) =
+        json(folder.path(), &["blend", &from, &to, "--out", "face.bvh", "--seconds", "0.3"]);
+    assert_eq!(blended["not_converged"], 0, "{blended}");
 }
 
 #[test]

@@ -75,13 +75,20 @@ fn kind_of(file: &Path) -> &'static str {
     let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "glb" | "gltf" | "vrm" => {
-            "a glTF character, whose animations are not read: export them as BVH (Blender does)"
+            "a glTF character, which `sinew weights` and `sinew inspect` take; its animations are not read: export \
+             them as BVH (Blender does)"
         }
         "fbx" => "FBX, which is not read: export it as BVH (Blender does)",
-        "urdf" | "xacro" | "toml" | "xml" => "a rig or settings",
-        _ => "another kind of file",
+        "urdf" | "xacro" | "toml" | "xml" => {
+            "a rig or settings: `sinew rig` and `sinew inspect` take rigs"
+        }
+        "show" => "a show, which `sinew play` takes",
+        _ => OTHER,
     }
 }
+
+/// A file of no kind that has a name.
+const OTHER: &str = "another kind of file";
 
 impl Format {
     /// The format that the file's name says; `None` if only its content can say it.
@@ -145,6 +152,21 @@ pub fn read(file: &Path) -> Result<Recording, Error> {
     })
 }
 
+/// What the format of the file that a recording was read from is called.
+pub fn name(file: &Path, recording: &Recording) -> &'static str {
+    // What was told by content alone: only DeepMimic's files have metres, and only motions of ASF files no rate.
+    match Format::of_name(file) {
+        Some(Format::Bvh) => "BVH",
+        Some(Format::AsfAmc) => "ASF/AMC",
+        Some(Format::DeepMimic) => "DeepMimic",
+        None => match (recording.metres_per_unit, recording.frame_time_s) {
+            (Some(1.0), Some(_)) => "DeepMimic",
+            (_, None) => "ASF/AMC",
+            _ => "BVH",
+        },
+    }
+}
+
 /// The format of a file whose name says none.
 fn of_other(file: &Path) -> Result<Format, Error> {
     let path = || file.to_path_buf();
@@ -156,6 +178,10 @@ fn of_other(file: &Path) -> Result<Format, Error> {
         return Err(Error::Markers { file: path() });
     }
     let bytes = crate::read::bytes(file).map_err(|source| Error::Io { file: path(), source })?;
+    // Any JSON begins as DeepMimic's, glTF too.
+    if kind_of(file) != OTHER {
+        return Err(Error::Unknown { file: path() });
+    }
     Format::of_content(&bytes).ok_or_else(|| Error::Unknown { file: path() })
 }
 

@@ -45,8 +45,10 @@ pub mod resample;
 mod skeleton;
 pub mod skeleton_map;
 pub mod text;
+mod up;
 
 pub use clip::{Clip, moving_root};
 pub use recording::Recording;
 pub use skeleton::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
 pub use skeleton_map::SkeletonMap;
+pub use up::{Up, axis_name, to_y};

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::Skeleton;
+use crate::{Skeleton, Up};
 
 /// How a recorded skeleton makes a figure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -20,6 +20,8 @@ pub struct SkeletonMap {
     pub metres_per_unit: f64,
     /// Frames per second, for files that do not tell them.
     pub rate_hz: Option<f64>,
+    /// The axis of the files that points up; `None` to see it in the motion.
+    pub up: Option<Up>,
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, by the body's name.
@@ -44,13 +46,32 @@ pub struct Signature {
 }
 
 impl Signature {
-    /// Whether `skeleton` bears this signature, in any unit of length.
+    /// Whether `skeleton` bears this signature, in any unit of length and behind any [`prefix`](Self::prefix).
     pub fn matches(&self, skeleton: &Skeleton) -> bool {
-        let has = |name: &String| skeleton.find(name).is_some();
+        self.prefix(skeleton).is_some()
+    }
+
+    /// What stands before all names of the signature in `skeleton`, which bears it: mostly nothing, else the name of a
+    /// character or a file (`mixamorig7:`). `None` if it does not bear it.
+    pub fn prefix<'s>(&self, skeleton: &'s Skeleton) -> Option<&'s str> {
+        let Some(first) = self.joints.first() else {
+            return self.is_borne(skeleton, "").then_some("");
+        };
+        let mut prefixes: Vec<&str> = skeleton
+            .joints
+            .iter()
+            .filter_map(|joint| joint.name.strip_suffix(first.as_str()))
+            .collect();
+        prefixes.sort_by_key(|prefix| prefix.len());
+        prefixes.into_iter().find(|prefix| self.is_borne(skeleton, prefix))
+    }
+
+    fn is_borne(&self, skeleton: &Skeleton, prefix: &str) -> bool {
+        let find = |name: &String| skeleton.find(&format!("{prefix}{name}"));
         let at_parent =
-            |name: &String| skeleton.find(name).map(|j| skeleton.joints[j].offset_m == DVec3::ZERO);
-        self.joints.iter().all(has)
-            && !self.no_joints.iter().any(has)
+            |name: &String| find(name).map(|j| skeleton.joints[j].offset_m == DVec3::ZERO);
+        self.joints.iter().all(|name| find(name).is_some())
+            && !self.no_joints.iter().any(|name| find(name).is_some())
             && self.zero_offsets.iter().all(|name| at_parent(name) == Some(true))
             && self.nonzero_offsets.iter().all(|name| at_parent(name) == Some(false))
     }
@@ -98,7 +119,23 @@ impl End {
     /// # Errors
     /// [`NoEnd`] if the skeleton lacks what it names.
     pub fn rest_position_m(&self, skeleton: &Skeleton, rest_m: &[DVec3]) -> Result<DVec3, NoEnd> {
-        let find = |name: &str| skeleton.find(name).ok_or_else(|| NoEnd::Joint(name.to_owned()));
+        self.behind("", skeleton, rest_m)
+    }
+
+    /// The same, with `prefix` before the name of its joint.
+    ///
+    /// # Errors
+    /// [`NoEnd`] if the skeleton lacks what it names.
+    pub fn behind(
+        &self,
+        prefix: &str,
+        skeleton: &Skeleton,
+        rest_m: &[DVec3],
+    ) -> Result<DVec3, NoEnd> {
+        let find = |name: &str| {
+            let found = skeleton.find(&format!("{prefix}{name}"));
+            found.ok_or_else(|| NoEnd::Joint(name.to_owned()))
+        };
         Ok(match self {
             Self::Joint(joint) => rest_m[find(joint)?],
             Self::Site { site } => {
@@ -132,6 +169,7 @@ struct File {
     name: Option<String>,
     metres_per_unit: Option<f64>,
     rate_hz: Option<f64>,
+    up: Option<Up>,
     signature: Option<Signature>,
     body: Option<BTreeMap<String, Part>>,
 }
@@ -144,7 +182,7 @@ impl TryFrom<File> for SkeletonMap {
         fn needed<T>(key: &str, value: Option<T>) -> Result<T, String> {
             value.ok_or_else(|| format!("expected {key}, which is missing"))
         }
-        let File { name, metres_per_unit, rate_hz, signature, body } = file;
+        let File { name, metres_per_unit, rate_hz, up, signature, body } = file;
         let name = needed("`name` before the first table", name)?;
         let metres_per_unit = needed("`metres_per_unit` before the first table", metres_per_unit)?;
         let signature = needed("the table `[signature]`", signature)?;
@@ -164,7 +202,7 @@ impl TryFrom<File> for SkeletonMap {
                 return Err(format!("body `{name}`: ratio: expected finite, found {ratio}"));
             }
         }
-        Ok(Self { name, metres_per_unit, rate_hz, signature, bodies })
+        Ok(Self { name, metres_per_unit, rate_hz, up, signature, bodies })
     }
 }
 
@@ -198,8 +236,18 @@ mod tests {
         assert_eq!(end_m("lower"), Ok(1.5 * DVec3::Y));
         let site = End::Site { site: "b".to_owned() };
         assert_eq!(site.rest_position_m(&skeleton, &rest_m), Err(NoEnd::Site("b".to_owned())));
+        for (joint, name) in skeleton.joints.iter_mut().zip(["rig7:a", "rig7:b"]) {
+            name.clone_into(&mut joint.name);
+        }
+        assert_eq!(map.signature.prefix(&skeleton), Some("rig7:"));
+        let rest_m = skeleton.rest_positions_m();
+        assert_eq!(map.bodies["lower"].end.behind("rig7:", &skeleton, &rest_m), Ok(1.5 * DVec3::Y));
         skeleton.joints[0].offset_m = DVec3::X;
         assert!(!map.signature.matches(&skeleton));
+        // Two prefixes are none.
+        "b".clone_into(&mut skeleton.joints[1].name);
+        skeleton.joints[0].offset_m = DVec3::ZERO;
+        assert_eq!(map.signature.prefix(&skeleton), None);
     }
 
     #[test]

@@ -157,11 +157,11 @@ fn files_of_many_makers() {
         assert_eq!(axis, if *up == 'y' { glam::DVec3::Y } else { glam::DVec3::Z }, "{file}");
         assert_eq!(matched.findings, Vec::<String>::new(), "{file}");
     }
-    // 45 units tall: neither centimetres nor metres nor inches.
+    // 45 units tall: a child in inches, and nobody in centimetres or metres.
     let unit = SkeletonMatch::of_clip(&clip(&data().join("foreign/bvh/ad_fair1_dab.bvh")))
         .unit
         .expect("legs");
-    assert_eq!(unit.metres_per_unit, None, "{unit:?}");
+    assert_eq!(unit.metres_per_unit, Some(0.0254), "{unit:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use sinew_firmware::show::Show;
-use sinew_image::{BOARDS, Board, EMULATED};
+use sinew_image::{BOARDS, Baked, Board, EMULATED};
 use sinew_parity::replay::{METHODS, Replay, TorqueHash};
 
 use crate::budget::{self, Figures, Place, field, number};
@@ -22,7 +22,8 @@ const SECTION: &str = "show_instructions";
 /// Builds the images, with a show of the caller's in place of ours, and says what they take.
 pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
     let given = given.map(checked).transpose()?;
-    let show_of = |board: Board| given.clone().unwrap_or_else(|| baked(board));
+    let show_of =
+        |board: Board| board.baked.is_some().then(|| given.clone().unwrap_or_else(|| baked(board)));
     if given.is_none() {
         bake()?;
     }
@@ -30,12 +31,14 @@ pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
 
     let mut figures = Figures::default();
     for &board in BOARDS {
-        let show_bytes = fs::metadata(show_of(board))?.len();
+        let show_bytes =
+            show_of(board).map_or(Ok(0), |show| fs::metadata(show).map(|it| it.len()))?;
         figures.extend(budget::size(board.name, &Image::of(board).path(), show_bytes)?);
     }
     for &board in BOARDS.iter().filter(|board| board.qemu_machine.is_some()) {
+        let Some(show) = show_of(board) else { continue };
         let runs = emulated(board)?;
-        compare(board, &runs, &host(&show_of(board))?)?;
+        compare(board, &runs, &host(&show)?)?;
         // One board's are enough: the instructions are those of the processor.
         for run in runs.iter().filter(|_| board == EMULATED) {
             for (column, instructions) in &run.instructions {
@@ -103,26 +106,27 @@ fn bake() -> Result<()> {
     let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));
     let simulator = simulator.to_str().context("the target folder's name is not UTF-8")?;
     for &board in BOARDS {
+        let Some(Baked { seconds, .. }) = board.baked else { continue };
         let show = baked(board);
         fs::create_dir_all(show.parent().context("the show has a folder")?)?;
         step::run(
             &format!("bake the show of {}", board.name),
             step::command(simulator)
                 .args(["bake", "kicks_01", "--scale", "1.1"])
-                .args(["--seconds", &board.show_s.to_string(), "--out"])
+                .args(["--seconds", &seconds.to_string(), "--out"])
                 .arg(&show),
         )?;
     }
     Ok(())
 }
 
-/// Builds all images, each with its show.
-fn build(show_of: impl Fn(Board) -> PathBuf) -> Result<()> {
+/// Builds all images, each with its show, if it performs one by itself.
+fn build(show_of: impl Fn(Board) -> Option<PathBuf>) -> Result<()> {
     let toolchain = arm::toolchain()?.name();
     for &board in BOARDS {
         step::run(
             &format!("build {} with {toolchain}", board.name),
-            Image::of(board).cargo("build")?.env("SINEW_SHOW", show_of(board)),
+            Image::of(board).cargo("build")?.envs(show_of(board).map(|show| ("SINEW_SHOW", show))),
         )?;
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
-use sinew_image::Board;
+use sinew_image::{BOARDS, Board};
 
 use crate::arm;
 
@@ -31,11 +31,18 @@ impl Image {
     /// The same for another Arm target.
     pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Result<Command> {
         let mut command = arm::toolchain_for(target)?.cargo_for(target, verb);
-        command.args(["--package", self.package, "--bin", self.name, "--profile", "firmware"]);
+        command.args(["--package", self.package, "--bin", self.name]);
+        command.args(["--profile", self.profile()]);
         if let Some(feature) = self.feature {
             command.args(["--features", feature]);
         }
         Ok(command)
+    }
+
+    /// Boards that run the node have one of their own: what is small.
+    fn profile(self) -> &'static str {
+        let is_node = |board: &Board| board.name == self.name && board.baked.is_none();
+        if BOARDS.iter().any(is_node) { "node" } else { "firmware" }
     }
 
     /// Where it comes to lie.
@@ -45,7 +52,7 @@ impl Image {
 
     /// The same of another Arm target.
     pub(crate) fn path_for(self, target: &str) -> PathBuf {
-        path_of(target, self.name)
+        arm::target_dir().join(target).join(self.profile()).join(self.name)
     }
 }
 

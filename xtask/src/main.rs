@@ -4,8 +4,10 @@ mod arm;
 mod audit;
 mod budget;
 mod clients;
+mod deny;
 mod docs;
 mod elf;
+mod emulate;
 mod features;
 mod firmware;
 mod fuzz;
@@ -42,11 +44,15 @@ Commands:
   node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes
             of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
             `sinew play`: an arm, and with SINEW_DATA two robots
+  emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
+            an image; says `ignored` where there is none
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   retargeting
             Puts clips on robots, scores them beside GMR's, and compares with docs/retargeting.csv; with --accept,
             writes it
+  deny      Checks licences, sources and versions of other people's crates, and known faults where their database can be
+            reached, with cargo-deny by deny.toml
   semver REV
             Names what breaks users of the core's interface since revision REV, with cargo-semver-checks
   audit     Links all that boards may call without a panic handler, and looks in it for panics, f64, fused
@@ -91,9 +97,11 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["test"] => Box::new(test::run),
         ["parity"] => Box::new(parity::run),
         ["node"] => Box::new(node::run),
+        ["emulate"] => Box::new(emulate::run),
         ["clients"] => Box::new(clients::run),
         ["retargeting"] => Box::new(|| retargeting::run(false)),
         ["retargeting", "--accept"] => Box::new(|| retargeting::run(true)),
+        ["deny"] => Box::new(deny::run),
         ["semver", revision] => {
             let revision = (*revision).to_owned();
             Box::new(move || semver::run(&revision))

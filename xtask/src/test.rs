@@ -7,7 +7,8 @@ use sinew_image::BOARDS;
 
 use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, docs, features, firmware, fuzz, node, package, parity, setup, step,
+    arm, audit, budget, clients, deny, docs, emulate, features, firmware, fuzz, node, package,
+    parity, setup, step,
 };
 
 pub(crate) fn run() -> Result<()> {
@@ -18,6 +19,7 @@ pub(crate) fn run() -> Result<()> {
         "clippy",
         step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
     )?;
+    deny::run()?;
     features::run()?;
     package::run()?;
     step::run(
@@ -26,6 +28,8 @@ pub(crate) fn run() -> Result<()> {
             // Examples let it share with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
+            // It is empty for a host.
+            .args(["--exclude", "sinew-stm32"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
     docs::run()?;
@@ -38,6 +42,7 @@ pub(crate) fn run() -> Result<()> {
     fuzz::run()?;
     let machines = parity::build()?;
     let image = node::build()?;
+    let emulator = emulate::build()?;
     let mut tests = step::cargo();
     tests
         .args(["test", "--locked", "--workspace"])
@@ -45,17 +50,24 @@ pub(crate) fn run() -> Result<()> {
         // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
         // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
         .env("PROPTEST_RNG_SEED", "20261121")
-        .envs(machines.iter().cloned().chain([image.clone()]));
+        .envs(machines.iter().cloned().chain([image.clone()]))
+        .envs(emulator.iter().flatten().cloned());
     let browser = setup::chromium().unwrap_or_default();
     tests.env("SINEW_CHROMIUM", &browser);
     if std::env::var_os("SINEW_DATA").is_some() {
         tests.args(["--", "--include-ignored"]);
+        if emulator.is_none() {
+            tests.args(["--skip", "emulated_"]);
+        }
         step::run("tests, those on real mocap too", &mut tests)
     } else {
         eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
         step::run("tests", &mut tests)?;
         step::run("bit parity", parity::test().envs(machines))?;
         step::run("the node in QEMU", node::test().envs([image]))?;
+        if let Some(emulator) = emulator {
+            step::run("the emulated NUCLEO", emulate::test().envs(emulator))?;
+        }
         let mut report = step::cargo();
         report
             .args(["test", "--locked", "--workspace", "--test", "browser"])
@@ -81,7 +93,9 @@ fn lint_images() -> Result<()> {
         command.env("SINEW_SHOW", firmware::baked(board));
         clippy(image, command)?;
     }
-    for image in budget::IMAGES.into_iter().chain([audit::FAULTY, parity::IMAGE, node::IMAGE]) {
+    for image in
+        budget::IMAGES.into_iter().chain([audit::FAULTY, parity::IMAGE, node::IMAGE, emulate::CHIP])
+    {
         clippy(image, image.cargo("clippy")?)?;
     }
     Ok(())

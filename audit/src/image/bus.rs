@@ -5,8 +5,8 @@ use core::hint::black_box;
 use sinew_bus::settings::{self, Demand, Mode};
 use sinew_bus::table::{ByteOrder, Item};
 use sinew_bus::{
-    BusDevice, Command, Effort, Line, Plausible, Schedule, ServoBus, Timing, Traffic, dynamixel,
-    feetech, pca9685,
+    BusDevice, Command, Compared, Effort, Line, Plausible, Schedule, ServoBus, Timing, Traffic,
+    dynamixel, feetech, pca9685,
 };
 
 use super::{slice, slice_mut};
@@ -45,7 +45,9 @@ fn serve(mut bus: impl ServoBus) {
     black_box(&bus.plan(slice_mut()));
     black_box(&bus.plan_more(black_box(1), slice_mut()));
     black_box(bus.reply(slice()));
-    black_box(bus.compared());
+    if let Compared::Differs(difference) = black_box(bus.compared()) {
+        black_box(difference.is_torque());
+    }
     black_box(bus.feedback(black_box(1)).map(|feedback| match feedback.effort {
         Effort::Current(effort) | Effort::Load(effort) => effort,
     }));

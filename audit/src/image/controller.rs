@@ -4,7 +4,8 @@ use core::hint::black_box;
 
 use sinew_bus::{EncodeError, Schedule, pca9685};
 use sinew_firmware::controller::{
-    Controller, ControllerSettings, Inputs, ServoSetup, Start, Wire, exchange, open_show,
+    Controller, ControllerSettings, Inputs, ServoSetup, Start, Wire, estimated_us, exchange,
+    open_show,
 };
 use sinew_rig::board::BoardRig;
 
@@ -34,6 +35,7 @@ pub(crate) fn ticks() {
     let (rig, schedule) = black_box((None::<BoardRig<BODIES, FREEDOMS, SERVOS>>, None::<Schedule>));
     let (Some(rig), Some(schedule)) = (&rig, &schedule) else { return };
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
+    black_box(estimated_us(black_box(1), black_box(1)));
     let (settings, start) = black_box((ControllerSettings::default(), Start::default()));
     let controller = Controller::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
         rig,

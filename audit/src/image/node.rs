@@ -7,7 +7,8 @@ use core::ops::Range;
 use sinew_bus::{Schedule, pca9685};
 use sinew_firmware::controller::{Controller, ControllerSettings, ServoSetup};
 use sinew_firmware::node::{
-    Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, causes, start,
+    Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, Spread, causes,
+    join_rig, link_version, start,
 };
 use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{ToHost, Welcome};
@@ -83,10 +84,17 @@ pub(crate) fn nodes() {
     let board = BoardTable { slots: slice(), ..BoardTable::NUCLEO_F446RE };
     let Some(schedule) = black_box(None::<Schedule>) else { return };
     let defaults = NodeSettings::new(black_box(ControllerSettings::default()), schedule);
+    black_box((link_version(slice()), join_rig(slice_mut(), black_box(1), black_box(1))));
+    black_box(black_box(Spread::default()).jitter());
     let why = causes(black_box(true), black_box(true), black_box(true));
     let flash: Flash<4> = Flash;
-    let found =
-        start::<_, BODIES, FREEDOMS, SERVOS>(flash, black_box(board), &defaults, why, slice_mut());
+    let found = start::<_, BODIES, FREEDOMS, SERVOS>(
+        flash,
+        black_box(board),
+        |_| defaults,
+        why,
+        slice_mut(),
+    );
     let Ok(Found { store, disarmed, settings, is_bad, start, .. }) = found else { return };
     black_box((settings.get(black_box(1)), settings.bytes(), settings.live()));
     black_box((

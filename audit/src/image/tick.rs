@@ -94,6 +94,7 @@ pub(crate) fn tracker() {
     black_box((MethodName::from_name(black_box("world")), method.as_str()));
     black_box((method.label(), method.summary()));
     black_box(indicator::breath(black_box(1)));
+    black_box(indicator::duty(black_box(Some(1)), black_box(1)));
 }
 
 /// What stands in for servos where bits are compared.

@@ -10,8 +10,8 @@ use crate::fixed;
 use crate::transform::Transform;
 use crate::tree::Tree;
 
-/// A skeleton of 1 to `N` joints (`N` up to 128) at rest: a tree in any order, and where its joints are. Validated
-/// once.
+/// A skeleton of 1 to `N` joints (`N` up to [`BodySet::CAPACITY`]) at rest: a tree in any order, and where its joints
+/// are. Validated once.
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{RestPose, RestPoseError}};
@@ -38,7 +38,7 @@ impl<const N: usize> RestPose<N> {
     /// [`RestPoseError`] if there is no joint or more than `N`, not a position for each, a position is not finite, a
     /// parent is no joint, a second joint has no parent, or a joint is its own ancestor.
     pub fn new(parents: &[Option<usize>], positions_m: &[Vec3]) -> Result<Self, RestPoseError> {
-        const { assert!(N <= BodySet::CAPACITY, "a rest pose holds at most 128 joints") };
+        const { assert!(N <= BodySet::CAPACITY, "a rest pose holds at most BodySet::CAPACITY joints") };
         let count = parents.len();
         if count == 0 {
             return Err(RestPoseError::Empty);

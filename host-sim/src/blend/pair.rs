@@ -8,6 +8,7 @@ use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
 use crate::find::{Mismatch, same_joints};
 use crate::geodesic::{JointPosition, Rig, RigError, RigJoint};
+use crate::spatial::Rigid;
 
 /// Two clips on the skeleton of the first, at its rate.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,9 +22,9 @@ pub struct Pair {
     pub scale: f64,
     /// The joint that moves the body through space.
     pub(super) root: usize,
-    /// All that hang on it, itself first, and which joints of the skeleton these are.
-    pub(super) body: Skeleton,
+    /// Which joints hang on it, itself first, and those of them that move.
     pub(super) joints: Vec<usize>,
+    rigid: Rigid,
     pub(super) rig: Rig,
 }
 
@@ -68,18 +69,36 @@ impl Pair {
         };
         let frames = of_b.frames.iter().map(frame).collect();
         let b = Clip { skeleton: a.skeleton.clone(), frames, ..of_b };
-        let rig = rig(&body)?;
-        Ok(Self { a, b, scale, root, body, joints, rig })
+        let frames = a.frames.iter().chain(&b.frames);
+        let poses: Vec<Vec<DQuat>> = frames.map(|frame| rotations(&joints, frame)).collect();
+        let rigid = Rigid::new(&body, &poses, None);
+        let rig = rig(&rigid.skeleton)?;
+        Ok(Self { a, b, scale, root, joints, rigid, rig })
     }
 
-    /// The skeleton's part that poses are compared on.
+    /// The skeleton's part that poses are compared on: the joints that move.
     pub fn body(&self) -> &Skeleton {
-        &self.body
+        &self.rigid.skeleton
     }
 
     /// Local rotations of the body's joints in a frame.
     pub fn rotations(&self, frame: &[JointSample]) -> Vec<DQuat> {
-        self.joints.iter().map(|joint| frame[*joint].rotation).collect()
+        self.rigid.pose(&rotations(&self.joints, frame))
+    }
+
+    /// Puts the rotations of the body's joints into a frame.
+    pub(super) fn put(&self, pose: &[JointPosition], frame: &mut [JointSample]) {
+        let turns: Vec<DQuat> = pose
+            .iter()
+            .map(|state| match state {
+                JointPosition::Turn(rotation) => *rotation,
+                _ => DQuat::IDENTITY,
+            })
+            .collect();
+        // The first is the body itself.
+        for (joint, rotation) in self.rigid.joints(&turns).skip(1) {
+            frame[self.joints[joint]].rotation = rotation;
+        }
     }
 
     /// A frame as the solver takes it.
@@ -87,6 +106,11 @@ impl Pair {
         let rotations = self.rotations(frame).into_iter().skip(1);
         std::iter::once(JointPosition::Fixed).chain(rotations.map(JointPosition::Turn)).collect()
     }
+}
+
+/// Local rotations of some joints.
+fn rotations(joints: &[usize], frame: &[JointSample]) -> Vec<DQuat> {
+    joints.iter().map(|joint| frame[*joint].rotation).collect()
 }
 
 /// How far below its root a skeleton goes at rest, in metres.

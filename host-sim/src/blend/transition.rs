@@ -166,11 +166,7 @@ fn between(
     for joint in &pair.joints {
         frame[*joint] = a[*joint].towards(&b[*joint], share);
     }
-    for (joint, state) in pair.joints.iter().zip(along(&pair.rig, &geodesic, share)) {
-        if let JointPosition::Turn(rotation) = state {
-            frame[*joint].rotation = rotation;
-        }
-    }
+    pair.put(&along(&pair.rig, &geodesic, share), &mut frame);
     Ok((frame, geodesic))
 }
 

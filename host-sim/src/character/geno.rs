@@ -106,7 +106,12 @@ impl<'a> Bytes<'a> {
             let place = Place::Byte(self.at);
             let weights: [f64; 4] = core::array::from_fn(|_| self.number());
             let pairs = indices.iter().map(|bone| usize::from(*bone)).zip(weights);
-            let shares = shares(pairs).map_err(|r| r.of(format!("vertex {vertex}")).at(place))?;
+            let in_vertex = |r: Refusal| r.of(format!("vertex {vertex}")).at(place);
+            let (shares, is_one) = shares(pairs).map_err(in_vertex)?;
+            if !is_one {
+                // Its one writer divides by the sum.
+                return Err(in_vertex(refuse("weights", "a sum of 1", "another")));
+            }
             if let Some((bone, _)) = shares.iter().find(|(bone, _)| *bone >= bones) {
                 let place = Place::Byte(indices_at + 4 * vertex);
                 let refusal =

@@ -6,11 +6,15 @@
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
+use sinew_mocap::damage::check_bones;
 use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, format, forward_kinematics};
+use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::error::{Error, Refusal, refuse};
+use super::size::BONE_MAX_M;
 use super::{Character, Joint, NAMES, Options};
 use crate::figure::mapping;
+use crate::measured::{By, Measured};
 
 /// Reads the skeleton of a motion.
 ///
@@ -26,16 +30,23 @@ pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
         }
         Err(error) => return Err(error.into()),
     };
-    character(&recording, options)
+    character(recording, options)
         .map_err(|refusal| Error::Refused { file: path.to_path_buf(), refusal })
 }
 
-fn character(recording: &Recording, options: &Options) -> Result<Character, Refusal> {
-    let unit_m = metres_per_unit(recording, options.metres_per_unit)?;
+fn character(recording: Recording, options: &Options) -> Result<Character, Refusal> {
+    let matched = SkeletonMatch::of_recording(&recording);
+    let known = mapping::choose(&recording.skeleton).ok();
+    let by = known.map(|mapping| By { mapping, is_given: false });
+    let measured = Measured::new(&recording, &matched, by, options.told);
+    let unit = |reason| refuse("the skeleton", "one whose unit of length is known", reason);
+    let recording = measured.apply(recording).map_err(unit)?;
+    check_bones(&recording, BONE_MAX_M)
+        .map_err(|long| refuse("the skeleton", "bones that a body can have", long))?;
     let skeleton = &recording.skeleton;
     let local = match options.frame {
         None => at_rest(skeleton),
-        Some(frame) => in_frame(recording, frame)?,
+        Some(frame) => in_frame(&recording, frame)?,
     };
     let poses = forward_kinematics(skeleton, &local);
     let mut joints: Vec<Joint> = Vec::new();
@@ -47,7 +58,7 @@ fn character(recording: &Recording, options: &Options) -> Result<Character, Refu
         joints.push(Joint {
             name: joint.name.clone(),
             parent: joint.parent.map(|parent| places[parent]),
-            position_m: pose.position_m * unit_m,
+            position_m: pose.position_m,
         });
         let ends = joint.end_sites_m.iter().filter(|end| **end != DVec3::ZERO);
         for (end, number) in ends.zip(1..) {
@@ -55,11 +66,15 @@ fn character(recording: &Recording, options: &Options) -> Result<Character, Refu
             joints.push(Joint {
                 name: format!("{}End{number}", joint.name),
                 parent: Some(place),
-                position_m: (pose.position_m + pose.rotation * *end) * unit_m,
+                position_m: pose.position_m + pose.rotation * *end,
             });
         }
     }
-    Character::new(recording.name.clone(), joints, None)
+    let mut character = Character::new(recording.name.clone(), joints, None)?;
+    character.notes.push(measured.to_string());
+    character.notes.extend(measured.warnings());
+    character.notes.extend(recording.notes);
+    Ok(character)
 }
 
 /// Every joint where its offset has it, all rotations zero.
@@ -83,13 +98,4 @@ fn in_frame(recording: &Recording, frame: usize) -> Result<Vec<JointSample>, Ref
         sample.ok_or_else(|| refuse(item(), "a pose", "a gap"))
     };
     samples.iter().zip(&recording.skeleton.joints).map(sample).collect()
-}
-
-/// The file's own unit, else the one given, else that of the skeleton's known mapping.
-fn metres_per_unit(recording: &Recording, given: Option<f64>) -> Result<f64, Refusal> {
-    let of_mapping = || mapping::choose(&recording.skeleton).ok().map(|m| m.metres_per_unit);
-    recording.metres_per_unit.or(given).or_else(of_mapping).ok_or_else(|| {
-        let expected = "--metres-per-unit (0.01 for centimetres)";
-        refuse("unit of length", expected, "a skeleton that no known mapping is for")
-    })
 }

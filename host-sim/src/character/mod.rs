@@ -7,6 +7,7 @@ mod error;
 mod geno;
 mod gltf;
 mod mocap;
+mod size;
 mod surface;
 mod urdf;
 
@@ -20,6 +21,8 @@ pub use surface::VertexArea;
 
 use error::refuse;
 
+use crate::measured::Told;
+
 /// Far above any character's: what bounds the memory that a small file can ask for.
 const JOINT_COUNT_MAX: usize = 1024;
 
@@ -29,6 +32,8 @@ pub struct Character {
     name: String,
     joints: Vec<Joint>,
     mesh: Option<Mesh>,
+    /// How tall it is, in which unit, and what was overlooked in its file.
+    notes: Vec<String>,
 }
 
 /// A joint at rest.
@@ -56,8 +61,8 @@ pub struct Mesh {
 /// What a file does not tell.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// Metres per unit of length of a motion whose skeleton no known mapping is for.
-    pub metres_per_unit: Option<f64>,
+    /// The length of its unit, and which axis points up.
+    pub told: Told,
     /// The frame of a motion whose pose is the rest pose; without, all rotations are zero.
     pub frame: Option<usize>,
 }
@@ -68,9 +73,6 @@ impl Options {
         let of_motions = "a motion, or this option left out";
         if self.frame.is_some() {
             return Err(refuse("--frame", of_motions, "a file of one pose"));
-        }
-        if self.metres_per_unit.is_some() {
-            return Err(refuse("--metres-per-unit", of_motions, "a file in metres"));
         }
         Ok(())
     }
@@ -87,7 +89,7 @@ impl Character {
         if let Some(mesh) = &mesh {
             mesh.check(joints.len())?;
         }
-        Ok(Self { name, joints, mesh })
+        Ok(Self { name, joints, mesh, notes: Vec::new() })
     }
 
     /// What it is called: the stem of its file.
@@ -103,6 +105,11 @@ impl Character {
     /// The skin.
     pub fn mesh(&self) -> Option<&Mesh> {
         self.mesh.as_ref()
+    }
+
+    /// What a person should know of it: its size first.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The bone that ends in a joint, from its parent; `None` for the root.
@@ -209,26 +216,33 @@ impl Mesh {
 /// How far stored shares may sum from 1: eight of eight bits, each rounded.
 const SHARE_ROUNDING: f64 = 0.02;
 
-/// The shares of a vertex as a file stores them: those above 0, made to sum to exactly 1.
-fn shares(stored: impl IntoIterator<Item = (usize, f64)>) -> Result<Vec<(usize, f64)>, Refusal> {
+/// Larger shares are damage: writers that do not divide by the sum have at most a few times 1.
+const SHARE_MAX: f64 = 1e3;
+
+/// The shares of a vertex as a file stores them: those above 0, made to sum to exactly 1; and whether they did but for
+/// rounding.
+fn shares(
+    stored: impl IntoIterator<Item = (usize, f64)>,
+) -> Result<(Vec<(usize, f64)>, bool), Refusal> {
     let mut shares: Vec<(usize, f64)> = Vec::new();
     for (joint, share) in stored {
-        if !(0.0..=1.0 + SHARE_ROUNDING).contains(&share) {
-            return Err(refuse("weight", "a number from 0 to 1", share));
+        if !(0.0..=SHARE_MAX).contains(&share) {
+            return Err(refuse("weight", "a number from 0 to 1000", share));
         }
         if share > 0.0 {
             shares.push((joint, share));
         }
     }
     let sum = shares.iter().fold(0.0, |sum, (_, share)| sum + share);
-    if (sum - 1.0).abs() > SHARE_ROUNDING {
+    if sum <= 0.0 {
         return Err(refuse("weights", "a sum of 1", sum));
     }
-    Ok(shares.into_iter().map(|(joint, share)| (joint, share / sum)).collect())
+    let is_one = (sum - 1.0).abs() <= SHARE_ROUNDING;
+    Ok((shares.into_iter().map(|(joint, share)| (joint, share / sum)).collect(), is_one))
 }
 
 /// The files that [`read`] knows, for messages.
-pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";
+pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.vrm, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";
 
 /// Reads the character in a file, of the kind that its name says, or else its content.
 ///
@@ -238,15 +252,23 @@ pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let kind = extension.to_str();
-    if matches!(kind, Some("bin" | "glb" | "gltf" | "urdf")) {
+    let of_format = |character: Character| {
+        // URDF has z up, and its reader has turned that: what is told is told of the file's axes.
+        let up = if kind == Some("urdf") { urdf::in_character } else { |axis| axis };
+        let refused = |refusal| Error::Refused { file: path.to_path_buf(), refusal };
+        size::of_format(character, options.told, up, kind == Some("urdf")).map_err(refused)
+    };
+    if matches!(kind, Some("bin" | "glb" | "gltf" | "vrm" | "urdf")) {
         options
             .ensure_default()
             .map_err(|refusal| Error::Refused { file: path.to_path_buf(), refusal })?;
     }
     match kind {
-        Some("bin") => parsed(path, geno::parse),
-        Some("glb" | "gltf") => parsed(path, |bytes, name| gltf::parse(bytes, name, folder)),
-        Some("urdf") => parsed(path, urdf::parse),
+        Some("bin") => parsed(path, geno::parse).and_then(of_format),
+        Some("glb" | "gltf" | "vrm") => {
+            parsed(path, |bytes, name| gltf::parse(bytes, name, folder)).and_then(of_format)
+        }
+        Some("urdf") => parsed(path, urdf::parse).and_then(of_format),
         _ => mocap::read(path, options),
     }
 }

@@ -1,9 +1,10 @@
 //! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
 //!
-//! Its joints are the character's, fixed ones too, from the root outwards; the root is the link that no joint moves,
-//! which floats. Where a joint has that link's name too, the root is called `NAME (link)`. A joint is where the frame
-//! of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters have x left, y up and z
-//! ahead.
+//! Its joints are the character's, from the root outwards; the root is the link that no joint moves, which floats. What
+//! fixed joints carry is part of the link that they hang on. Where nothing that moves hangs on that, the farthest of
+//! them stays, as the end of its bone. Where a joint has that link's name too, the root is called `NAME (link)`. A
+//! joint is where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters
+//! have x left, y up and z ahead.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -93,16 +94,33 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
         on_link.map(move |(index, _)| (index, place)).collect::<Vec<_>>()
     };
     let mut to_come = on(root, 0);
+    let made_of = |index: usize, parent: usize| {
+        let position_m = in_character(positions_m[index]);
+        Joint { name: joints[index].name.to_owned(), parent: Some(parent), position_m }
+    };
+    // Of each that was made, the fixed joint on it that is farthest away.
+    let mut ends: BTreeMap<usize, Joint> = BTreeMap::new();
     while let Some((index, parent)) = to_come.pop() {
-        let (joint, position_m) = (&joints[index], positions_m[index]);
-        to_come.extend(on(joint.child, made.len()));
-        made.push(Joint {
-            name: joint.name.to_owned(),
-            parent: Some(parent),
-            position_m: DVec3::new(position_m.y, position_m.z, position_m.x),
-        });
+        let joint = made_of(index, parent);
+        if joints[index].is_fixed {
+            to_come.extend(on(joints[index].child, parent));
+            let far = |end: &Joint| end.position_m.distance(made[parent].position_m);
+            if far(&joint) > ends.get(&parent).map_or(0.0, far) {
+                ends.insert(parent, joint);
+            }
+        } else {
+            to_come.extend(on(joints[index].child, made.len()));
+            made.push(joint);
+        }
     }
+    ends.retain(|place, _| made.iter().all(|joint| joint.parent != Some(*place)));
+    made.extend(ends.into_values());
     Character::new(name, made, None)
+}
+
+/// From the axes of a URDF to those of a character.
+pub(super) fn in_character(v: DVec3) -> DVec3 {
+    DVec3::new(v.y, v.z, v.x)
 }
 
 /// What a joint may be.
@@ -118,6 +136,7 @@ struct UrdfJoint<'a, 'b> {
     child: &'a str,
     origin_m: DVec3,
     rotation: DMat3,
+    is_fixed: bool,
     /// Its place is looked for where a message needs it: that takes as long as the file is.
     node: Node<'a, 'b>,
 }
@@ -155,7 +174,8 @@ impl<'a, 'b> UrdfJoint<'a, 'b> {
         let rotation = DMat3::from_rotation_z(yaw)
             * DMat3::from_rotation_y(pitch)
             * DMat3::from_rotation_x(roll);
-        Ok(Self { name, parent, child, origin_m, rotation, node: joint })
+        let is_fixed = joint_type == "fixed";
+        Ok(Self { name, parent, child, origin_m, rotation, is_fixed, node: joint })
     }
 }
 

@@ -23,6 +23,7 @@ use sinew_sim::{builtin, show};
 use super::clips::seconds;
 use super::evaluate::scale;
 use super::performance::{ON_STAND, OnRig, Performed};
+use super::told::ToldArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
@@ -33,7 +34,8 @@ use super::performance::{ON_STAND, OnRig, Performed};
 /// variable `SINEW_SHOW` names the file that is built into an image.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file.
+    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; with --rig also a motion of its own: a CSV of
+    /// joint coordinates (`sinew record`, `sinew export`), or positions of servos (JSON).
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -48,6 +50,9 @@ pub(super) struct Args {
 
     #[command(flatten)]
     on_rig: OnRig,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// The largest error of the show's angles, deg.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error, requires = "rig")]
@@ -112,7 +117,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
-    let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, ON_STAND)?;
+    let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
     let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
@@ -231,7 +236,8 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     let read = [("clip", Some(Path::new(&args.clip))), ("mapping", args.mapping.as_deref())];
     output::distinct(&[&args.out], &read)?;
     let settings = Settings {
-        mapping: args.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
+        mapping: args.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
+        told: args.told.told(),
         ..Settings::default()
     };
     let clip = match builtin::clips().into_iter().find(|clip| clip.name == args.clip) {

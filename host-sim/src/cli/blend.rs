@@ -14,9 +14,10 @@ use sinew_sim::find::{Part, Reference};
 use sinew_sim::output;
 use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
 use sinew_sim::report::blend as picture;
-use sinew_sim::spatial::{Measure, Measuring, Metric, SpatialRig, Workspace};
+use sinew_sim::spatial::{BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace};
 
 use super::clips::seconds;
+use super::told::ToldArgs;
 
 /// Blend from one clip to another where their poses are nearest, and write the motion as
 /// BVH.
@@ -31,7 +32,8 @@ use super::clips::seconds;
 ///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png
 ///   sinew blend walk.bvh@120 run.bvh@0.6s --out walk-run.bvh
 ///
-/// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints.
+/// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints, of
+/// any skeleton with at most 256 joints that move: a human, an animal, a face.
 /// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
 /// where it is. Default: anywhere at least half a blend from the ends. This can be close to
 /// an end: look at how much of either clip is left.
@@ -57,9 +59,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
-    #[arg(long, value_name = "FILE")]
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
+    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -106,8 +112,8 @@ impl Args {
             ("mapping", self.mapping.as_deref()),
         ];
         output::distinct(&written, &read)?;
-        let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
-        let settings = Settings { mapping, ..Settings::default() };
+        let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
+        let settings = Settings { mapping, told: self.told.told(), ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {
             let file = ClipFile::new(&reference.file);
             let (recorded, notices) = load_clip(&file, &settings)?;
@@ -153,7 +159,7 @@ impl Args {
         if let Some(path) = &self.picture {
             let drawing = picture::Drawing {
                 pair: &pair,
-                mapping: &a.mapping,
+                mapping: a.mapping.as_ref(),
                 sides,
                 nearest: &nearest,
                 blend: &blend,
@@ -226,7 +232,7 @@ fn room(
 
 /// The line's length in space, as `sinew find` measures it.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
-    let rig = SpatialRig::new(pair.body(), None)?;
+    let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
     let measuring = Measuring::new(&rig, Measure::new(Metric::Line));
     let pose = |frame: &[_]| measuring.pose(&pair.rotations(frame));
     let (a, b) = (pose(&pair.a.frames[a])?, pose(&pair.b.frames[b])?);

@@ -17,6 +17,7 @@ use sinew_sim::rig::Loaded;
 use sinew_sim::command::note;
 
 use super::performance::{ON_STAND, OnRig};
+use super::told::ToldArgs;
 
 /// Options that name what is tracked.
 #[derive(Debug, Clone, clap::Args)]
@@ -34,6 +35,9 @@ pub(super) struct ClipArgs {
     /// known ones; of a rig by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
     /// `robustness` and for `--rig`.
@@ -90,7 +94,8 @@ impl ClipArgs {
     /// Refuses what says something of clips alone, where a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &OnRig) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
-        let given = mapping.or(on_rig.of_clips()).or(on_rig.fit.then_some("--fit"));
+        let given =
+            mapping.or(on_rig.of_clips()).or(self.told.given()).or(on_rig.fit.then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }
@@ -116,7 +121,8 @@ impl ClipArgs {
             .iter()
             .map(|file| {
                 let mapping = self.mapping.as_deref();
-                let performed = on_rig.perform(rig, &file.path, mapping, None, ON_STAND)?;
+                let performed =
+                    on_rig.perform(rig, &file.path, mapping, None, (ON_STAND, self.told))?;
                 let names = [file.name.as_str(), rig.description.name.as_str()];
                 let (taken, fit) = (Arc::new(performed.taken), performed.fit.as_ref());
                 Ok(RigClip::new(names, &mechanism, &taken, fit, rate_hz)?)
@@ -173,9 +179,10 @@ impl ClipArgs {
     /// Reads and prepares the clips, in their order; what was done to them is returned too.
     pub(super) fn read(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
-            mapping: self.mapping.as_deref().map(mapping::Mapping::read).transpose()?,
+            mapping: self.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
             rate_hz: self.rate.unwrap_or(100.0),
             frame_rate_hz: self.frames,
+            told: self.told.told(),
             ..Settings::default()
         };
         let mut lines = Vec::new();
@@ -203,7 +210,10 @@ impl ClipArgs {
                 }
                 prepared => prepared?,
             };
-            for notice in notices {
+            // What is built in is known.
+            let is_told =
+                |notice: &Notice| !(self.clips.is_empty() && matches!(notice, Notice::Measured(_)));
+            for notice in notices.into_iter().filter(is_told) {
                 lines.push(format!("{}: {notice}", motion.name));
             }
             motions.push(motion);

@@ -11,6 +11,7 @@ use sinew_sim::output;
 
 use super::clips::rate;
 use super::performance::{FOR_OTHERS, OnRig};
+use super::told::ToldArgs;
 
 /// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
 ///
@@ -33,6 +34,9 @@ pub(super) struct Args {
 
     #[command(flatten)]
     on_rig: OnRig,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// Frames a second. Default: the clip's own.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
@@ -57,7 +61,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     output::distinct(&[&args.output], &read)?;
     let rig = args.on_rig.rig(&args.rig, FOR_OTHERS)?;
     let mapping = args.mapping.as_deref();
-    let performed = args.on_rig.perform(&rig, &args.clip, mapping, None, FOR_OTHERS)?;
+    let performed =
+        args.on_rig.perform(&rig, &args.clip, mapping, None, (FOR_OTHERS, args.told))?;
     if let Some(done) = performed.done() {
         note(format_args!("fitted: {}", done.trim_end()));
     }

@@ -8,17 +8,21 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_sim::figure::Mapping;
 use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
-use sinew_sim::pipeline::Settings;
+use sinew_sim::pipeline::{Notice, Settings};
 use sinew_sim::report::moments as picture;
-use sinew_sim::spatial::{Measuring, SpatialRig};
+use sinew_sim::spatial::{BODY_COUNT, BODY_COUNT_MAX, Measure, Measuring, Rigid, SpatialRig};
 
 use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
 
+use super::told::ToldArgs;
+
 /// Find the moments in clips that are most similar to a pose, or to a piece of a clip.
 ///
-/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them. All
-/// poses are put on the skeleton of the query, joints matched by their names. A clip with
-/// other joints is refused if it is named, and left out if it comes from a folder.
+/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them, of any
+/// skeleton with at most 256 joints that move: a human, an animal, a face. All poses are put
+/// on the skeleton of the query, joints matched by their names. A clip with other joints is
+/// refused if it is named, and left out if it comes from a folder. Joints that no clip moves
+/// do not count.
 ///
 ///   sinew find walks/ fights/ --like punch.bvh@1.25s
 ///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
@@ -58,9 +62,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart: f64,
 
-    /// How the clips' skeleton maps on the figure, in TOML. Default: chosen among the known ones.
-    #[arg(long, value_name = "FILE")]
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
+    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Table)]
@@ -113,26 +121,49 @@ impl Args {
         if let Some(path) = &self.out {
             picture::check(path).with_context(|| format!("--out {}", path.display()))?;
         }
-        let mapping = self.mapping.as_deref().map(Mapping::read).transpose()?;
-        let settings = Settings { mapping, ..Settings::default() };
+        let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
+        let settings = Settings { mapping, told: self.told.told(), ..Settings::default() };
         let query = Query::read(&self.like, &settings, self.rate)?;
         for notice in &query.notices {
             note(format_args!("{}: {notice}", query.name));
         }
-        let rig = SpatialRig::new(&query.skeleton, self.measure.root.as_deref())
-            .with_context(|| query.file.display().to_string())?;
-        let measuring = Measuring::new(&rig, measure);
         let files = sinew_mocap::files::expand(&self.clips)?.len();
         let library =
             with_progress(files, |done| Library::read(&self.clips, &query, &settings, done))?;
         tell(&library, query.poses.len());
         ensure!(!library.clips.is_empty(), "no clip has the joints of {}", query.file.display());
+        let rigid = library.rigid(&query, self.measure.root.as_deref());
+        // Seen from another joint than its root, a skeleton has a body more.
+        let bodies = rigid.skeleton.joints.len() + usize::from(self.measure.root.is_some());
+        ensure!(
+            bodies <= BODY_COUNT_MAX,
+            "{}: expected at most {BODY_COUNT_MAX} joints that move, found {bodies}",
+            query.file.display()
+        );
+        if bodies <= BODY_COUNT {
+            self.among::<BODY_COUNT>(measure, &query, &library, &rigid)
+        } else {
+            self.among::<BODY_COUNT_MAX>(measure, &query, &library, &rigid)
+        }
+    }
 
-        let (of_query, of_clips) = (query.measured(&measuring)?, library.measured(&measuring)?);
+    /// Searches the library, with room for `N` bodies.
+    fn among<const N: usize>(
+        &self,
+        measure: Measure,
+        query: &Query,
+        library: &Library,
+        rigid: &Rigid,
+    ) -> anyhow::Result<()> {
+        let rig = SpatialRig::<N>::sized(&rigid.skeleton, self.measure.root.as_deref())
+            .with_context(|| query.file.display().to_string())?;
+        let measuring = Measuring::new(&rig, measure);
+        let of_query = query.measured(&measuring, rigid)?;
+        let of_clips = library.measured(&measuring, rigid)?;
         let apart = frames(self.apart * self.rate);
         let limits = Limits { count: self.count.get(), apart };
         let mut search = Search::new(&rig, &measuring, &of_query, &of_clips);
-        if let Some((clip, poses)) = self.own(&query, &library, apart) {
+        if let Some((clip, poses)) = self.own(query, library, apart) {
             search = search.without(clip, poses);
         }
         let start = Instant::now();
@@ -154,13 +185,13 @@ impl Args {
             ));
         }
         if let Some(path) = &self.out {
-            picture::write(path, &query, &library, measure, &found)
+            picture::write(path, query, library, measure, &found)
                 .with_context(|| format!("--out {}", path.display()))?;
         }
         print(&match self.format {
-            Format::Table => find::text(&query, &library, measure, &found),
-            Format::Json => find::json(&query, &library, measure, &found),
-            Format::Csv => find::csv(&query, &library, &found),
+            Format::Table => find::text(query, library, measure, &found),
+            Format::Json => find::json(query, library, measure, &found),
+            Format::Csv => find::csv(query, library, &found),
         })?;
         Ok(())
     }
@@ -198,11 +229,25 @@ fn frames(count: f64) -> usize {
 
 /// What was done to the clips, in few lines.
 fn tell(library: &Library, length: usize) {
-    let (t_poses, others): (Vec<_>, Vec<_>) = library
-        .clips
-        .iter()
-        .flat_map(|clip| clip.notices.iter().map(move |notice| (clip, notice)))
-        .partition(|(_, notice)| matches!(notice, sinew_sim::pipeline::Notice::TPoseSkipped));
+    let (mut lowest_m, mut highest_m) = (f64::INFINITY, 0.0);
+    let (mut t_poses, mut others) = (Vec::new(), Vec::new());
+    for clip in &library.clips {
+        for notice in &clip.notices {
+            match notice {
+                Notice::Measured(measured) => {
+                    let height_m = measured.height_m().unwrap_or_default();
+                    lowest_m = f64::min(lowest_m, height_m);
+                    highest_m = f64::max(highest_m, height_m);
+                }
+                Notice::TPoseSkipped => t_poses.push(clip),
+                _ => others.push((clip, notice)),
+            }
+        }
+    }
+    if lowest_m <= highest_m {
+        let count = library.clips.len();
+        note(format_args!("{count} clips, {lowest_m:.2} to {highest_m:.2} m tall"));
+    }
     if !t_poses.is_empty() {
         note(format_args!("skipped frame 0, an inserted T-pose, of {} clips", t_poses.len()));
     }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow};
 use sinew_mocap::files::ClipFile;
-use sinew_mocap::format;
+use sinew_mocap::{Up, format};
 use sinew_retarget::Landmark;
 use sinew_retarget::mapping::Mapping;
 use sinew_retarget::performer::Performer;
@@ -12,44 +12,57 @@ use sinew_retarget::rig::RigMatch;
 use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::solve::{Settings, best_tilt};
 use sinew_sim::command::{note, print};
+use sinew_sim::figure::mapping::{Known, choose, known};
+use sinew_sim::measured::{Measured, Told};
 use sinew_sim::performance::{ClipSettings, PreparedClip};
 
-use super::performance::unit;
 use super::rig::read;
+use super::told::ToldArgs;
 
 /// Propose which joint of a rig follows which joint of a clip, as TOML to edit, for `--mapping`.
 ///
 /// With how sure each is, and why, as comments. Without `--rig`: of the human figure of 18 bodies, for any human
-/// skeleton.
+/// skeleton. Skeletons that are known need none: `--list` names them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
-    #[arg(value_name = "CLIP")]
-    clip: PathBuf,
+    #[arg(value_name = "CLIP", required_unless_present = "list")]
+    clip: Option<PathBuf>,
 
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Length of the clip's unit in metres, where the file does not tell it. Default: by the body's height.
-    #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true)]
-    metres_per_unit: Option<f64>,
+    #[command(flatten)]
+    told: ToldArgs,
+
+    /// Name the known skeletons. A clip's own is found by its joints; `--mapping NAME` takes one by its name.
+    #[arg(long, conflicts_with_all = ["clip", "rig", "metres_per_unit", "up"])]
+    list: bool,
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let text = match &args.rig {
-        Some(rig) => on_rig(&args.clip, rig, args.metres_per_unit)?,
-        None => on_figure(&args.clip, args.metres_per_unit)?,
+    let text = match (&args.clip, &args.rig) {
+        (None, _) => listed(),
+        (Some(clip), Some(rig)) => on_rig(clip, rig, args.told.told())?,
+        (Some(clip), None) => on_figure(clip, args.told.told())?,
     };
     print(&text)?;
     Ok(())
 }
 
-fn on_rig(clip: &Path, rig: &Path, metres_per_unit: Option<f64>) -> anyhow::Result<String> {
+/// The known skeletons, a line for each.
+fn listed() -> String {
+    let line = |known: &Known| format!("{:<16}{}\n", known.mapping.name, known.about);
+    known().iter().map(line).collect()
+}
+
+fn on_rig(clip: &Path, rig: &Path, told: Told) -> anyhow::Result<String> {
     let loaded = read(rig)?;
-    let settings = ClipSettings { cutoff_hz: None, metres_per_unit };
+    let settings = ClipSettings { cutoff_hz: None, told };
     let clip = PreparedClip::read(&ClipFile::new(clip), settings)?;
+    note(format_args!("note: {}: {}", clip.clip.name, clip.measured));
     let mechanism = &loaded.mechanism;
     let of_rig = RigMatch::of(mechanism).with_context(|| loaded.description.name.clone())?;
     let joints = clip.joints();
@@ -76,25 +89,27 @@ fn on_rig(clip: &Path, rig: &Path, metres_per_unit: Option<f64>) -> anyhow::Resu
     Ok(mapping.text())
 }
 
-fn on_figure(path: &Path, given: Option<f64>) -> anyhow::Result<String> {
+fn on_figure(path: &Path, told: Told) -> anyhow::Result<String> {
     let file = ClipFile::new(path);
     let recording = format::read(&file.path)?;
     let matched = SkeletonMatch::of_recording(&recording);
-    let guess = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
-    let Some(metres_per_unit) = given.or(recording.metres_per_unit).or(guess) else {
-        let reason = matched
-            .unit
-            .as_ref()
-            .map_or("no arms and legs tell the body's height", |unit| unit.reason.as_str());
-        bail!(
-            "{}: the unit of length is not known: {reason}; give it with --metres-per-unit",
-            path.display()
-        );
-    };
+    let measured = Measured::new(&recording, &matched, None, told);
+    let unit = measured.unit().map_err(|reason| anyhow!("{}: {reason}", path.display()));
+    note(format_args!("note: {}: {}", file.name, measured));
+    for warning in measured.warnings() {
+        note(format_args!("{}: {warning}", file.name));
+    }
+    if let Ok(known) = choose(&recording.skeleton) {
+        let name = &known.name;
+        note(format_args!("the skeleton is known as {name}: without --mapping, its own is taken"));
+    }
+    let metres_per_unit = unit?;
     let rate_hz = recording.frame_time_s.is_none().then_some(30.0);
     let head = MapHead { name: &file.name, metres_per_unit, rate_hz };
-    let proposal = figure_mapping(&recording.skeleton, &matched, head)
+    let mut proposal = figure_mapping(&recording.skeleton, &matched, head)
         .with_context(|| path.display().to_string())?;
+    let axes = [Up::X, Up::Z];
+    proposal.map.up = axes.into_iter().find(|up| up.axis() == measured.up.axis);
     for finding in &proposal.findings {
         note(format_args!("note: {finding}"));
     }

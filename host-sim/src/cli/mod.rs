@@ -2,17 +2,20 @@
 
 mod bake;
 mod blend;
+mod board;
 mod clips;
 mod evaluate;
 mod export;
 mod figure;
 mod find;
+mod inspect;
 mod latency;
 mod map;
 mod methods;
 mod page;
 mod performance;
 mod play;
+mod record;
 mod report;
 mod rig;
 mod robustness;
@@ -22,6 +25,7 @@ mod servos;
 mod setup;
 mod study;
 mod sweep;
+mod told;
 mod verify;
 mod weights;
 
@@ -49,9 +53,11 @@ struct Cli {
 enum Command {
     Evaluate(evaluate::Args),
     Verify(verify::VerifyArgs),
+    Inspect(inspect::Args),
     Map(map::Args),
     Bake(bake::Args),
     Play(play::Args),
+    Record(record::Args),
     Report(report::Args),
     Export(export::Args),
     Figure(figure::Args),
@@ -66,6 +72,14 @@ enum Command {
     Rig(rig::RigArgs),
     Servo(servo::ServoArgs),
     #[cfg(unix)]
+    Board(board::SimulateArgs),
+    Monitor(board::MonitorArgs),
+    Faults(board::FaultsArgs),
+    Settings(board::SettingsArgs),
+    Upload(board::UploadArgs),
+    Flash(board::FlashArgs),
+    Doctor(board::DoctorArgs),
+    #[cfg(unix)]
     Servos(servos::ServosArgs),
 }
 
@@ -73,9 +87,11 @@ impl Command {
     fn run(&self) -> anyhow::Result<ExitCode> {
         match self {
             Self::Evaluate(args) => evaluate::run(args),
+            Self::Inspect(args) => inspect::run(args),
             Self::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
+            Self::Record(args) => record::run(args).map(|()| ExitCode::SUCCESS),
             Self::Report(args) => report::run(args),
             Self::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
             Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
@@ -89,6 +105,14 @@ impl Command {
             Self::Verify(args) => verify::run(args),
             Self::Rig(args) => rig::run(args),
             Self::Servo(args) => servo::run(args),
+            #[cfg(unix)]
+            Self::Board(args) => board::simulate(args),
+            Self::Monitor(args) => board::monitor(args),
+            Self::Faults(args) => board::faults(args),
+            Self::Settings(args) => board::settings(args),
+            Self::Upload(args) => board::upload(args),
+            Self::Flash(args) => board::flash(args),
+            Self::Doctor(args) => board::doctor(args),
             #[cfg(unix)]
             Self::Servos(args) => servos::run(args),
         }

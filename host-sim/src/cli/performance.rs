@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_mocap::files::ClipFile;
-use sinew_retarget::exchange::{blender, servos};
+use sinew_retarget::exchange::{blender, servos, table};
 use sinew_retarget::feasibility::{
     Fit, FitSettings, Limits, LoopError, Looped, RigMotion, fit, looped,
 };
@@ -20,6 +20,7 @@ use sinew_sim::performance::{ClipSettings, PreparedClip, TakenOver, fitted, take
 use sinew_sim::rig::Loaded;
 
 use super::rig::read;
+use super::told::ToldArgs;
 
 /// How a rig's base is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -36,10 +37,6 @@ pub(super) struct OnRig {
     /// Cutoff of the low-pass that clips go through, Hz. 0: none. Default: 6; of `export` none.
     #[arg(long, value_name = "HZ", value_parser = cutoff, allow_negative_numbers = true, requires = "rig")]
     cutoff: Option<f64>,
-
-    /// Length of the clip's unit in metres. Default: the file's own, a known skeleton's, or by the body's height.
-    #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true, requires = "rig")]
-    metres_per_unit: Option<f64>,
 
     /// How the rig's base is held. Default: as its file says; of `export` a rig with feet travels.
     #[arg(long, value_enum, requires = "rig")]
@@ -73,6 +70,9 @@ pub(super) const ON_STAND: Defaults = Defaults { cutoff_hz: 6.0, travels: false 
 
 /// Of motions for other programs: as near to the clip as the rig can.
 pub(super) const FOR_OTHERS: Defaults = Defaults { cutoff_hz: 0.0, travels: true };
+
+/// Reads a motion that is the rig's own, and when it begins, s.
+type Own = fn(&Loaded, &Path) -> anyhow::Result<(RigMotion, f64)>;
 
 /// A clip on a rig.
 pub(super) struct Performed {
@@ -156,15 +156,16 @@ impl Performed {
 }
 
 impl OnRig {
+    /// Options of a motion that is the rig's own: fitted, or as it is.
+    pub(super) fn of_motion(fit: bool) -> Self {
+        Self { fit, ..Self::default() }
+    }
+
     /// An option that is given and says something of clips alone.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
-        [
-            (self.cutoff.is_some(), "--cutoff"),
-            (self.metres_per_unit.is_some(), "--metres-per-unit"),
-            (self.mirror, "--mirror"),
-        ]
-        .into_iter()
-        .find_map(|(given, name)| given.then_some(name))
+        [(self.cutoff.is_some(), "--cutoff"), (self.mirror, "--mirror")]
+            .into_iter()
+            .find_map(|(given, name)| given.then_some(name))
     }
 
     /// Reads a rig, and holds its base as asked for.
@@ -188,22 +189,29 @@ impl OnRig {
         clip: &Path,
         mapping: Option<&Path>,
         seconds: Option<f64>,
-        defaults: Defaults,
+        (defaults, told): (Defaults, ToldArgs),
     ) -> anyhow::Result<Performed> {
-        if clip.extension().is_some_and(|extension| extension == "json") {
+        let own = match clip.extension().and_then(|extension| extension.to_str()) {
+            Some("json") => Some(("positions of servos", of_servos as Own)),
+            Some("csv") => Some(("joint coordinates", of_coordinates as Own)),
+            _ => None,
+        };
+        if let Some((what, read)) = own {
             ensure!(
-                mapping.is_none() && seconds.is_none() && self.of_clips().is_none(),
-                "{}: positions of servos are the rig's own: only --fit and --base have an effect on them",
+                mapping.is_none()
+                    && seconds.is_none()
+                    && self.of_clips().or(told.given()).is_none(),
+                "{}: {what} are the rig's own: only --fit and --base have an effect on them",
                 clip.display()
             );
-            let taken = of_servos(rig, clip)?;
-            return self.fitted(rig, &ClipFile::new(clip).name, 0.0, taken);
+            let (motion, start_s) = read(rig, clip).with_context(|| clip.display().to_string())?;
+            return self.fitted(rig, &ClipFile::new(clip).name, start_s, TakenOver::own(motion));
         }
         let file = mapping;
         let mapping = mapping.map(read_mapping).transpose()?;
         let settings = ClipSettings {
             cutoff_hz: Some(self.cutoff.unwrap_or(defaults.cutoff_hz)).filter(|hz| *hz > 0.0),
-            metres_per_unit: self.metres_per_unit,
+            told: told.told(),
         };
         let mut clip = PreparedClip::read(&ClipFile::new(clip), settings)?;
         if let Some(seconds) = seconds {
@@ -230,7 +238,7 @@ impl OnRig {
     }
 
     /// The motion as a loop if that is asked for, beside the rig's limits, and within them if that is.
-    fn fitted(
+    pub(super) fn fitted(
         &self,
         rig: &Loaded,
         name: &str,
@@ -286,13 +294,17 @@ fn tell(name: &str, rig: &Loaded, taken: &TakenOver) {
 }
 
 /// The motion of a rig whose servos do what the Blender servo animation add-on wrote.
-fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<TakenOver> {
-    let text = sinew_mocap::read::text(path).with_context(|| path.display().to_string())?;
-    let (tracks, fps) =
-        blender::read(&text, &rig.description).with_context(|| path.display().to_string())?;
-    let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, fps.recip())
-        .with_context(|| path.display().to_string())?;
-    Ok(TakenOver::own(motion))
+fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
+    let text = sinew_mocap::read::text(path)?;
+    let (tracks, fps) = blender::read(&text, &rig.description)?;
+    let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, fps.recip())?;
+    Ok((motion, 0.0))
+}
+
+/// The motion of a rig as `sinew record` and `sinew export` write it, and when it begins, s.
+fn of_coordinates(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
+    let text = sinew_mocap::read::text(path)?;
+    Ok(table::read(&rig.mechanism, &text)?)
 }
 
 fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
@@ -309,12 +321,5 @@ fn cutoff(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(hz) if (0.0..=1000.0).contains(&hz) => Ok(hz),
         _ => Err("expected a number of Hz from 0 to 1000".into()),
-    }
-}
-
-pub(super) fn unit(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(metres) if (1e-6..=1e3).contains(&metres) => Ok(metres),
-        _ => Err("expected a length in m from 1e-6 to 1000".into()),
     }
 }

@@ -1,7 +1,8 @@
 //! `sinew play`: a show on simulated servos, under the controller of the boards.
 
+mod board;
 mod live;
-mod stop;
+pub(super) mod stop;
 
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
 use super::performance::{ON_STAND, OnRig};
+use super::told::ToldArgs;
 use live::Live;
 use stop::Stop;
 
@@ -79,6 +81,18 @@ pub(super) struct Args {
     #[arg(long)]
     qemu: bool,
 
+    /// On the controller at this serial port, not on simulated servos; without a value, or `auto`, at the USB port that
+    /// answers. The board must have this rig; the show is uploaded if it is not there. Ctrl-C stops the rig: it goes to
+    /// its rest pose, is lowered, and is limp.
+    #[arg(
+        long,
+        value_name = "PORT",
+        num_args = 0..=1,
+        default_missing_value = "auto",
+        conflicts_with_all = ["qemu", "record", "fast", "real_time", "drive", "rate", "baud"]
+    )]
+    board: Option<PathBuf>,
+
     /// As fast as it goes. Default where standard output is no terminal.
     #[arg(long, conflicts_with = "real_time")]
     fast: bool,
@@ -93,6 +107,9 @@ pub(super) struct Args {
 
     #[command(flatten)]
     on_rig: OnRig,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// Record every tick as a Parquet file, which `sinew report` and pandas read: time, state, whether the show
     /// ran, faults; of each joint what was commanded and measured, error, effort and limiter; of each servo
@@ -119,10 +136,17 @@ enum DriveArg {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    with_stack(|| play(args))
+}
+
+/// Runs what builds a controller, with stack enough for it.
+pub(super) fn with_stack<T: Send>(
+    run: impl FnOnce() -> anyhow::Result<T> + Send,
+) -> anyhow::Result<T> {
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().stack_size(STACK_BYTES);
-        let played = builder.spawn_scoped(scope, || play(args))?.join();
-        played.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let done = builder.spawn_scoped(scope, run)?.join();
+        done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 
@@ -144,23 +168,24 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         rig.mechanism = rig.description.mechanism()?;
         note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
     }
-    let options = Options {
-        drive: args.drive.map(|drive| match drive {
-            DriveArg::Current => Drive::Current,
-            DriveArg::Position => Drive::Position,
-        }),
-        rate_hz: args.rate,
-        baud: args.baud,
-    };
     let of_rig = || args.rig.display().to_string();
     let of_record =
         || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
-    let mut parts = Parts::new(&rig.description, &rig.mechanism, options).with_context(of_rig)?;
+    let mut parts =
+        Parts::new(&rig.description, &rig.mechanism, args.options()).with_context(of_rig)?;
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
+    if let Some(port) = &args.board {
+        ensure!(
+            Show::open(&bytes)?.is_loop() || args.rounds.is_none(),
+            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            args.show
+        );
+        return board::perform(port, &parts, &bytes, args.rounds);
+    }
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
-    let mut stand = Stand::new(&parts, &bytes, &mut memories, plant).with_context(of_rig)?;
+    let mut stand = Stand::new(&parts, Some(&bytes), &mut memories, plant).with_context(of_rig)?;
     if let Some(emulator) = emulator {
         stand = stand.with_twin(Twin::new(emulator, &parts, &bytes)?);
     }
@@ -238,6 +263,18 @@ fn tell(parts: &Parts) {
             line.name, line.baud, parts.rate_hz
         ));
     }
+    let (compute_us, holds) = parts.on_board;
+    if holds != Some(parts.rate_hz) {
+        let holds =
+            holds.map_or_else(|| "no rate of this loop".to_owned(), |hz| format!("{hz} Hz"));
+        note(format_args!(
+            "{} Hz are of this simulation: by the estimate a board of 180 MHz computes {:.1} ms a tick for {} servos, and \
+             holds {holds} (docs/speed.md)",
+            parts.rate_hz,
+            f64::from(compute_us) / 1000.0,
+            parts.servos.len()
+        ));
+    }
     let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
         .filter(|(_, drive)| drive.is_none())
         .map(|(name, _)| name.as_str())
@@ -248,6 +285,14 @@ fn tell(parts: &Parts) {
 }
 
 impl Args {
+    fn options(&self) -> Options {
+        let drive = self.drive.map(|drive| match drive {
+            DriveArg::Current => Drive::Current,
+            DriveArg::Position => Drive::Position,
+        });
+        Options { drive, rate_hz: self.rate, baud: self.baud }
+    }
+
     /// The bytes of the show: read, or baked of a clip.
     fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);
@@ -267,7 +312,7 @@ impl Args {
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");
         let clip_only = clip_only.or(self.seconds.map(|_| "--seconds"));
-        if let Some(option) = clip_only.or(self.on_rig.of_clips()) {
+        if let Some(option) = clip_only.or(self.on_rig.of_clips()).or(self.told.given()) {
             bail!("{option}: is of clips, and {} is a show", path.display());
         }
         let show = Show::open(&bytes)?;
@@ -304,7 +349,8 @@ impl Args {
         let mut on_rig = self.on_rig.clone();
         on_rig.fit = true;
         let (clip, mapping) = (Path::new(&self.show), self.mapping.as_deref());
-        let mut performed = on_rig.perform(rig, clip, mapping, self.seconds, ON_STAND)?;
+        let mut performed =
+            on_rig.perform(rig, clip, mapping, self.seconds, (ON_STAND, self.told))?;
         let fit = performed.fit.take().context("a clip is fitted")?;
         let (given, limits) = (&performed.taken.motion, &performed.limits);
         let (mechanism, settings) = (&rig.mechanism, ShowSettings::default());

@@ -75,7 +75,7 @@ pub(super) struct ServosArgs {
 
     /// A fault: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as 2:silent@3s or elbow:late=5ms@1s+500ms. SERVO is an
     /// id, or a name of the rig. WHAT: silent, late=TIME, wrong-crc, short=BYTES, wrong-id=ID, stuck, hot=CELSIUS,
-    /// brown-out, rebooted, torque-lost, encoder-jump=DEGREES. May be repeated.
+    /// brown-out, rebooted, torque-lost, encoder-jump=DEGREES, torque-stuck. May be repeated.
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 }

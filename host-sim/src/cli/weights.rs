@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use glam::DVec3;
-use sinew_sim::character::{self, Character, Mesh, Options, VertexArea};
+use sinew_sim::character::{self, Mesh, Options, VertexArea};
 use sinew_sim::report::weights as picture;
 use sinew_sim::weights::radii::{self, Radii};
 use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
 
 use sinew_sim::command::{note, print};
+
+use super::told::ToldArgs;
 
 /// Compute the importance of a character's joints: how much of it each one moves, and how far.
 ///
@@ -56,10 +57,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
     radii: Option<String>,
 
-    /// Metres per unit of length of a motion that does not say: 0.01 for centimetres. Default: that of its skeleton, if
-    /// this is a known one.
-    #[arg(long, value_name = "M", value_parser = metres_per_unit, allow_negative_numbers = true)]
-    metres_per_unit: Option<f64>,
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// Frame of a motion, from 0, whose pose is the rest pose. Default: the skeleton with no joint turned.
     #[arg(long, value_name = "N")]
@@ -105,34 +104,13 @@ enum Format {
     Csv,
 }
 
-fn metres_per_unit(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(metres) if (1e-6..=1e3).contains(&metres) => Ok(metres),
-        _ => Err("expected a number from 0.000001 to 1000".into()),
-    }
-}
-
-/// Says so where a character is not of a believable size: most often the unit of its file is another.
-fn tell_size(character: &Character) {
-    let [mut least, mut most] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    for joint in character.joints() {
-        least = least.min(joint.position_m);
-        most = most.max(joint.position_m);
-    }
-    let size_m = (most - least).max_element();
-    // A single joint has no size.
-    if size_m > 0.0 && !(0.1..=3.0).contains(&size_m) {
-        note(format_args!(
-            "note: {size_m:.3} m from joint to joint: is the unit of the file another? Shares of the whole do not \
-             depend on it, lengths do"
-        ));
-    }
-}
-
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let options = Options { metres_per_unit: args.metres_per_unit, frame: args.frame };
+    let options = Options { told: args.told.told(), frame: args.frame };
     let character = character::read(&args.character, &options)?;
+    for line in character.notes() {
+        note(format_args!("note: {}: {line}", character.name()));
+    }
     let methods = methods(&args.method, character.mesh());
     ensure!(
         args.radii.is_none() || methods.contains(&Method::Cylinders),
@@ -162,7 +140,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         .map(|method| weigh(&character, *method, &settings))
         .collect::<Result<_, _>>()
         .with_context(of_file)?;
-    tell_size(&character);
     if let Some(path) = &args.picture {
         picture::write(path, &character, &weighings)
             .with_context(|| format!("--picture {}", path.display()))?;

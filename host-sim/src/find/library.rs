@@ -13,7 +13,7 @@ use super::joints::{Mismatch, same_joints};
 use super::reference::{Part, Reference, ReferenceError};
 use crate::figure::Mapping;
 use crate::pipeline::{self, LoadedClip, Notice, Settings, load_clip};
-use crate::spatial::{MeasuredPose, Measuring};
+use crate::spatial::{MeasuredPose, Measuring, Rigid};
 
 /// What is looked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +32,8 @@ pub struct Query {
     pub start_s: f64,
     /// The rate of the search.
     pub rate_hz: f64,
-    /// How its skeleton maps on the figure.
-    pub mapping: Mapping,
+    /// How its skeleton maps on the figure; `None` if it is no human's.
+    pub mapping: Option<Mapping>,
     /// What was done to it.
     pub notices: Vec<Notice>,
 }
@@ -160,12 +160,23 @@ impl Library {
         Ok(library)
     }
 
-    /// The clips' poses, made ready to be compared, in parallel: 3 kB each.
+    /// The joints that move in the query or in a clip, see [`Rigid`]; `root` is kept.
+    pub fn rigid(&self, query: &Query, root: Option<&str>) -> Rigid {
+        let poses = query.poses.iter().chain(self.clips.iter().flat_map(|clip| &clip.poses));
+        Rigid::new(&query.skeleton, poses, root)
+    }
+
+    /// The clips' poses, made ready to be compared, in parallel: 60 bytes for each of `N` bodies.
     ///
     /// # Errors
     /// [`ReadError::Pose`].
-    pub fn measured(&self, measuring: &Measuring<'_>) -> Result<Vec<Vec<MeasuredPose>>, ReadError> {
-        self.clips.par_iter().map(|clip| measured(measuring, &clip.poses, &clip.file)).collect()
+    pub fn measured<const N: usize>(
+        &self,
+        measuring: &Measuring<'_, N>,
+        rigid: &Rigid,
+    ) -> Result<Vec<Vec<MeasuredPose<N>>>, ReadError> {
+        let of_clip = |clip: &Shelved| measured(measuring, rigid, &clip.poses, &clip.file);
+        self.clips.par_iter().map(of_clip).collect()
     }
 }
 
@@ -173,14 +184,16 @@ impl Library {
 ///
 /// # Errors
 /// [`ReadError::Pose`] with the file they come from.
-pub(super) fn measured(
-    measuring: &Measuring<'_>,
+pub(super) fn measured<const N: usize>(
+    measuring: &Measuring<'_, N>,
+    rigid: &Rigid,
     poses: &[Vec<DQuat>],
     file: &Path,
-) -> Result<Vec<MeasuredPose>, ReadError> {
+) -> Result<Vec<MeasuredPose<N>>, ReadError> {
     let pose = |(frame, rotations): (usize, &Vec<DQuat>)| {
         let file = || file.to_path_buf();
-        measuring.pose(rotations).map_err(|source| ReadError::Pose { file: file(), frame, source })
+        let pose = measuring.pose(&rigid.pose(rotations));
+        pose.map_err(|source| ReadError::Pose { file: file(), frame, source })
     };
     poses.iter().enumerate().map(pose).collect()
 }
@@ -190,8 +203,12 @@ impl Query {
     ///
     /// # Errors
     /// [`ReadError::Pose`].
-    pub fn measured(&self, measuring: &Measuring<'_>) -> Result<Vec<MeasuredPose>, ReadError> {
-        measured(measuring, &self.poses, &self.file)
+    pub fn measured<const N: usize>(
+        &self,
+        measuring: &Measuring<'_, N>,
+        rigid: &Rigid,
+    ) -> Result<Vec<MeasuredPose<N>>, ReadError> {
+        measured(measuring, rigid, &self.poses, &self.file)
     }
 }
 

@@ -6,7 +6,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::spatial::{MeasuredPose, Measuring, Metric, SpatialRig, Weighting, Workspace};
+use crate::spatial::{
+    BODY_COUNT, MeasuredPose, Measuring, Metric, SpatialRig, Weighting, Workspace,
+};
 
 /// Poses that a query, itself some poses in a row, is searched in: every place of a clip where it fits is a moment's
 /// candidate. Its distance is the root mean square of its frames' distances, which of a measure that is a metric is
@@ -24,10 +26,10 @@ use crate::spatial::{MeasuredPose, Measuring, Metric, SpatialRig, Weighting, Wor
 /// - for the other measures, the sum over every eighth frame. Of a single pose there is then nothing left out: the
 ///   distance costs little more than any bound.
 #[derive(Debug, Clone)]
-pub struct Search<'a> {
-    measuring: &'a Measuring<'a>,
-    query: &'a [MeasuredPose],
-    clips: &'a [Vec<MeasuredPose>],
+pub struct Search<'a, const N: usize = BODY_COUNT> {
+    measuring: &'a Measuring<'a, N>,
+    query: &'a [MeasuredPose<N>],
+    clips: &'a [Vec<MeasuredPose<N>>],
     /// Of each clip, places that are no moments.
     closed: Vec<Range<usize>>,
     slack_m: f64,
@@ -106,13 +108,13 @@ enum Known {
     AtLeast(f64),
 }
 
-impl<'a> Search<'a> {
+impl<'a, const N: usize> Search<'a, N> {
     /// A search for `query` in poses of one rig, measured alike.
     pub fn new(
-        rig: &SpatialRig,
-        measuring: &'a Measuring<'a>,
-        query: &'a [MeasuredPose],
-        clips: &'a [Vec<MeasuredPose>],
+        rig: &SpatialRig<N>,
+        measuring: &'a Measuring<'a, N>,
+        query: &'a [MeasuredPose<N>],
+        clips: &'a [Vec<MeasuredPose<N>>],
     ) -> Self {
         let mut reach_m: Vec<f64> = Vec::with_capacity(rig.tree().bodies().len());
         for body in rig.tree().bodies() {
@@ -220,7 +222,7 @@ impl<'a> Search<'a> {
     /// Where the query fits.
     fn places(&self) -> Vec<Place> {
         let length = self.query.len().max(1);
-        let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose>)| {
+        let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose<N>>)| {
             let places = 0..(poses.len() + 1).saturating_sub(length);
             let closed = self.closed[clip].clone();
             let all_closed = closed.start == 0 && closed.end >= poses.len();
@@ -236,7 +238,7 @@ impl<'a> Search<'a> {
     fn pairs(
         &self,
         (clip, pose): Place,
-    ) -> impl DoubleEndedIterator<Item = (&MeasuredPose, &MeasuredPose)> {
+    ) -> impl DoubleEndedIterator<Item = (&MeasuredPose<N>, &MeasuredPose<N>)> {
         self.query.iter().zip(&self.clips[clip][pose..pose + self.query.len()])
     }
 
@@ -245,14 +247,14 @@ impl<'a> Search<'a> {
     }
 
     /// What the squared distance of two poses along a line is at least.
-    fn least(&self, (a, b): (&MeasuredPose, &MeasuredPose)) -> f64 {
+    fn least(&self, (a, b): (&MeasuredPose<N>, &MeasuredPose<N>)) -> f64 {
         let way_m = f64::from(self.measuring.position_distance(a, b));
         let least_m = (way_m * (1.0 - 1e-5) - self.slack_m).max(0.0);
         least_m * least_m
     }
 
     /// What the squared sum of a place is at least.
-    fn bound(&self, place: Place, workspace: &mut Workspace) -> (Known, Work) {
+    fn bound(&self, place: Place, workspace: &mut Workspace<N>) -> (Known, Work) {
         let count = self.query.len();
         if self.is_line() {
             let sum: f64 = self.pairs(place).map(|pair| self.least(pair)).sum();
@@ -268,7 +270,7 @@ impl<'a> Search<'a> {
     }
 
     /// The squared sum of a place, in the order of frames; given up when it is above a limit.
-    fn sum(&self, place: Place, limit: f64, workspace: &mut Workspace) -> (Known, Work) {
+    fn sum(&self, place: Place, limit: f64, workspace: &mut Workspace<N>) -> (Known, Work) {
         let count = self.query.len();
         let mut work = Work::default();
         // What the frames from each one on come to at least.
@@ -326,7 +328,11 @@ struct Computed<'a> {
 }
 
 impl<'a> Computed<'a> {
-    fn new(clips: &[Vec<MeasuredPose>], closed: &'a [Range<usize>], limits: Limits) -> Self {
+    fn new<const N: usize>(
+        clips: &[Vec<MeasuredPose<N>>],
+        closed: &'a [Range<usize>],
+        limits: Limits,
+    ) -> Self {
         let sums = clips.iter().map(|poses| vec![f64::NAN; poses.len()]).collect();
         Self { limits, closed, sums, order: BTreeSet::new() }
     }

@@ -35,6 +35,11 @@ impl Pending {
             let file = OpenOptions::new().write(true).open(path)?;
             return Ok(Self { file, part: None, target: path.to_owned(), is_kept: false });
         }
+        let is_link = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_symlink());
+        if is_link && old.is_none() {
+            let what = "it is a link to what is not there: write there, or remove the link";
+            return Err(io::Error::new(io::ErrorKind::NotFound, what));
+        }
         // A link stays one: what it leads to is replaced.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if let Some(old) = &old {

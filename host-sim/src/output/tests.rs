@@ -97,3 +97,14 @@ fn two_runs_into_one_folder_and_results_over_inputs_are_refused() {
     assert!(refused.contains("is the sweep, and would be lost"), "{refused}");
     assert_eq!(fs::read_to_string(&input).unwrap(), "a sweep");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_what_is_not_there_is_not_replaced() {
+    let place = tempfile::tempdir().unwrap();
+    let link = place.path().join("link");
+    std::os::unix::fs::symlink("gone", &link).unwrap();
+    let refused = format!("{:#}", write(&link, "text").unwrap_err());
+    assert!(refused.contains("a link to what is not there"), "{refused}");
+    assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
+}

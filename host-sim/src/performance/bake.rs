@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, refit,
+    Report, RigMotion, check, ease, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
@@ -187,11 +187,32 @@ pub fn bake_within(
     mut fitted: Fit,
     bake: impl Fn(&Fit) -> Result<Baked, BakeError>,
 ) -> Result<(Fit, Baked, Report), BakeError> {
+    let settings = FitSettings::default();
     let mut tight = limits.clone();
-    let mut fits = 0;
+    let (mut fits, mut eased) = (0, Vec::new());
     loop {
         let baked = bake(&fitted)?;
-        let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, FITTED_HZ)?;
+        let played = Played::new(&baked.written.bytes)?;
+        // Most of what a slowed show exceeds lasts longer than the time between two of these looks.
+        if fits < FITS && fitted.slowest.0 < 1.0 {
+            let report = check(mechanism, limits, &played, CHECK_HZ)?;
+            let places = places(&fitted, &report);
+            // Where it went slower for the same before, something else must help.
+            let is_new =
+                !places.iter().any(|place| eased.iter().any(|other| is_same(place, other)));
+            if is_new && !places.is_empty() {
+                // Slower at a single place changes least. With several, or new ones then, the limit is too near.
+                let is_single = eased.is_empty() && report.excesses.len() == 1;
+                let tighter = if is_single { tight.clone() } else { tight.tightened(&report) };
+                if let Some(fit) = ease(mechanism, &tighter, given, &fitted, &report, settings)? {
+                    (fitted, tight) = (fit, tighter);
+                    fits += 1;
+                    eased.extend(places);
+                    continue;
+                }
+            }
+        }
+        let report = check(mechanism, limits, &played, FITTED_HZ)?;
         let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
         loop {
             if fits == FITS {
@@ -200,13 +221,27 @@ pub fn bake_within(
             fits += 1;
             tight = tight.tightened(&report);
             let before = fitted;
-            fitted = refit(mechanism, &tight, given, &before, FitSettings::default())?;
+            fitted = refit(mechanism, &tight, given, &before, settings)?;
             // Of the same motion the show would be the same.
             if fitted.motion != before.motion {
                 break;
             }
         }
     }
+}
+
+/// What was exceeded, and when in the given motion, s.
+type Place = (usize, Kind, f64);
+
+fn places(fit: &Fit, report: &Report) -> Vec<Place> {
+    let of_excess =
+        |excess: &Excess| (excess.freedom, excess.kind, fit.given_time_s(excess.worst_s));
+    report.excesses.iter().map(of_excess).collect()
+}
+
+/// Whether two excesses are the same one: nearer to each other than a course is slower beside an instant.
+fn is_same(a: &Place, b: &Place) -> bool {
+    (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < 0.25
 }
 
 fn rounded(limits: &Limits, worst: &Excess) -> BakeError {

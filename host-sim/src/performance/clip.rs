@@ -1,6 +1,5 @@
 //! A clip of any skeleton, read and cleaned for a rig.
 
-use glam::{DQuat, DVec3};
 use sinew_mocap::damage::{LongBone, check_bones, take_out_jumps};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::filter::LowPass;
@@ -13,6 +12,7 @@ use thiserror::Error;
 
 use crate::builtin;
 use crate::figure::mapping;
+use crate::measured::{By, Measured, Told};
 use crate::pipeline::tpose;
 
 /// The longest gap that is filled, s.
@@ -26,13 +26,13 @@ const BONE_MAX_M: f64 = 3.0;
 pub struct ClipSettings {
     /// Cutoff of the low-pass, Hz; `None`: the frames as they are.
     pub cutoff_hz: Option<f64>,
-    /// Length of the file's unit, m, where it is known.
-    pub metres_per_unit: Option<f64>,
+    /// What the user says of the file.
+    pub told: Told,
 }
 
 impl Default for ClipSettings {
     fn default() -> Self {
-        Self { cutoff_hz: Some(6.0), metres_per_unit: None }
+        Self { cutoff_hz: Some(6.0), told: Told::default() }
     }
 }
 
@@ -45,6 +45,8 @@ pub struct PreparedClip {
     pub start_s: f64,
     /// Which joint is which landmark.
     pub matched: SkeletonMatch,
+    /// How it was measured.
+    pub measured: Measured,
     /// What a person should know.
     pub notes: Vec<String>,
 }
@@ -72,11 +74,11 @@ pub enum ClipError {
         clip: String,
     },
     /// Nothing tells the unit of length.
-    #[error("{clip}: the unit of length is not known: {reason}; give it with --metres-per-unit")]
+    #[error("{clip}: {reason}")]
     NoUnit {
         /// The file.
         clip: String,
-        /// What was seen.
+        /// Why not.
         reason: String,
     },
     /// Too little is left.
@@ -146,7 +148,12 @@ impl PreparedClip {
         // A known skeleton's files may have a rate that they do not tell.
         let known = mapping::choose(&recording.skeleton).ok();
         let known_s = known.and_then(|known| known.rate_hz).map(f64::recip);
-        let mut notes = recording.notes.clone();
+        let matched = SkeletonMatch::of_recording(&recording);
+        let by = known.map(|mapping| By { mapping, is_given: false });
+        let measured = Measured::new(&recording, &matched, by, settings.told);
+        let mut notes = vec![measured.to_string()];
+        notes.extend(measured.warnings());
+        notes.extend(recording.notes.iter().cloned());
         if let (None, Some(frame_time_s)) = (recording.frame_time_s, known_s) {
             let rate_hz = frame_time_s.recip();
             notes.push(format!(
@@ -155,17 +162,12 @@ impl PreparedClip {
         }
         let frame_time_s = recording.frame_time_s.or(known_s);
         let frame_time_s = frame_time_s.ok_or_else(|| ClipError::NoRate { clip: name() })?;
-        let matched = SkeletonMatch::of_recording(&recording);
         notes.extend(matched.findings.iter().cloned());
-        let metres_per_unit = unit(&recording, &matched, settings.metres_per_unit)
+        let mut recording = measured
+            .apply(recording)
             .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;
-        let mut recording = recording.in_metres(metres_per_unit);
         check_bones(&recording, BONE_MAX_M)
             .map_err(|source| ClipError::Bone { clip: name(), source })?;
-        if let Some(turn) = matched.up.as_ref().and_then(|up| to_y_up(up.axis)) {
-            notes.push("turned: the file's z axis points up".to_owned());
-            turn_all(&mut recording, turn);
-        }
         let origin = |body: &str| matched.joint(landmark_of(body)?);
         let t_pose = usize::from(tpose::is_inserted(&recording, origin));
         if t_pose > 0 {
@@ -202,7 +204,7 @@ impl PreparedClip {
             notes.push(format!("resampled from {rate_hz:.3} to {whole_hz} Hz"));
             clip = resample(&clip, whole_hz);
         }
-        Ok(Self { clip, start_s: t_pose as f64 * frame_time_s, matched, notes })
+        Ok(Self { clip, start_s: t_pose as f64 * frame_time_s, matched, measured, notes })
     }
 
     /// Keeps the first `seconds` of it.
@@ -216,28 +218,6 @@ impl PreparedClip {
     pub fn joints(&self) -> PerformerJoints {
         let joints = LandmarkMap::of(|landmark| self.matched.joint(landmark));
         PerformerJoints::of(&self.clip.skeleton, joints)
-    }
-}
-
-/// Length of the file's unit in m: the caller's, the file's own, that of a known skeleton, or by the body's height.
-fn unit(recording: &Recording, matched: &SkeletonMatch, given: Option<f64>) -> Result<f64, String> {
-    let known = || mapping::choose(&recording.skeleton).ok().map(|mapping| mapping.metres_per_unit);
-    let by_height = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
-    given.or(recording.metres_per_unit).or_else(known).or(by_height).ok_or_else(|| {
-        let unit = matched.unit.as_ref().map(|unit| unit.reason.clone());
-        unit.unwrap_or_else(|| "the skeleton has no arms and legs that tell its height".to_owned())
-    })
-}
-
-/// The turn that brings the axis that points up to y; `None` if it does.
-fn to_y_up(axis: DVec3) -> Option<DQuat> {
-    (axis.y < 0.9).then(|| DQuat::from_rotation_arc(axis, DVec3::Y))
-}
-
-fn turn_all(recording: &mut Recording, turn: DQuat) {
-    for root in recording.frames.iter_mut().filter_map(|frame| frame.first_mut()?.as_mut()) {
-        root.rotation = turn * root.rotation;
-        root.position_m = turn * root.position_m;
     }
 }
 

@@ -80,6 +80,7 @@ impl Roles {
         if mapping.landmarks.is_empty() && mapping.curves.is_empty() {
             return Err(TakeOverError::Nothing);
         }
+        mapping.check(mechanism, &clip.clip.skeleton)?;
         let joints = mapping.performer_joints(&clip.clip.skeleton)?;
         // A face follows by curves alone.
         let rig =

@@ -2,10 +2,10 @@
 
 use sinew_mocap::damage::take_out_jumps;
 use sinew_mocap::files::ClipFile;
-use sinew_mocap::{Clip, gaps};
+use sinew_mocap::{Clip, Recording, format, gaps};
 
-use super::{Error, Notice, Settings, believed, read, tpose, unfilled};
-use crate::figure::mapping::{Binding, Mapping};
+use super::{Error, Notice, Settings, believed, in_metres, noticed, tpose, unfilled};
+use crate::figure::mapping::{self, Binding, Mapping, NoRate};
 
 /// A clip on its own skeleton at its own rate, and what its file tells besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,31 +16,52 @@ pub struct LoadedClip {
     pub skipped: usize,
     /// Length of the file's unit, in metres.
     pub metres_per_unit: f64,
-    /// How the skeleton maps on the figure.
-    pub mapping: Mapping,
+    /// How the skeleton maps on the figure; `None` if it is no human's.
+    pub mapping: Option<Mapping>,
 }
 
-/// Reads one clip, skips an inserted T-pose and fills gaps. It is neither low-passed nor resampled.
+/// The unit of a skeleton whose file does not tell it, and whose height does not either.
+const UNIT_M: f64 = 0.01;
+
+/// Reads one clip of any skeleton, skips an inserted T-pose and fills gaps. It is neither low-passed nor resampled.
 ///
 /// # Errors
-/// [`Error::Read`], [`Error::Mapping`], [`Error::NoRate`], [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
+/// [`Error::Read`], [`Error::Mapping`] if the mapping given does not fit, [`Error::NoRate`], [`Error::Unit`],
+/// [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
 pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Vec<Notice>), Error> {
-    let (recording, mapping) = read(file, settings)?;
+    let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
     let name = || file.path.display().to_string();
-    let metres_per_unit = recording.metres_per_unit.unwrap_or(mapping.metres_per_unit);
-    let frame_time_s = mapping
-        .frame_time_s(&recording)
-        .map_err(|source| Error::NoRate { clip: name(), source })?;
-    let mut recording = recording.in_metres(mapping.metres_per_unit);
-    let binding = Binding::new(mapping, &recording.skeleton)
-        .map_err(|source| Error::Mapping { clip: name(), source: source.into() })?;
-    believed(&name(), &binding, &recording)?;
-    let mut notices: Vec<_> = recording.notes.drain(..).map(Notice::File).collect();
+    let of_mapping =
+        |source: mapping::Error| Error::Mapping { clip: name(), source: source.into() };
+    // A skeleton that is no human's has none.
+    let found = mapping::found(&recording, settings.mapping.as_ref()).ok();
+    let (mapping, proposed) =
+        found.map_or((None, None), |found| (Some(found.mapping.into_owned()), found.proposed));
+    let told_s = recording.frame_time_s.or_else(|| mapping.as_ref()?.rate_hz.map(f64::recip));
+    let frame_time_s = told_s.ok_or_else(|| Error::NoRate {
+        clip: name(),
+        source: NoRate { mapping: mapping.as_ref().map_or_else(String::new, |m| m.name.clone()) },
+    })?;
+    let known = mapping.as_ref().filter(|_| proposed.is_none());
+    // A human's body tells its unit, and is refused where it does not.
+    let otherwise = mapping.is_none().then_some(UNIT_M);
+    let (mut recording, measured) = in_metres(recording, known, otherwise, settings, &name())?;
+    let metres_per_unit = measured.metres_per_unit.unwrap_or(UNIT_M);
+    let binding = match &mapping {
+        None => None,
+        Some(mapping) => Some(Binding::new(mapping, &recording.skeleton).map_err(of_mapping)?),
+    };
+    if let Some(binding) = &binding {
+        believed(&name(), binding, &recording)?;
+    }
+    let mut notices = noticed(&measured, &mut recording);
+    notices.extend(proposed.map(Notice::MappingProposed));
     if recording.frame_time_s.is_none() {
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }
     let recorded = recording.frames.len();
-    let skipped = usize::from(tpose::is_inserted(&recording, |body| binding.joint_of(body)));
+    let skipped =
+        usize::from(tpose::is_inserted(&recording, |body| binding.as_ref()?.joint_of(body)));
     if skipped > 0 {
         notices.push(Notice::TPoseSkipped);
     }
@@ -58,5 +79,5 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     if !filled.gaps.is_empty() {
         notices.push(Notice::GapsFilled(filled.after(skipped)));
     }
-    Ok((LoadedClip { clip, skipped, metres_per_unit, mapping: mapping.clone() }, notices))
+    Ok((LoadedClip { clip, skipped, metres_per_unit, mapping }, notices))
 }

@@ -15,8 +15,11 @@ use sinew_mocap::resample::resample;
 use sinew_mocap::text::counted;
 use sinew_mocap::{Recording, format};
 
+use sinew_retarget::skeleton::SkeletonMatch;
+
 use crate::figure::FigureMotion;
-use crate::figure::mapping::{self, Binding, Mapping, NoRate, UnlikeSides};
+use crate::figure::mapping::{self, Binding, Found, Mapping, NoRate, Proposed, UnlikeSides};
+use crate::measured::{By, Measured, Told};
 
 pub use loaded::{LoadedClip, load_clip};
 
@@ -36,6 +39,8 @@ pub struct Settings {
     pub gap_max_s: f64,
     /// The mapping of all clips; `None` to choose a known one by the skeleton.
     pub mapping: Option<Mapping>,
+    /// What the user says of the files.
+    pub told: Told,
 }
 
 impl Default for Settings {
@@ -47,6 +52,7 @@ impl Default for Settings {
             lead_in_s: 0.1,
             gap_max_s: 0.5,
             mapping: None,
+            told: Told::default(),
         }
     }
 }
@@ -57,7 +63,10 @@ const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// What was done to a clip that its user should know; without the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
-    /// The file is not as it says.
+    /// How tall, in which unit, and which way up.
+    #[error("{0}")]
+    Measured(Box<Measured>),
+    /// The file is not as it says, or not believable.
     #[error("{0}")]
     File(String),
     /// The mapping gave the frame rate.
@@ -66,6 +75,9 @@ pub enum Notice {
         /// The rate.
         rate_hz: f64,
     },
+    /// Nobody wrote the mapping.
+    #[error("{0}")]
+    MappingProposed(Proposed),
     /// Frame 0 was left out.
     #[error("skipped frame 0, an inserted T-pose")]
     TPoseSkipped,
@@ -157,10 +169,18 @@ pub enum Error {
         /// Frames of the recording.
         recorded: usize,
     },
+    /// The unit of length is not known.
+    #[error("{clip}: {reason}")]
+    Unit {
+        /// Name of the clip.
+        clip: String,
+        /// Why not.
+        reason: String,
+    },
     /// The unit of length is wrong.
     #[error(
-        "{clip}: expected a figure 0.3 to 3 m tall, found {height_m:.3} m: check metres_per_unit in the \
-         mapping, or the `length` unit of an ASF file"
+        "{clip}: expected a figure 0.3 to 3 m tall, found {height_m:.3} m: give the length of the file's unit with \
+         --metres-per-unit, or check metres_per_unit in the mapping"
     )]
     Height {
         /// Name of the clip.
@@ -240,21 +260,22 @@ impl Settings {
 /// # Errors
 /// [`Error::Read`], [`Error::Mapping`] and [`Error::NoRate`].
 pub fn load(file: &ClipFile, settings: &Settings) -> Result<Recording, Error> {
-    let (recording, mapping) = read(file, settings)?;
+    let (recording, found) = read(file, settings)?;
     let clip = || file.path.display().to_string();
-    mapping.frame_time_s(&recording).map_err(|source| Error::NoRate { clip: clip(), source })?;
+    found
+        .mapping
+        .frame_time_s(&recording)
+        .map_err(|source| Error::NoRate { clip: clip(), source })?;
     Ok(recording)
 }
 
 /// Reads one recording, and finds its mapping.
-fn read<'a>(file: &ClipFile, settings: &'a Settings) -> Result<(Recording, &'a Mapping), Error> {
+fn read<'a>(file: &ClipFile, settings: &'a Settings) -> Result<(Recording, Found<'a>), Error> {
+    let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
     let clip = || file.path.display().to_string();
-    let recording = format::read(&file.path)?;
-    let mapping =
-        settings.mapping.as_ref().map_or_else(|| mapping::choose(&recording.skeleton), Ok);
-    let mapping =
-        mapping.map_err(|source| Error::Mapping { clip: clip(), source: source.into() })?;
-    Ok((Recording { name: file.name.clone(), ..recording }, mapping))
+    let found = mapping::found(&recording, settings.mapping.as_ref())
+        .map_err(|source| Error::Mapping { clip: clip(), source: source.into() })?;
+    Ok((recording, found))
 }
 
 /// Reads all recordings that `paths` name, see [`files::expand`] and [`load`].
@@ -271,7 +292,7 @@ pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Recordin
 /// The low-pass works at the clip's own rate, so that it also keeps the resampling from aliasing.
 ///
 /// # Errors
-/// [`Error::Setting`], [`Error::Mapping`], [`Error::Height`], [`Error::Gap`], [`Error::Filter`],
+/// [`Error::Setting`], [`Error::Mapping`], [`Error::Unit`], [`Error::Height`], [`Error::Gap`], [`Error::Filter`],
 /// [`Error::TooShort`].
 pub fn prepare(
     recording: Recording,
@@ -281,13 +302,14 @@ pub fn prepare(
     let name = recording.name.clone();
     let of_mapping =
         |source: mapping::Error| Error::Mapping { clip: name.clone(), source: source.into() };
-    let mapping =
-        settings.mapping.as_ref().map_or_else(|| mapping::choose(&recording.skeleton), Ok);
-    let mapping = mapping.map_err(of_mapping)?;
+    let Found { mapping, proposed } =
+        mapping::found(&recording, settings.mapping.as_ref()).map_err(of_mapping)?;
+    let mapping = &*mapping;
     let frame_time_s = mapping
         .frame_time_s(&recording)
         .map_err(|source| Error::NoRate { clip: name.clone(), source })?;
-    let mut recording = recording.in_metres(mapping.metres_per_unit);
+    let known = proposed.is_none().then_some(mapping);
+    let (mut recording, measured) = in_metres(recording, known, None, settings, &name)?;
     let binding = Binding::new(mapping, &recording.skeleton).map_err(of_mapping)?;
     let height_m = binding.height_m();
     if !HEIGHT_M.contains(&height_m) {
@@ -295,10 +317,11 @@ pub fn prepare(
     }
     believed(&name, &binding, &recording)?;
     let recorded = recording.frames.len();
-    let mut notices: Vec<_> = recording.notes.drain(..).map(Notice::File).collect();
+    let mut notices = noticed(&measured, &mut recording);
     if recording.frame_time_s.is_none() {
         notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
     }
+    notices.extend(proposed.map(Notice::MappingProposed));
 
     let t_pose = usize::from(tpose::is_inserted(&recording, |body| binding.joint_of(body)));
     if t_pose > 0 {
@@ -350,6 +373,28 @@ pub fn prepare(
     }
     let motion = binding.map(&clip);
     Ok((if factor > 1 { motion.interpolated(factor) } else { motion }, notices))
+}
+
+/// A recording in metres, y up, and how it was measured. `known`: a mapping that somebody wrote; `otherwise`: the unit
+/// where nothing tells it, in metres.
+fn in_metres(
+    recording: Recording,
+    known: Option<&Mapping>,
+    otherwise: Option<f64>,
+    settings: &Settings,
+    clip: &str,
+) -> Result<(Recording, Measured), Error> {
+    let matched = SkeletonMatch::of_recording(&recording);
+    let by = known.map(|mapping| By { mapping, is_given: settings.mapping.is_some() });
+    let measured = Measured::new(&recording, &matched, by, settings.told).or_unit(otherwise);
+    let refused = |reason| Error::Unit { clip: clip.to_owned(), reason };
+    Ok((measured.apply(recording).map_err(refused)?, measured))
+}
+
+/// What is to be said of a recording before anything is done to it.
+fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
+    let of_file = recording.notes.drain(..).chain(measured.warnings()).map(Notice::File);
+    std::iter::once(Notice::Measured(Box::new(measured.clone()))).chain(of_file).collect()
 }
 
 /// Refuses a recording in metres whose skeleton no body has. It is as tall as the longest of figures at most.

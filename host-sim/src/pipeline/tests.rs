@@ -26,7 +26,11 @@ fn prepares_the_built_in_clips_and_says_what_it_did() {
         let missing = clip.frames[12..].iter().flatten().filter(|s| s.is_none()).count();
         let seconds = (clip.frames.len() - 1 - 12) as f64 / 120.0;
         let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
-        let [Notice::LeadInSkipped { frames: 12, .. }, Notice::GapsFilled(filled)] = &notices[..]
+        let [
+            Notice::Measured(_),
+            Notice::LeadInSkipped { frames: 12, .. },
+            Notice::GapsFilled(filled),
+        ] = &notices[..]
         else {
             panic!("{notices:?}");
         };
@@ -45,8 +49,8 @@ fn skips_an_inserted_t_pose_but_no_clip_that_starts_in_one() {
     let mut clip = still(40);
     clip.frames[0] = rest(&clip);
     let (motion, notices) = prepare(clip.clone(), &Settings::default()).unwrap();
-    assert_eq!(notices[0], Notice::TPoseSkipped);
-    assert_eq!(notices[1].to_string(), "skipped the first 0.1 s (12 frames)");
+    assert_eq!(notices[1], Notice::TPoseSkipped);
+    assert_eq!(notices[2].to_string(), "skipped the first 0.1 s (12 frames)");
     // 27 frames at 120 Hz are left, which end 0.2167 s after the first.
     assert_eq!(motion.rotation.len(), 22);
 
@@ -61,7 +65,7 @@ fn leaves_the_low_pass_out_where_the_rate_is_too_low() {
     clip.frame_time_s = Some(1.0 / 12.0);
     let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
     assert_eq!(
-        notices[1].to_string(),
+        notices[2].to_string(),
         "not low-passed: a rate of 12 Hz holds nothing above the cutoff of 6 Hz"
     );
     // 0.1 s is 1.2 frames, so that 38 frames are left: 37 / 12 s.
@@ -123,7 +127,7 @@ fn fills_frames_that_are_missing_and_reports_a_flip() {
     let (_, notices) = prepare(clip, &Settings::default()).unwrap();
     let texts: Vec<String> = notices.iter().map(ToString::to_string).collect();
     assert_eq!(
-        texts[1..],
+        texts[2..],
         [
             "filled 1 gap (54 samples; slerp, positions linear): all joints frames 50-52 (0.03 s)",
             "joint flips, above 2500 deg/s and left as they are: forearm_l 3438 deg/s at frame 120 (1.00 s)",

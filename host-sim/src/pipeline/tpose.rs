@@ -30,8 +30,9 @@ pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>
     is_t(at) && jumps(recording)
 }
 
-/// Whether the arms point level away from each other and the legs down.
-fn is_t(at: impl Fn(&str) -> DVec3) -> bool {
+/// Whether the arms point level away from each other and the legs down, by the places of bodies of the figure in a
+/// world with y up; one that is not there is NaN.
+pub fn is_t(at: impl Fn(&str) -> DVec3) -> bool {
     limb_angles_rad(at).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
 }
 

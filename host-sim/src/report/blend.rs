@@ -17,7 +17,7 @@ use super::scene::{
 use crate::blend::{Blend, Nearest, Pair, Side};
 use crate::figure::mapping::Binding;
 use crate::figure::{FigureMotion, Mapping};
-use crate::spatial::{Measure, MeasuredPose, Measuring, Metric, SpatialRig};
+use crate::spatial::{BODY_COUNT_MAX, Measure, MeasuredPose, Measuring, Metric, SpatialRig};
 
 /// Figures in the row.
 const FIGURES: usize = 9;
@@ -46,8 +46,8 @@ const LEVELS: f64 = 9.0;
 pub struct Drawing<'a> {
     /// Both clips.
     pub pair: &'a Pair,
-    /// How their skeleton maps on the figure.
-    pub mapping: &'a Mapping,
+    /// How their skeleton maps on the figure; `None` if it is no human's.
+    pub mapping: Option<&'a Mapping>,
     /// How their frames are numbered in their files.
     pub sides: [Side<'a>; 2],
     /// Where they meet.
@@ -71,16 +71,19 @@ pub fn check(path: &Path) -> io::Result<()> {
 /// cannot be drawn.
 pub fn write(path: &Path, drawing: &Drawing<'_>) -> io::Result<()> {
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidInput, error);
-    let binding = Binding::new(drawing.mapping, &drawing.blend.clip.skeleton)
+    let mapping = drawing.mapping.ok_or_else(|| {
+        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+    })?;
+    let binding = Binding::new(mapping, &drawing.blend.clip.skeleton)
         .map_err(|error| invalid(error.to_string()))?;
-    let rig =
-        SpatialRig::new(drawing.pair.body(), None).map_err(|error| invalid(error.to_string()))?;
+    let rig = SpatialRig::<BODY_COUNT_MAX>::sized(drawing.pair.body(), None)
+        .map_err(|error| invalid(error.to_string()))?;
     let motion = binding.map(&drawing.blend.clip);
     file::write(path, &drawing.picture(&motion, &rig))
 }
 
 impl Drawing<'_> {
-    fn picture(&self, motion: &FigureMotion, rig: &SpatialRig) -> Markup {
+    fn picture(&self, motion: &FigureMotion, rig: &SpatialRig<BODY_COUNT_MAX>) -> Markup {
         let [a, b] = self.sides;
         let title = format!("From {} to {}", a.name, b.name);
         let seconds = (self.blend.last - self.blend.first) as f64 * motion.dt_s;
@@ -157,11 +160,11 @@ impl Drawing<'_> {
     }
 
     /// How near all frames of both are: the way straight through space.
-    fn map(&self, rig: &SpatialRig) -> Markup {
+    fn map(&self, rig: &SpatialRig<BODY_COUNT_MAX>) -> Markup {
         let measuring = Measuring::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;
         let every = [a, b].map(|clip| clip.frames.len().div_ceil(CELLS));
-        let poses = |clip: &Clip, every: usize| -> Vec<MeasuredPose> {
+        let poses = |clip: &Clip, every: usize| -> Vec<MeasuredPose<BODY_COUNT_MAX>> {
             let frames = clip.frames.iter().step_by(every);
             let pose = |frame: &Vec<_>| measuring.pose(&self.pair.rotations(frame));
             frames.map(|frame| pose(frame).expect("the solver took it")).collect()

@@ -52,8 +52,12 @@ pub fn write(
     measure: Measure,
     found: &Found,
 ) -> io::Result<()> {
-    let binding = Binding::new(&query.mapping, &query.skeleton)
-        .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error.to_string()))?;
+    let invalid = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
+    let mapping = query.mapping.as_ref().ok_or_else(|| {
+        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+    })?;
+    let binding =
+        Binding::new(mapping, &query.skeleton).map_err(|error| invalid(error.to_string()))?;
     file::write(path, &picture(&Drawing { query, library, measure, found, binding }))
 }
 

@@ -3,10 +3,15 @@
 mod matrix;
 mod measure;
 mod rig;
+mod rigid;
 
 pub use matrix::Distances;
 pub use measure::{Measure, MeasuredPose, Measuring, Metric, Weighting, Workspace};
 pub use rig::{SpatialError, SpatialRig};
+pub use rigid::Rigid;
+
+/// As many bodies as most skeletons' rigs have: poses of them take little memory.
+pub const BODY_COUNT: usize = 64;
 
 /// As many bodies as a skeleton's rig may have.
-pub const BODY_COUNT_MAX: usize = 64;
+pub const BODY_COUNT_MAX: usize = 256;

@@ -7,14 +7,14 @@ use sinew_core::importance::{ImportanceError, RestPose, RestPoseError, descendan
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, TreeError};
 use sinew_mocap::Skeleton;
 
-use super::BODY_COUNT_MAX;
+use super::BODY_COUNT;
 use crate::weights;
 
 /// A skeleton's joints as bodies of a rig: all spherical, bones as long as at rest, end sites left out (nothing turns
 /// there). The root's place and orientation do not count, so the root is where poses are seen from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SpatialRig {
-    tree: Tree<BODY_COUNT_MAX>,
+pub struct SpatialRig<const N: usize = BODY_COUNT> {
+    tree: Box<Tree<N>>,
     bodies: Vec<OfSkeleton>,
     importance: Vec<f32>,
 }
@@ -72,13 +72,23 @@ pub enum SpatialError {
 }
 
 impl SpatialRig {
+    /// The rig of a skeleton of usual size, see [`sized`](Self::sized).
+    ///
+    /// # Errors
+    /// Those of [`sized`](Self::sized), with [`BODY_COUNT`] bodies.
+    pub fn new(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
+        Self::sized(skeleton, root)
+    }
+}
+
+impl<const N: usize> SpatialRig<N> {
     /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the
     /// skeleton's root.
     ///
     /// # Errors
-    /// [`SpatialError`] if there is no such joint, more than [`BODY_COUNT_MAX`] bodies, or a bone that is
-    /// not finite or longer than 100 m.
-    pub fn new(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
+    /// [`SpatialError`] if there is no such joint, more than `N` bodies, or a bone that is not finite or longer than
+    /// 100 m.
+    pub fn sized(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
         let start = match root {
             None => 0,
             Some(root) => skeleton.find(root).ok_or_else(|| {
@@ -93,13 +103,14 @@ impl SpatialRig {
                 return Err(SpatialError::Bone { joint: joint.name.clone(), length_m });
             }
         }
-        let mut rig = Self { tree: Tree::new(), bodies: Vec::new(), importance: Vec::new() };
+        let mut rig =
+            Self { tree: Box::new(Tree::new()), bodies: Vec::new(), importance: Vec::new() };
         rig.grow(skeleton, start)?;
         let usual = weights::Settings::default();
         let base_m = single(usual.base_of(weights::Method::Lengths));
         let rest = RestPose::of_tree(&rig.tree)?;
         let importance = descendants_length(&rest, base_m, single(usual.discount))?.normalised();
-        #[expect(clippy::cast_precision_loss, reason = "at most BODY_COUNT_MAX")]
+        #[expect(clippy::cast_precision_loss, reason = "at most 256")]
         let count = rig.bodies.len() as f32;
         rig.importance = importance.as_slice().iter().map(|weight| weight * count).collect();
         Ok(rig)
@@ -107,7 +118,7 @@ impl SpatialRig {
 
     /// The tree, a body per joint of the skeleton; seen from another joint than its root, one more, without length, at
     /// the start.
-    pub const fn tree(&self) -> &Tree<BODY_COUNT_MAX> {
+    pub fn tree(&self) -> &Tree<N> {
         &self.tree
     }
 

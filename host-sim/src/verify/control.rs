@@ -79,16 +79,14 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
         Ok(Method::LinearCompensation { aims, settings })
     };
     let expected = &case.expected;
-    for (method_name, method, expected) in [
-        ("local", Method::Local, &expected.local),
-        ("world", Method::World, &expected.world),
-        ("compensation (point)", compensation(&by_point)?, &expected.linear_compensation),
-        ("compensation (child)", compensation(&by_child)?, &expected.linear_compensation),
-    ] {
-        let at = format!("case {name}");
-        check_method(case, &tree, method, expected, method_name, &at, tallies)?;
-    }
-    Ok(())
+    let at = format!("case {name}");
+    let mut check = |method_name, method, expected| {
+        check_method(case, &tree, method, expected, method_name, &at, tallies)
+    };
+    check("local", Method::Local, &expected.local)?;
+    check("world", Method::World, &expected.world)?;
+    check("compensation (point)", compensation(&by_point)?, &expected.linear_compensation)?;
+    check("compensation (child)", compensation(&by_child)?, &expected.linear_compensation)
 }
 
 fn check_method(

@@ -156,11 +156,11 @@ fn what_cannot_be_weighed_is_refused() {
         let expected = format!("radii: expected metres from 0 to 100000, found {radius_m:?}");
         assert_eq!(message, expected);
     }
-    let many = (0..200).map(|i: usize| joint(&i.to_string(), i.checked_sub(1), DVec3::ZERO));
+    let many = (0..300).map(|i: usize| joint(&i.to_string(), i.checked_sub(1), DVec3::ZERO));
     let many = Character::new("many".into(), many.collect(), None).unwrap();
     assert_eq!(
         weigh(&many, Method::Lengths, &default()).unwrap_err().to_string(),
-        "expected at most 128 joints, found 200"
+        "expected at most 256 joints, found 300"
     );
 }
 

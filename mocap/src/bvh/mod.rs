@@ -111,7 +111,8 @@ impl<'a> Parser<'a> {
         self.keyword("Time")?;
         self.keyword(":")?;
         let frame_time_s = self.frame_time_s()?;
-        let (frames, notes) = self.frames(&hierarchy, frame_count)?;
+        let (mut frames, mut notes) = self.frames(&hierarchy, frame_count)?;
+        notes.extend(hierarchy.add_offsets(&mut frames));
         Ok((hierarchy.skeleton, frame_time_s, frames, notes))
     }
 
@@ -318,6 +319,38 @@ impl Hierarchy {
                 Some(JointSample { rotation: rotation.normalize(), position_m })
             })
             .collect()
+    }
+
+    /// Adds the offsets to positions that are displacements from them, as in files of MakeHuman. These are near zero
+    /// where the joints' offsets are not: no file puts all of its joints at one place. 5 % of the bones' length is a
+    /// choice between the two.
+    fn add_offsets(&self, frames: &mut Frames) -> Option<String> {
+        const NEAR: f64 = 0.05;
+        let joints = &self.skeleton.joints;
+        let is_placed = |joint: &usize| {
+            let is_position = |channel: &&Channel| matches!(channel, Channel::Position(_));
+            self.channels[*joint].iter().filter(is_position).count() == 3
+        };
+        let placed: Vec<usize> = (1..joints.len()).filter(is_placed).collect();
+        let bones_m: f64 = placed.iter().map(|joint| joints[*joint].offset_m.length()).sum();
+        let is_near = |frame: &Vec<Option<JointSample>>| {
+            let places = placed.iter().filter_map(|joint| frame[*joint]);
+            places.map(|sample| sample.position_m.length()).sum::<f64>() < NEAR * bones_m
+        };
+        if frames.is_empty() || !frames.iter().all(is_near) {
+            return None;
+        }
+        for frame in frames {
+            for joint in &placed {
+                if let Some(sample) = &mut frame[*joint] {
+                    sample.position_m += joints[*joint].offset_m;
+                }
+            }
+        }
+        Some(
+            "positions are taken as displacements from the joints' offsets, as they are near zero"
+                .to_owned(),
+        )
     }
 }
 

@@ -352,3 +352,20 @@ proptest! {
         check(parse(&bytes, Path::new("x")));
     }
 }
+
+/// As in files of MakeHuman.
+#[test]
+fn positions_near_zero_are_displacements() {
+    let text = VALID
+        .replace("CHANNELS 3", "CHANNELS 6 Xposition Yposition Zposition")
+        .replace("90 90 0\n", "0.01 0 0 90 90 0\n")
+        .replace("\n10 11 13 0 0 0 0 0 0", "\n10 11 13 0 0 0 0 -0.02 0 0 0 0");
+    let displaced = recording(&text);
+    let at = |frame: usize| displaced.frames[frame][1].unwrap().position_m;
+    assert_eq!([at(0), at(1)], [DVec3::new(0.01, -4.0, 0.0), DVec3::new(0.0, -4.02, 0.0)]);
+    assert_eq!(displaced.notes.len(), 1, "{:?}", displaced.notes);
+    // One pose that is away from there says that they are positions.
+    let placed = recording(&text.replace("-0.02", "-4.02"));
+    assert_eq!(placed.frames[0][1].unwrap().position_m, DVec3::new(0.01, 0.0, 0.0));
+    assert_eq!(placed.notes.len(), 0);
+}

@@ -1,12 +1,12 @@
-//! A motion as a CSV of joint coordinates.
+//! A motion as a CSV of joint coordinates, and back.
 
 use std::fmt::Write as _;
 
 use glam::DQuat;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::{Freedom, Link};
 
-use crate::feasibility::RigMotion;
+use crate::feasibility::{MotionError, RigMotion};
 
 /// Half a turn back about x, from Sinew's world (y up) to one with z up: x stays, y is its -z, z its y.
 fn to_z_up() -> DQuat {
@@ -22,19 +22,7 @@ fn to_z_up() -> DQuat {
 pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
     let mut text = String::from("time");
     for link in &mechanism.bodies {
-        let name = &link.joint_name;
-        let columns: Vec<String> = match link.joint {
-            Freedom::Fixed => vec![],
-            Freedom::Revolute(_) | Freedom::Prismatic(_) => vec![name.clone()],
-            Freedom::Universal(_) => ["0", "1"].map(|axis| format!("{name}.{axis}")).to_vec(),
-            Freedom::Spherical => {
-                ["x", "y", "z", "w"].map(|part| format!("{name}.{part}")).to_vec()
-            }
-            Freedom::Free => {
-                ["x", "y", "z", "qw", "qx", "qy", "qz"].map(|part| format!("root_{part}")).to_vec()
-            }
-        };
-        for column in columns {
+        for column in columns(link) {
             text.push(',');
             text.push_str(&quoted(&column));
         }
@@ -63,6 +51,140 @@ pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
         text.push('\n');
     }
     text
+}
+
+/// Names of a joint's columns.
+fn columns(link: &Link) -> Vec<String> {
+    let name = &link.joint_name;
+    match link.joint {
+        Freedom::Fixed => vec![],
+        Freedom::Revolute(_) | Freedom::Prismatic(_) => vec![name.clone()],
+        Freedom::Universal(_) => ["0", "1"].map(|axis| format!("{name}.{axis}")).to_vec(),
+        Freedom::Spherical => ["x", "y", "z", "w"].map(|part| format!("{name}.{part}")).to_vec(),
+        Freedom::Free => {
+            ["x", "y", "z", "qw", "qx", "qy", "qz"].map(|part| format!("root_{part}")).to_vec()
+        }
+    }
+}
+
+/// Why a table is no motion of a rig.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// It is no CSV.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// The first column is not the time.
+    #[error("the first column is `{0}`: expected `time`, in s")]
+    NoTime(String),
+    /// A column that the rig has no use for.
+    #[error("column `{found}`: expected one of {expected}")]
+    Column {
+        /// The column.
+        found: String,
+        /// What there is.
+        expected: String,
+    },
+    /// A column stands twice.
+    #[error("column `{0}` stands twice")]
+    Twice(String),
+    /// A field is no number.
+    #[error("line {line}, column `{column}`: expected a number from -1e6 to 1e6, found `{found}`")]
+    Number {
+        /// Line of the file.
+        line: u64,
+        /// The column.
+        column: String,
+        /// What stands there.
+        found: String,
+    },
+    /// Rows are not evenly spaced.
+    #[error(
+        "line {line}: expected the time {expected:.6} s, as the rows before are {step:.6} s apart, found {found}"
+    )]
+    Uneven {
+        /// Line of the file.
+        line: u64,
+        /// Time that was due, s.
+        expected: f64,
+        /// From row to row, s.
+        step: f64,
+        /// Time that stands there, s.
+        found: f64,
+    },
+    /// It moves a base that travels: a table of [`csv()`] has that in another world.
+    #[error("the rig's base travels (`root_x` ..): hold it with `--base stand`")]
+    Travels,
+    /// What was read is no motion.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+}
+
+/// Reads a table as [`csv()`] writes it: the motion, and the time of its first row, s. Columns stand in any order
+/// behind
+/// `time`; a joint without a column stays at home.
+///
+/// # Errors
+/// [`TableError`] names line and column.
+pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), TableError> {
+    let names: Vec<String> = mechanism.bodies.iter().flat_map(columns).collect();
+    if mechanism.bodies.iter().any(|link| link.joint == Freedom::Free) {
+        return Err(TableError::Travels);
+    }
+    let text = text.trim_start_matches('\u{feff}');
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+    let first = header.first().cloned().unwrap_or_default();
+    if first != "time" {
+        return Err(TableError::NoTime(first));
+    }
+    let mut places = Vec::new();
+    for column in &header[1..] {
+        let unknown = || TableError::Column { found: column.clone(), expected: names.join(", ") };
+        let place = names.iter().position(|name| name == column).ok_or_else(unknown)?;
+        if places.contains(&place) {
+            return Err(TableError::Twice(column.clone()));
+        }
+        places.push(place);
+    }
+    let (mut times, mut lines, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut numbers = Vec::new();
+        for (column, field) in header.iter().zip(&record) {
+            let found = field.parse::<f64>().ok().filter(|x| (-1e6..=1e6).contains(x));
+            let wrong = || (column.clone(), field.to_owned());
+            numbers.push(
+                found.ok_or_else(wrong).map_err(|(column, found)| TableError::Number {
+                    line,
+                    column,
+                    found,
+                })?,
+            );
+        }
+        let mut q = mechanism.home();
+        for (place, number) in places.iter().zip(&numbers[1..]) {
+            q[*place] = *number;
+        }
+        times.push(numbers[0]);
+        lines.push(line);
+        rows.push(q);
+    }
+    if times.len() < 2 {
+        return Err(MotionError::Rows(times.len()).into());
+    }
+    let start_s = times[0];
+    let step = (times[times.len() - 1] - start_s) / (times.len() - 1) as f64;
+    for (row, (found, line)) in times.iter().zip(&lines).enumerate() {
+        let expected = start_s + row as f64 * step;
+        // A hundredth of a step is what people round.
+        if (found - expected).abs() > 0.01 * step.abs() + 1e-6 {
+            return Err(TableError::Uneven { line: *line, expected, step, found: *found });
+        }
+    }
+    let motion = RigMotion { dt_s: step, rows };
+    motion.check(mechanism)?;
+    Ok((motion, start_s))
 }
 
 /// Nine digits; no negative zero.

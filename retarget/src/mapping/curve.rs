@@ -6,7 +6,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Freedom;
 
 use super::resolve::{clip_joint, joint};
-use super::{Mapping, MappingError};
+use super::{Mapping, MappingError, all};
 
 /// A mapping's curves on one rig and one clip.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ impl Mapping {
                 speed: if own.is_finite() { own } else { default },
             })
         };
-        Ok(Curves(self.curves.iter().enumerate().map(on_rig).collect::<Result<_, _>>()?))
+        Ok(Curves(all(self.curves.iter().enumerate().map(on_rig))?))
     }
 }
 

@@ -134,6 +134,33 @@ pub enum MappingError {
     /// The joints make no match.
     #[error(transparent)]
     NoMatch(#[from] crate::rig::NoMatch),
+    /// All that is wrong.
+    #[error("{} mistakes{}", .0.len(), lines(.0))]
+    Several(Vec<Self>),
+}
+
+/// A line for each mistake.
+fn lines(mistakes: &[MappingError]) -> String {
+    mistakes.iter().fold(String::new(), |text, mistake| format!("{text}\n  {mistake}"))
+}
+
+/// What went well, or else all that is wrong.
+fn all<T>(
+    results: impl IntoIterator<Item = Result<T, MappingError>>,
+) -> Result<Vec<T>, MappingError> {
+    let (mut good, mut mistakes) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(one) => good.push(one),
+            Err(MappingError::Several(several)) => mistakes.extend(several),
+            Err(mistake) => mistakes.push(mistake),
+        }
+    }
+    match mistakes.len() {
+        0 => Ok(good),
+        1 => Err(mistakes.remove(0)),
+        _ => Err(MappingError::Several(mistakes)),
+    }
 }
 
 impl MappingError {

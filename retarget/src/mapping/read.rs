@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use super::{Curve, Entry, Mapping, MappingError, Performance, Point};
+use super::{Curve, Entry, Mapping, MappingError, Performance, Point, all};
 use crate::Landmark;
 use crate::solve::Limb;
 
@@ -121,11 +121,15 @@ impl Mapping {
             wrong(text, at, error.message().to_owned())
         })?;
         let landmarks = file.landmark.into_iter().enumerate();
-        let landmarks =
-            landmarks.map(|(k, table)| landmark(text, k, table)).collect::<Result<_, _>>()?;
+        let landmarks = all(landmarks.map(|(k, table)| landmark(text, k, table)));
         let curves = file.curve.into_iter().enumerate();
-        let curves = curves.map(|(k, table)| curve(text, k, table)).collect::<Result<_, _>>()?;
-        let performance = performance(text, file.performance)?;
+        let curves = all(curves.map(|(k, table)| curve(text, k, table)));
+        let performance = performance(text, file.performance);
+        let mistakes =
+            [landmarks.as_ref().err(), curves.as_ref().err(), performance.as_ref().err()];
+        all(mistakes.into_iter().flatten().cloned().map(Err::<(), _>))?;
+        let (landmarks, curves) = (landmarks?, curves?);
+        let performance = performance?;
         let mapping = Self { rig: file.rig, clip: file.clip, performance, landmarks, curves };
         mapping.refuse_twice()?;
         Ok(mapping)

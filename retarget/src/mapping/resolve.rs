@@ -4,7 +4,7 @@ use glam::DVec3;
 use sinew_mocap::Skeleton;
 use sinew_rig::Mechanism;
 
-use super::{Mapping, MappingError};
+use super::{Mapping, MappingError, all};
 use crate::LandmarkMap;
 use crate::performer::PerformerJoints;
 use crate::rig::{Group, RigMatch, RigPoint};
@@ -16,10 +16,27 @@ impl Mapping {
     /// # Errors
     /// [`MappingError`] with landmark, name and what the rig has.
     pub fn rig_match(&self, mechanism: &Mechanism) -> Result<RigMatch, MappingError> {
-        let mut groups = Vec::new();
-        for entry in
-            self.landmarks.iter().filter(|entry| !entry.rig.is_empty() || entry.point.is_some())
-        {
+        let forward = self.performance.forward.map(DVec3::from_array);
+        Ok(RigMatch::of_groups(mechanism, self.groups(mechanism)?, forward)?)
+    }
+
+    /// Looks all names up, of the rig and of the clip.
+    ///
+    /// # Errors
+    /// [`MappingError`] with all that neither has.
+    pub fn check(&self, mechanism: &Mechanism, skeleton: &Skeleton) -> Result<(), MappingError> {
+        all([
+            self.performer_joints(skeleton).map(drop),
+            self.groups(mechanism).map(drop),
+            self.curves(mechanism, skeleton).map(drop),
+        ])
+        .map(drop)
+    }
+
+    fn groups(&self, mechanism: &Mechanism) -> Result<Vec<Group>, MappingError> {
+        let with_rig =
+            self.landmarks.iter().filter(|entry| !entry.rig.is_empty() || entry.point.is_some());
+        all(with_rig.map(|entry| {
             let item = format!("landmark {}", entry.landmark.name());
             let joints =
                 entry.rig.iter().map(|name| joint(mechanism, &format!("{item}.rig"), name));
@@ -27,16 +44,17 @@ impl Mapping {
                 let body = body(mechanism, &format!("{item}.point.body"), &point.body)?;
                 Ok::<_, MappingError>(RigPoint { body, position_m: point.position_m.into() })
             });
-            groups.push(Group {
+            let (joints, point) = (all(joints), point.transpose());
+            let mistakes = [joints.as_ref().err(), point.as_ref().err()].into_iter().flatten();
+            all(mistakes.cloned().map(Err::<(), _>))?;
+            Ok(Group {
                 landmark: entry.landmark,
-                joints: joints.collect::<Result<_, MappingError>>()?,
-                point: point.transpose()?,
+                joints: joints?,
+                point: point?,
                 confidence: entry.confidence,
                 reason: entry.reason.clone(),
-            });
-        }
-        let forward = self.performance.forward.map(DVec3::from_array);
-        Ok(RigMatch::of_groups(mechanism, groups, forward)?)
+            })
+        }))
     }
 
     /// The joints of the clip that the mapping names.
@@ -44,12 +62,14 @@ impl Mapping {
     /// # Errors
     /// [`MappingError`] with landmark, name and what the clip has.
     pub fn performer_joints(&self, skeleton: &Skeleton) -> Result<PerformerJoints, MappingError> {
+        let of_clip = self.landmarks.iter().filter_map(|entry| {
+            let item = format!("landmark {}.clip", entry.landmark.name());
+            Some((entry.landmark, clip_joint(skeleton, &item, entry.clip.as_ref()?)))
+        });
+        let found = all(of_clip.map(|(landmark, joint)| joint.map(|joint| (landmark, joint))))?;
         let mut joints = LandmarkMap::default();
-        for entry in &self.landmarks {
-            if let Some(name) = &entry.clip {
-                let item = format!("landmark {}.clip", entry.landmark.name());
-                joints[entry.landmark] = Some(clip_joint(skeleton, &item, name)?);
-            }
+        for (landmark, joint) in found {
+            joints[landmark] = Some(joint);
         }
         Ok(PerformerJoints::of(skeleton, joints))
     }

@@ -24,12 +24,12 @@ use sinew_mocap::{Clip, JointSample, Recording, Skeleton};
 use body::Body;
 use confidence::Judge;
 use directions::Stance;
-use pair::{Pair, legs_and_arms};
+use pair::{Pair, agree_on_sides, legs_and_arms};
 use trunk::Trunk;
 
 pub use directions::{Directions, UpAxis};
 pub use figure::{FigureMapping, MapHead, NoMapping, Note, figure_mapping, head_end};
-pub use unit::Unit;
+pub use unit::{BODY_HEIGHT_M, Unit};
 
 use crate::{Landmark, Side};
 
@@ -70,6 +70,9 @@ impl SkeletonMatch {
         }
         let body = Body::new(skeleton, frames);
         let [mut legs, mut arms] = legs_and_arms(&body);
+        if let (Ok(legs), Ok(arms)) = (&mut legs, &mut arms) {
+            agree_on_sides(&body, legs, arms);
+        }
         let mut trunk = Trunk::find(&body, legs.as_ref().ok(), arms.as_ref().ok());
         let mut stance = Stance::find(&body, legs.as_ref().ok(), arms.as_ref().ok(), trunk.head);
         if swap_by_geometry(&mut legs, &mut arms, stance.faces) {

@@ -114,10 +114,15 @@ pub(super) fn read_all(names: &[&str]) -> Vec<Name> {
         matches!(word, Word::Helper | Word::End | Word::Twist | Word::Torso)
             && 10 * count > 6 * all.len()
     };
-    let everywhere: Vec<Word> = [Word::Helper, Word::End, Word::Twist, Word::Torso]
+    let mut everywhere: Vec<Word> = [Word::Helper, Word::End, Word::Twist, Word::Torso]
         .into_iter()
         .filter(|word| is_everywhere(*word))
         .collect();
+    // A spine has one base: as in `CC_Base_Spine01` and `CC_Base_Spine02` it names the file.
+    let is_base = |words: &&Vec<Word>| words.contains(&Word::Spine) && words.contains(&Word::Base);
+    if all.iter().filter(is_base).count() > 1 {
+        everywhere.push(Word::Base);
+    }
     let spelled: BTreeSet<&str> = names.iter().copied().collect();
     names
         .iter()

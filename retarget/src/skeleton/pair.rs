@@ -1,6 +1,8 @@
 //! Two limbs that mirror each other; the legs and the arms of a body.
 
-use super::body::Body;
+use glam::DVec3;
+
+use super::body::{Body, Pose};
 use super::limb::{Limb, LimbKind, candidates};
 use crate::Side;
 
@@ -91,6 +93,23 @@ pub(super) fn legs_and_arms(body: &Body) -> [Result<Pair, String>; 2] {
         })
     };
     [named(&legs, LimbKind::Leg), named(&arms, LimbKind::Arm)]
+}
+
+/// Gives limbs whose sides no name tells the order of the others: the left arm is above the left leg. A file may list
+/// one pair from the left and the other from the right.
+pub(super) fn agree_on_sides(body: &Body, legs: &mut Pair, arms: &mut Pair) {
+    let aside = |pair: &Pair, pose: &Pose| match &pair.limbs {
+        [Some(left), Some(right)] => pose.at(left.joints[0]) - pose.at(right.joints[0]),
+        _ => DVec3::ZERO,
+    };
+    let along: f64 = body.poses.iter().map(|pose| aside(legs, pose).dot(aside(arms, pose))).sum();
+    if along < 0.0 {
+        match (legs.sided, arms.sided) {
+            (true, true) => {}
+            (false, true) => legs.limbs.reverse(),
+            (_, false) => arms.limbs.reverse(),
+        }
+    }
 }
 
 /// Two limbs of a kind, the best first.

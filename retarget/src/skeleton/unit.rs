@@ -4,9 +4,10 @@ use super::body::Body;
 use super::pair::Pair;
 use super::trunk::Trunk;
 
-/// Units that files are in, each with its length in metres. No two of them make one skeleton's height believable.
-const UNITS: [(f64, &str); 6] = [
+/// Units that files are in, each with its length in metres. No two of them make one skeleton's height usual.
+const UNITS: [(f64, &str); 7] = [
     (1.0, "metres"),
+    (0.3048, "feet"),
     (0.1, "decimetres"),
     (0.01, "centimetres"),
     (0.001, "millimetres"),
@@ -14,8 +15,10 @@ const UNITS: [(f64, &str); 6] = [
     // CMU: inches after division by 0.45.
     (0.0254 / 0.45, "inches / 0.45, as CMU's files have"),
 ];
-/// From a child to a tall man.
-const BELIEVABLE_M: std::ops::RangeInclusive<f64> = 1.2..=2.1;
+/// From a child of seven to a tall man: neighbours among the units differ by more than 2.1 / 1.2.
+const USUAL_M: std::ops::RangeInclusive<f64> = 1.2..=2.1;
+/// From a newborn child to the tallest people (2.72 m was the tallest known). Here several units may fit.
+pub const BODY_HEIGHT_M: std::ops::RangeInclusive<f64> = 0.5..=2.5;
 /// Parts of the stature (Drillis and Contini, in D. A. Winter, Biomechanics and Motor Control of Human Movement,
 /// figure 4.1): thigh and shank, sole to ankle, base of the skull to the vertex.
 pub(super) const LEG: f64 = 0.491;
@@ -42,18 +45,38 @@ impl Unit {
         trunk: &Trunk,
     ) -> Option<Self> {
         let height = height(body, legs, arms, trunk)?;
-        let found = UNITS.iter().find(|(metres, _)| BELIEVABLE_M.contains(&(metres * height)));
-        let reason = match found {
-            Some((metres, name)) => format!("in {name} the body is {:.2} m tall", metres * height),
-            None => format!(
-                "the body is {height:.4} units tall: {:.3} m in centimetres, {:.3} m in metres; no usual unit makes \
-                 1.2 to 2.1 m of it. For a height of 1.70 m a unit is {:.6} m",
+        let (metres_per_unit, reason) = of_height(height);
+        Some(Self { metres_per_unit, height, reason })
+    }
+}
+
+/// The unit that makes a body of so many units as tall as people usually are, else the only one that makes it as tall
+/// as people can be; and why.
+fn of_height(height: f64) -> (Option<f64>, String) {
+    let fits = |range: &std::ops::RangeInclusive<f64>| -> Vec<&(f64, &str)> {
+        UNITS.iter().filter(|(metres, _)| range.contains(&(metres * height))).collect()
+    };
+    let told = |(metres, name): &(f64, &str)| {
+        format!("in {name} the body is {:.2} m tall", metres * height)
+    };
+    if let [unit] = fits(&USUAL_M)[..] {
+        return (Some(unit.0), told(unit));
+    }
+    match &fits(&BODY_HEIGHT_M)[..] {
+        [unit] => (Some(unit.0), told(unit)),
+        [] => {
+            let reason = format!(
+                "the body is {height:.4} units tall: {:.3} m in centimetres, {height:.3} m in metres; no usual unit \
+                 makes 0.5 to 2.5 m of it. For a height of 1.70 m a unit is {:.6} m",
                 0.01 * height,
-                height,
                 1.70 / height
-            ),
-        };
-        Some(Self { metres_per_unit: found.map(|(metres, _)| *metres), height, reason })
+            );
+            (None, reason)
+        }
+        several => {
+            let each: Vec<String> = several.iter().map(|unit| told(unit)).collect();
+            (None, format!("{}: each can be", each.join(", ")))
+        }
     }
 }
 
@@ -81,4 +104,43 @@ fn head_length(body: &Body, head: usize) -> Option<f64> {
     // Some writers put a stub of a millimetre there.
     let long = ends.chain([body.site(head)]).fold(0.0, f64::max);
     (long > 0.02 * body.below[0]).then_some(long)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_height_has_at_most_one_usual_unit() {
+        for step in 0..10_000 {
+            let height = 0.1 * libm::pow(10.0, f64::from(step) / 2000.0);
+            let usual = UNITS.iter().filter(|(metres, _)| USUAL_M.contains(&(metres * height)));
+            assert!(usual.count() <= 1, "{height}");
+        }
+    }
+
+    #[test]
+    fn what_no_height_tells_is_left_open() {
+        for (height, unit) in [
+            (1.7, Some(1.0)),
+            (170.0, Some(0.01)),
+            (67.0, Some(0.0254)),
+            (5.6, Some(0.3048)),
+            (0.6, Some(1.0)),
+            (45.0, Some(0.0254)),
+        ] {
+            assert_eq!(of_height(height).0, unit, "{height}");
+        }
+        let (unit, reason) = of_height(40.0);
+        assert_eq!(unit, None);
+        assert!(
+            reason.contains("in inches the body is 1.02 m tall") && reason.contains("each can be"),
+            "{reason}"
+        );
+        let (unit, reason) = of_height(0.07);
+        assert!(
+            unit.is_none() && reason.contains("no usual unit makes 0.5 to 2.5 m of it"),
+            "{reason}"
+        );
+    }
 }

@@ -2,8 +2,8 @@
 
 /// A word of anatomy, or of what hangs beside it, and how files spell it.
 pub(super) const VOCABULARY: &[(Word, &[&str])] = &[
-    (Word::Left, &["left", "lft", "lt"]),
-    (Word::Right, &["right", "rgt", "rt"]),
+    (Word::Left, &["left", "lft", "lt", "links", "gauche", "izquierda"]),
+    (Word::Right, &["right", "rgt", "rt", "rechts", "droite", "derecha"]),
     (Word::Upper, &["upper", "up"]),
     (Word::Lower, &["lower", "low", "lo"]),
     (Word::Fore, &["fore"]),
@@ -185,7 +185,7 @@ pub(super) const VOCABULARY: &[(Word, &[&str])] = &[
     ),
 ];
 
-/// What Japanese names (MMD) say, longest first.
+/// What Japanese (MMD) and Chinese names say, longest first.
 pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("全ての親", " root "),
     ("センター", " root "),
@@ -195,6 +195,19 @@ pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("爪先", " toe "),
     ("上半身", " upper body "),
     ("下半身", " lower body "),
+    ("大腿", " thigh "),
+    ("小腿", " shin "),
+    ("脚踝", " ankle "),
+    ("脚趾", " toe "),
+    ("骨盆", " pelvis "),
+    ("脊柱", " spine "),
+    ("脊椎", " spine "),
+    ("上臂", " upper arm "),
+    ("前臂", " fore arm "),
+    ("手臂", " arm "),
+    ("锁骨", " clavicle "),
+    ("手腕", " wrist "),
+    ("脖子", " neck "),
     ("手首", " wrist "),
     ("足首", " ankle "),
     ("足先", " helper "),
@@ -215,6 +228,10 @@ pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("腰", " helper "),
     ("首", " neck "),
     ("頭", " head "),
+    ("头", " head "),
+    ("颈", " neck "),
+    ("胸", " chest "),
+    ("脚", " foot "),
     ("目", " eye "),
     ("髪", " hair "),
     ("先", " end "),

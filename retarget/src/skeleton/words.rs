@@ -4,9 +4,9 @@ use super::vocabulary::{JAPANESE, VOCABULARY, Word};
 
 /// The known words of `name`, in order; what is not known, and what says nothing, is left out.
 pub(super) fn words(name: &str) -> Vec<Word> {
-    // What stands before the last of these names the file or the character; Poser puts a number behind it.
-    let name =
-        name.rsplit([':', '|']).find(|part| part.chars().any(char::is_alphabetic)).unwrap_or(name);
+    // What stands before the last of these names the file or the character; Poser puts a number behind it, to which
+    // exporters add `_jnt`.
+    let name = name.rsplit([':', '|']).find(|part| names_a_joint(part)).unwrap_or(name);
     if is_vertebra(name) {
         return vec![Word::Spine];
     }
@@ -19,6 +19,14 @@ pub(super) fn words(name: &str) -> Vec<Word> {
         tokens.iter().any(|token| matches!(token.as_str(), "l" | "r" | "left" | "right"));
     let known = tokens.iter().filter_map(|token| in_words(token, side_stands_alone)).flatten();
     known.filter(|word| *word != Word::Noise).collect()
+}
+
+/// Whether part of a name says more than that it is a joint.
+fn names_a_joint(part: &str) -> bool {
+    let is_noise = |token: &String| {
+        in_words(token, false).is_some_and(|words| words.iter().all(|word| *word == Word::Noise))
+    };
+    !tokens(part).iter().all(is_noise)
 }
 
 /// `L5`, `T12`, `jL5S1`: vertebrae, not a left side.
@@ -126,6 +134,8 @@ mod tests {
             ("L5", vec![Spine]),
             ("jL5S1", vec![Spine]),
             ("lThigh:12", vec![Left, Thigh]),
+            ("lThigh:12_jnt", vec![Left, Thigh]),
+            ("Actor:joint_12", vec![]),
             ("mixamorigleftarm", vec![Left, Arm]),
             ("左ひじ", vec![Left, Elbow]),
             ("lShldr", vec![Left, UpperArm]),

@@ -1,7 +1,9 @@
 //! Landmarks of skeletons in the names of many makers, and of the same ones renamed, mirrored, turned and scaled.
 
+mod additions;
 mod dialect;
 
+use additions::additions;
 use dialect::{DIALECTS, Dialect};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -72,6 +74,12 @@ fn every_dialect_maps_on_the_figure() {
                 "{maker}: {body} is {length_m} m long: {part:?}"
             );
         }
+        let turns =
+            |body: &str| dialect.skeleton.find(&proposed.map.bodies[body].rotation).expect(maker);
+        let [abdomen, thigh_l, thigh_r] = ["abdomen", "thigh_l", "thigh_r"].map(turns);
+        for joint in [abdomen, thigh_l, thigh_r] {
+            assert!(dialect.skeleton.moves_with(turns("pelvis"), joint), "{maker}: {joint}");
+        }
         let read: sinew_mocap::SkeletonMap = toml::from_str(&proposed.to_toml()).expect(maker);
         assert_eq!(read, proposed.map, "{maker}");
     }
@@ -81,6 +89,7 @@ fn every_dialect_maps_on_the_figure() {
 #[derive(Debug, Clone)]
 struct Change {
     prefix: &'static str,
+    suffix: &'static str,
     case: u8,
     mirrored: bool,
     z_up: bool,
@@ -98,10 +107,12 @@ fn change() -> impl Strategy<Value = Change> {
         "b_",
         "Actor7:Body:",
     ]);
+    let suffixes = prop::sample::select(vec!["", "_12", ".001", "_jnt", "_bone", ":7"]);
     let units = prop::sample::select(vec![1.0, 100.0, 39.37, 1000.0, 10.0, 17.7165]);
-    (prefixes, 0..3_u8, any::<bool>(), any::<bool>(), units, any::<u64>()).prop_map(
-        |(prefix, case, mirrored, z_up, unit, order)| Change {
+    (prefixes, suffixes, 0..3_u8, any::<bool>(), any::<bool>(), units, any::<u64>()).prop_map(
+        |(prefix, suffix, case, mirrored, z_up, unit, order)| Change {
             prefix,
+            suffix,
             case,
             mirrored,
             z_up,
@@ -118,7 +129,7 @@ impl Change {
             1 => name.to_lowercase(),
             _ => name.to_uppercase(),
         };
-        format!("{}{name}", self.prefix)
+        format!("{}{name}{}", self.prefix, self.suffix)
     }
 
     /// The skeleton changed; its sides change places if it is mirrored, as the names go with the side.
@@ -185,6 +196,56 @@ proptest! {
         prop_assert!((unit * change.unit - 1.0).abs() < 1e-3, "{:?}", matched.unit);
         prop_assert_eq!(matched.up.as_ref().map(|up| up.axis), Some(if change.z_up { DVec3::Z } else { DVec3::Y }));
         prop_assert_eq!(matched.findings, Vec::<String>::new());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Fingers, twists, ends, helpers and more joints of the spine: no landmark moves.
+    #[test]
+    fn what_is_no_landmark_changes_none(which in 0..DIALECTS.len(), additions in additions()) {
+        let dialect = &DIALECTS[which];
+        let more = additions.apply(dialect);
+        prop_assert_eq!(wrong(&more), Vec::<String>::new(), "{}: {:?}", dialect.maker, additions);
+    }
+
+    /// A mirror image is a human too: what was left is right, whatever the names are.
+    #[test]
+    fn of_a_mirror_image_the_sides_change(which in 0..DIALECTS.len(), seed in any::<u64>()) {
+        let mut joints = in_other_order(&DIALECTS[which].skeleton, seed);
+        for (place, joint) in joints.joints.iter_mut().enumerate() {
+            joint.name = format!("joint_{place}");
+        }
+        let matched = SkeletonMatch::new(&joints, &[]);
+        for joint in &mut joints.joints {
+            joint.offset_m.x = -joint.offset_m.x;
+        }
+        let mirrored = SkeletonMatch::new(&joints, &[]);
+        // Only feet that point forward tell the sides; without them the file's order does not change.
+        let rest_m = joints.rest_positions_m();
+        let at_m = |landmark| matched.joint(landmark).map(|joint| rest_m[joint]);
+        let of_leg = [Landmark::Hip, Landmark::Ankle, Landmark::Toe].map(|place| at_m(place(Side::Left)));
+        let tells = matched.directions.zip(of_leg[0]).zip(of_leg[1]).zip(of_leg[2]).is_some_and(
+            |(((at, hip_m), ankle_m), toe_m)| {
+                let foot_m = toe_m - ankle_m;
+                foot_m.dot(at.forward).abs() > 0.1 * hip_m.distance(ankle_m)
+            },
+        );
+        prop_assume!(tells);
+        for (landmark, found) in matched.found() {
+            let other = match landmark {
+                Landmark::Shoulder(side) => Landmark::Shoulder(side.other()),
+                Landmark::Elbow(side) => Landmark::Elbow(side.other()),
+                Landmark::Wrist(side) => Landmark::Wrist(side.other()),
+                Landmark::Hip(side) => Landmark::Hip(side.other()),
+                Landmark::Knee(side) => Landmark::Knee(side.other()),
+                Landmark::Ankle(side) => Landmark::Ankle(side.other()),
+                Landmark::Toe(side) => Landmark::Toe(side.other()),
+                middle => middle,
+            };
+            prop_assert_eq!(mirrored.joint(other), Some(found.joint), "{}: {}", DIALECTS[which].maker, landmark.name());
+        }
     }
 }
 

@@ -14,6 +14,9 @@ pub use freedom::Freedom;
 pub use inverse_dynamics::{InverseDynamics, LANES};
 pub use pose::Pose;
 
+/// The most bodies of a rig, those on fixed joints not counted: what `sinew-core` holds on any machine.
+pub const BODY_COUNT_MAX: usize = 128;
+
 /// Acceleration of gravity, m/s², world axes: that of `sinew-core`, f64.
 pub const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 

@@ -16,16 +16,13 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
-use crate::mechanism::{Freedom, Link, Mechanism};
+use crate::mechanism::{BODY_COUNT_MAX, Freedom, Link, Mechanism};
 use crate::number::single;
 
 pub use finding::{Finding, KG_M2_PER_G_MM2, Severity};
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
-
-/// Most bodies of a rig that is reviewed; what `sinew-core` holds at most.
-const CAPACITY: usize = 128;
 
 /// The control loop that gains are judged for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -158,7 +155,7 @@ impl Review {
     /// # Errors
     /// [`ReviewError`] if the rig does not fit `sinew-core`.
     pub fn of(mechanism: &Mechanism, servos: &Servos, control: Loop) -> Result<Self, ReviewError> {
-        let tree = mechanism.tree::<CAPACITY>()?;
+        let tree = mechanism.tree::<BODY_COUNT_MAX>()?;
         let home: Vec<f32> = mechanism.home().into_iter().map(single).collect();
         let mut pose = JointStates::rest(&tree);
         let still = vec![0.0; tree.degrees_of_freedom()];

@@ -35,6 +35,7 @@ pub(super) struct Args {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let Args { common, each, draws } = args;
+    let results = common.results.open("classify")?;
     let classes = common.read()?;
     let rig = common.rig(&classes)?;
     let of = |given: &Option<NonZeroUsize>, full: usize, quick: usize| {
@@ -53,8 +54,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     })?;
     let costs =
         if common.no_times { Vec::new() } else { cost::of(&classes, &rig, &plan.measures)? };
-    common.results.write(
-        "classify",
+    results.write(
         &classify::tables(&plan, &study, &costs),
         &classify::json(&plan, &study, &costs),
         |folder| write_classify(&plan, &study, folder),

@@ -33,6 +33,7 @@ pub(super) struct Args {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let Args { common, pairs } = args;
+    let results = common.results.open("cluster")?;
     let classes = common.read()?;
     let rig = common.rig(&classes)?;
     let usual = if common.is_quick() { 5 } else { 100 };
@@ -49,8 +50,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     })?;
     let costs =
         if common.no_times { Vec::new() } else { cost::of(&classes, &rig, &plan.measures)? };
-    common.results.write(
-        "cluster",
+    results.write(
         &cluster::tables(&plan, &study, &costs),
         &cluster::json(&plan, &study, &costs),
         |folder| write_cluster(&plan, &study, folder),

@@ -49,6 +49,7 @@ pub(super) struct Args {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let results = args.results.open("geodesic-ratio")?;
     let recordings = match args.data.folder()? {
         Some(data) => Recordings::cmu(&data.join("cmu"))?,
         None => Recordings::built_in(),
@@ -66,8 +67,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
             geodesic_ratio::run(&plan, &conditions, progress)
         })?)
     })?;
-    args.results.write(
-        "geodesic-ratio",
+    results.write(
         &geodesic_ratio::tables(&plan, &outcomes),
         &geodesic_ratio::json(&plan, &outcomes),
         |out| write_geodesic_ratio(&outcomes, out),

@@ -60,6 +60,7 @@ const WALKS: [&str; 2] = ["broad-12hz/07_01.bvh", "broad-12hz/35_01.bvh"];
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    let results = args.results.open("mds")?;
     let (walking, broad, walks) = if let Some(data) = args.data.folder()? {
         (Recordings::cmu(&data.join("cmu"))?, broad(&data)?, args.walks.clone())
     } else {
@@ -80,12 +81,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         Ok(with_progress(plan.steps(), |progress| components::run(&plan, progress))?)
     })?;
     let walkers = plan.walks.map(walker);
-    args.results.write(
-        "mds",
-        &components::tables(&plan, &study),
-        &components::json(&plan, &study),
-        |out| write_mds(&study, [&walkers[0], &walkers[1]], out),
-    )
+    results.write(&components::tables(&plan, &study), &components::json(&plan, &study), |out| {
+        write_mds(&study, [&walkers[0], &walkers[1]], out)
+    })
 }
 
 fn find<'r>(recordings: &'r Recordings, file: &str) -> anyhow::Result<&'r Sequence> {

@@ -38,27 +38,41 @@ pub(super) fn tell_pictures(files: &[PathBuf]) {
     }
 }
 
+/// Where a study's results go. Its folder is locked before the work: a busy one is told at once, not after hours.
+pub(super) struct Results<'a> {
+    args: &'a ResultArgs,
+    name: &'static str,
+    folder: Option<Folder>,
+}
+
 impl ResultArgs {
+    /// Opens the folder of a study's results, if one is asked for.
+    pub(super) fn open(&self, name: &'static str) -> anyhow::Result<Results<'_>> {
+        let folder = self.out.as_ref().map(|out| Folder::open(out, name, &[])).transpose()?;
+        Ok(Results { args: self, name, folder })
+    }
+}
+
+impl Results<'_> {
     /// Prints tables or JSON; writes both, and the pictures, into the folder.
     pub(super) fn write(
-        &self,
-        name: &str,
+        self,
         tables: &str,
         json: &Value,
         pictures: impl FnOnce(&Path) -> io::Result<Vec<PathBuf>>,
     ) -> anyhow::Result<()> {
+        let Self { args, name, folder } = self;
         let json = format!("{json:#}\n");
-        if let Some(out) = &self.out {
-            let folder = Folder::open(out, name, &[])?;
+        if let Some(folder) = folder {
             let stage = folder.stage();
-            let cannot = || format!("{}: cannot be written", out.display());
+            let cannot = || format!("{}: cannot be written", stage.display());
             pictures(&stage).with_context(cannot)?;
             for (extension, text) in [("txt", tables), ("json", &json)] {
                 fs::write(stage.join(format!("{name}.{extension}")), text).with_context(cannot)?;
             }
             tell_pictures(&folder.finish()?);
         }
-        print(match self.format {
+        print(match args.format {
             Format::Table => tables,
             Format::Json => &json,
         })?;

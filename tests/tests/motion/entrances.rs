@@ -488,7 +488,7 @@ fn vertices() {
 #[test]
 fn the_largest_skeletons_are_taken() {
     let count = BodySet::CAPACITY;
-    let positions_m: Vec<Vec3> = (0..128u8).map(|k| Vec3::X * (f32::from(k) * 0.125)).collect();
+    let positions_m: Vec<Vec3> = (0..count).map(|k| Vec3::X * (k as f32 * 0.125)).collect();
     let back = (0..count).map(|joint| (joint + 1 < count).then_some(joint + 1));
     let chain: Vec<_> = back.collect();
     let star: Vec<_> = (0..count).map(|joint| (joint > 0).then_some(0)).collect();

@@ -249,6 +249,20 @@ kernel = { 18 = 100 }
     }
 
     #[test]
+    fn the_estimate_of_a_tick_is_what_was_measured_and_hardly_more() {
+        let text = std::fs::read_to_string(crate::step::root().join(FILE)).unwrap();
+        let budget = Budget::parse(&text).unwrap();
+        // Cycles, at a million of them a second.
+        let estimated = |servos| sinew_firmware::controller::estimated_us(servos, 1_000_000);
+        for servos in [6, 20, 40] {
+            let place = Place::new("estimated_cycles", "loop_recommended", &servos.to_string());
+            let measured = budget.accepted(&place).unwrap() as f64;
+            let share = f64::from(estimated(servos)) / measured;
+            assert!((1.0..1.03).contains(&share), "{servos} servos: {share}");
+        }
+    }
+
+    #[test]
     fn promises_are_bounds_and_multiples_of_what_is_measured() {
         assert_eq!(missed([2_000, 3_600, 1]), [""; 0]);
         assert_eq!(missed([2_001, 3_600, 1]), ["instructions.tick.18 2000"]);

@@ -50,8 +50,10 @@ enum Call {
 fn calls(line: &str) -> Vec<Call> {
     let Some(words) = shlex::split(line) else { return vec![Call::NoCommand] };
     words
-        .split(|word| ["|", "&&", ";", "do", "done"].contains(&word.as_str()))
+        .split(|word| ["|", "&&", "&", ";", "do", "done"].contains(&word.as_str()))
         .flat_map(|words| {
+            // What it says may go into a file.
+            let words = words.split(|word| word == ">").next().unwrap_or_default();
             let is_variable = |word: &&String| word.contains('=') && !word.starts_with('-');
             call(&words[words.iter().take_while(is_variable).count()..])
         })

@@ -69,11 +69,13 @@ impl<'a> Elements<'a> {
         let size = self.data_type.size();
         let bytes = &self.bytes[element * self.stride..][..self.width * size];
         bytes.chunks_exact(size).map(|number| match (self.data_type, number) {
+            (DataType::I8, &[a]) => f64::from(i8::from_le_bytes([a])),
+            (DataType::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
             (DataType::U8, &[a]) => f64::from(a),
             (DataType::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
             (DataType::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
             (DataType::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
-            // No accessor that is read here may be signed.
+            // No other size can be: a number has that of its type.
             _ => f64::NAN,
         })
     }
@@ -91,6 +93,8 @@ impl<'a> Elements<'a> {
     /// The largest number that an element stands for 1 with, if whole ones stand for fractions.
     pub(super) fn one(&self) -> f64 {
         match self.data_type {
+            DataType::I8 => f64::from(i8::MAX),
+            DataType::I16 => f64::from(i16::MAX),
             DataType::U8 => f64::from(u8::MAX),
             DataType::U16 => f64::from(u16::MAX),
             _ => 1.0,

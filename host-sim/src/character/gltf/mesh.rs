@@ -12,15 +12,17 @@ use crate::character::{Mesh, shares};
 
 type Shares = Vec<(usize, f64)>;
 
-/// Appends the mesh of a node; nothing if it is no part of the character.
+/// Appends the mesh of a node; nothing if it is no part of the character. How many of its vertices have weights that
+/// do not sum to 1.
 pub(super) fn add(
     mesh: &mut Mesh,
     node: &Node<'_>,
     skeleton: &Skeleton,
     nodes: &Nodes,
     buffers: &Buffers,
-) -> Result<(), Refusal> {
-    let Some(owner) = Owner::of(node, skeleton, nodes)? else { return Ok(()) };
+) -> Result<usize, Refusal> {
+    let Some(owner) = Owner::of(node, skeleton, nodes)? else { return Ok(0) };
+    let mut unlike_one = 0;
     for primitive in node.mesh().iter().flat_map(::gltf::Mesh::primitives) {
         let in_primitive =
             |refusal: Refusal| refusal.of(format!("primitive {}", primitive.index()));
@@ -29,8 +31,9 @@ pub(super) fn add(
         let triangles = triangles(&primitive, local_m.len(), buffers).map_err(in_primitive)?;
         match owner {
             Owner::Skin(binding) => {
-                let skin =
+                let (skin, unlike) =
                     skin(&primitive, local_m.len(), binding, buffers).map_err(in_primitive)?;
+                unlike_one += unlike;
                 let bound = local_m.iter().zip(&skin).map(|(p, shares)| match binding.world {
                     Some(world) => world.transform_point3(*p),
                     None => shares
@@ -48,7 +51,7 @@ pub(super) fn add(
         }
         mesh.triangles.extend(triangles.into_iter().map(|corners| corners.map(|c| first + c)));
     }
-    Ok(())
+    Ok(unlike_one)
 }
 
 /// What a mesh moves with.
@@ -79,21 +82,27 @@ impl<'a> Owner<'a> {
 fn positions_m(primitive: &Primitive<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, Refusal> {
     let accessor = primitive.get(&Semantic::Positions);
     let accessor = accessor.ok_or_else(|| refuse("attributes", "POSITION", "none"))?;
-    let elements = Elements::new(&accessor, buffers, Dimensions::Vec3, &[DataType::F32])?;
+    // Whole numbers by KHR_mesh_quantization; the pose of joints and nodes brings them to their size.
+    let any = [DataType::F32, DataType::I8, DataType::U8, DataType::I16, DataType::U16];
+    let elements = Elements::new(&accessor, buffers, Dimensions::Vec3, &any)?;
+    let one = if accessor.normalized() { elements.one() } else { 1.0 };
     let position_m = |vertex| {
-        let mut numbers = elements.numbers(vertex);
+        // The least of a signed type is a little below -1.
+        let mut numbers = elements
+            .numbers(vertex)
+            .map(|number| if one > 1.0 { (number / one).max(-1.0) } else { number });
         DVec3::from_array(core::array::from_fn(|_| numbers.next().unwrap_or(f64::NAN)))
     };
     Ok((0..elements.count()).map(position_m).collect())
 }
 
-/// The shares of every vertex by the character's joints.
+/// The shares of every vertex by the character's joints, and of how many they did not sum to 1.
 fn skin(
     primitive: &Primitive<'_>,
     vertices: usize,
     binding: &Binding,
     buffers: &Buffers,
-) -> Result<Vec<Shares>, Refusal> {
+) -> Result<(Vec<Shares>, usize), Refusal> {
     let mut sets = Vec::new();
     for set in 0.. {
         let joints = primitive.get(&Semantic::Joints(set));
@@ -117,13 +126,15 @@ fn skin(
         }
         sets.push((joints, weights));
     }
-    let of_vertex = |vertex: usize| {
+    let mut unlike_one = 0;
+    let mut of_vertex = |vertex: usize| {
         let stored = sets.iter().flat_map(|(joints, weights)| {
             let one = weights.one();
             joints.indices(vertex).zip(weights.numbers(vertex).map(move |weight| weight / one))
         });
         let in_vertex = |refusal: Refusal| refusal.of(format!("vertex {vertex}"));
-        let entries = shares(stored).map_err(in_vertex)?;
+        let (entries, is_one) = shares(stored).map_err(in_vertex)?;
+        unlike_one += usize::from(!is_one);
         let joint = |(entry, share): (usize, f64)| {
             let joint = binding.joints.get(entry).copied();
             let expected = || format!("an index below {}", binding.joints.len());
@@ -133,7 +144,8 @@ fn skin(
         };
         entries.into_iter().map(joint).collect()
     };
-    (0..vertices).map(of_vertex).collect()
+    let skin = (0..vertices).map(&mut of_vertex).collect::<Result<_, Refusal>>()?;
+    Ok((skin, unlike_one))
 }
 
 fn triangles(

@@ -4,10 +4,11 @@
 //! joint above it, whatever nodes are between; joints that have only another node above them in common get that one
 //! as their root. They stand in the pose of the skin's `inverseBindMatrices`, placed and sized as the scene has its
 //! first root joint; without these matrices, as the scene has them. A mesh without a skin belongs to the joint that
-//! it hangs on, and not to the character if it hangs on none. Morph targets are left at zero.
+//! it hangs on, and not to the character if it hangs on none. Morph targets are left at zero. VRM is glTF with more.
 
 mod accessor;
 mod buffers;
+mod extensions;
 mod mesh;
 mod nodes;
 
@@ -36,18 +37,26 @@ pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Charact
     let nodes = Nodes::new(&document)?;
     let skeleton = Skeleton::new(&document, &nodes, &buffers)?;
     let mut mesh = Mesh::default();
+    let mut unlike_one = 0;
     for node in document.nodes().filter(|node| node.mesh().is_some()) {
-        mesh::add(&mut mesh, &node, &skeleton, &nodes, &buffers)
+        unlike_one += mesh::add(&mut mesh, &node, &skeleton, &nodes, &buffers)
             .map_err(|refusal| refusal.of(format!("node {}", node.index())))?;
     }
-    Character::new(name, skeleton.joints(&document, &nodes)?, Some(mesh))
+    let mut character = Character::new(name, skeleton.joints(&document, &nodes)?, Some(mesh))?;
+    if unlike_one > 0 {
+        character.notes.push(format!(
+            "the weights of {unlike_one} vertices do not sum to 1 and were divided by their sum"
+        ));
+    }
+    Ok(character)
 }
 
 /// The document, whose indices all lead somewhere, and the binary chunk.
 fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Refusal> {
     let in_words = |error: ::gltf::Error| refuse("the file", "glTF 2.0", error);
     let file = Gltf::from_slice_without_validation(bytes).map_err(in_words)?;
-    let json = file.document.into_json();
+    let mut json = file.document.into_json();
+    extensions::check(&mut json)?;
     // The crate's validation looks at these before it checks them.
     let count = json.accessors.len();
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);

@@ -139,7 +139,8 @@ fn buffers_may_be_in_the_file_or_beside_it() {
     std::fs::write(folder.path().join("the arm.bin"), bytes).unwrap();
     let path = folder.path().join("arm.gltf");
     std::fs::write(&path, file.to_string()).unwrap();
-    assert_eq!(read(&path, &Options::default()).unwrap(), character);
+    let beside = read(&path, &Options::default()).unwrap();
+    assert_eq!((beside.joints(), beside.mesh()), (character.joints(), character.mesh()));
     for (uri, told) in [
         ("https://a.b/c.bin", "expected a file in the folder of this one"),
         ("../arm.bin", "expected a file in the folder of this one"),
@@ -345,6 +346,49 @@ fn damage_is_named() {
     bytes[8] = 3;
     let header = parse(&bytes).unwrap_err().to_string();
     assert!(header.starts_with("byte 8: the header: expected the file's size"), "{header}");
+}
+
+#[test]
+fn weights_that_do_not_sum_to_one_are_divided_by_their_sum_and_told() {
+    let (file, mut bytes) = arm();
+    let at = bytes.windows(4).position(|weights| weights == [51, 204, 0, 0]).unwrap();
+    bytes[at] = 204;
+    let character = parse(&embedded((file, bytes))).unwrap();
+    let told = "the weights of 1 vertices do not sum to 1 and were divided by their sum";
+    assert!(character.notes().iter().any(|note| note == told), "{:?}", character.notes());
+    assert_eq!(character.mesh().unwrap().skin[3], [(0, 0.5), (1, 0.5)]);
+}
+
+#[test]
+fn what_is_only_stored_otherwise_is_read_and_what_is_packed_named() {
+    let requires = |name: &str| changed(|f| f["extensionsRequired"] = json!([name]));
+    for name in ["KHR_mesh_quantization", "KHR_materials_unlit", "VRMC_vrm", "KHR_texture_basisu"] {
+        assert_eq!(requires(name), parse(&embedded(arm())), "{name}");
+    }
+    let packed = requires("EXT_meshopt_compression").unwrap_err().to_string();
+    assert!(packed.contains("`gltfpack -noq -kn -i IN.glb -o OUT.glb` unpacks them"), "{packed}");
+    assert!(packed.ends_with("found `EXT_meshopt_compression`"), "{packed}");
+    assert!(requires("EXT_unheard_of").is_err());
+    // Corners as whole numbers: 16 bits, of which 32767 are 1.
+    for (normalized, factor) in [(false, 1.0), (true, 1.0 / 32767.0)] {
+        let (mut file, mut bytes) = arm();
+        let at = bytes.len();
+        for number in [0_i16, 0, 0, 0, 100, 0, 0, 0, 100, 10, 0, 0, 0, 10, -5, 0] {
+            bytes.extend(number.to_le_bytes());
+        }
+        let views = file["bufferViews"].as_array_mut().unwrap();
+        let place = views.len();
+        views.push(json!({ "buffer": 0, "byteOffset": at, "byteLength": 32, "byteStride": 8 }));
+        file["accessors"][0] = json!({
+            "bufferView": place, "componentType": 5122, "normalized": normalized, "count": 4, "type": "VEC3",
+            "min": [0, 0, -5], "max": [100, 10, 0],
+        });
+        file["buffers"][0]["byteLength"] = bytes.len().into();
+        let character = parse(&embedded((file, bytes))).unwrap();
+        let corners = &character.mesh().unwrap().positions_m;
+        close(corners[1], [factor, 1.0, 0.0]);
+        close(corners[3], [0.0, 1.0 + 0.1 * factor, -0.05 * factor]);
+    }
 }
 
 /// Numbers that JSON can hold and glTF cannot mean.

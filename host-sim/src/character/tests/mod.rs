@@ -77,9 +77,10 @@ fn a_mesh_must_hang_together() {
 #[test]
 fn shares_are_made_to_sum_to_one() {
     let eight_bits = [(3, 127.0 / 255.0), (4, 127.0 / 255.0), (0, 0.0)];
-    assert_eq!(shares(eight_bits).unwrap(), [(3, 0.5), (4, 0.5)]);
-    assert!(shares([(0, 0.5)]).unwrap_err().to_string().contains("expected a sum of 1, found 0.5"));
-    for bad in [-0.1, f64::NAN, f64::INFINITY, 1.1] {
+    assert_eq!(shares(eight_bits).unwrap(), (vec![(3, 0.5), (4, 0.5)], true));
+    assert_eq!(shares([(0, 0.5), (1, 1.5)]).unwrap(), (vec![(0, 0.25), (1, 0.75)], false));
+    assert!(shares([(0, 0.0)]).unwrap_err().to_string().contains("expected a sum of 1, found 0"));
+    for bad in [-0.1, f64::NAN, f64::INFINITY] {
         shares([(0, bad), (1, 1.0)]).unwrap_err();
     }
 }
@@ -170,7 +171,7 @@ fn a_damaged_geno_bin_is_refused_with_its_place() {
     assert!(message(112, &[9]).starts_with("byte 112: vertex 1: expected bones below 2, found 9"));
     assert!(
         message(120, &0.5_f32.to_le_bytes())
-            .starts_with("byte 120: vertex 0: weights: expected a sum of 1, found 0.5")
+            .starts_with("byte 120: vertex 0: weights: expected a sum of 1, found another")
     );
     assert!(
         message(168, &[3]).starts_with("byte 168: triangle 0: expected vertices below 3, found 3")
@@ -210,7 +211,7 @@ fn damaged(mut bytes: Vec<u8>, damage: Vec<(u8, prop::sample::Index, u8)>) -> Ve
 
 /// Whatever is read is whole: that is what the constructor checks.
 fn check(read: Result<Character, Refusal>) {
-    if let Ok(Character { name, joints, mesh }) = read {
+    if let Ok(Character { name, joints, mesh, notes: _ }) = read {
         Character::new(name, joints, mesh).unwrap();
     }
 }
@@ -237,6 +238,10 @@ const BVH: &str = "HIERARCHY ROOT a\n{ OFFSET 0 100 0 CHANNELS 3 Zrotation Xrota
     { OFFSET 0 0 20 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 5 0 } End Site { OFFSET 0 0 0 }\n\
     End Site { OFFSET 1 0 0 } } }\nMOTION Frames: 2 Frame Time: 0.01\n0 0 0 0 0 0\n90 0 0 0 0 0\n";
 
+fn told(metres_per_unit: f64) -> Told {
+    Told { metres_per_unit: Some(metres_per_unit), up: None }
+}
+
 fn bvh(options: &Options) -> Result<Character, Error> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("two.bvh");
@@ -246,7 +251,7 @@ fn bvh(options: &Options) -> Result<Character, Error> {
 
 #[test]
 fn a_skeleton_has_joints_at_the_ends_of_its_bones() {
-    let options = Options { metres_per_unit: Some(0.01), frame: None };
+    let options = Options { told: told(0.01), frame: None };
     let character = bvh(&options).unwrap();
     assert_eq!(character.name(), "two");
     assert_eq!(
@@ -269,8 +274,11 @@ fn a_skeleton_has_joints_at_the_ends_of_its_bones() {
 fn a_skeleton_without_unit_or_frame_is_refused() {
     let message = |options: &Options| bvh(options).unwrap_err().to_string();
     let unit = message(&Options::default());
-    assert!(unit.contains("two.bvh: unit of length: expected --metres-per-unit"), "{unit}");
-    let frame = message(&Options { metres_per_unit: Some(1.0), frame: Some(2) });
+    assert!(
+        unit.contains("no arms and legs tell the body's height; give it with --metres-per-unit"),
+        "{unit}"
+    );
+    let frame = message(&Options { told: told(0.01), frame: Some(2) });
     assert!(frame.contains("two.bvh: --frame: expected a frame below 2, found 2"), "{frame}");
 }
 

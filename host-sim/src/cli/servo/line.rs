@@ -1,11 +1,14 @@
 //! Options of the line, and the servos on it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use sinew_service::{Client, Protocol, SerialLine, Servo, Settings, find};
+use sinew_client::BoardServos;
+use sinew_service::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
 use sinew_sim::command::note;
+
+use crate::cli::board::open;
 
 /// Options of the line.
 #[derive(Debug, clap::Args)]
@@ -13,6 +16,23 @@ pub(super) struct LineArgs {
     /// The serial port, such as /dev/ttyUSB0, or the link of `sinew servos --pty`.
     #[arg(long, value_name = "PORT", global = true)]
     bus: Option<PathBuf>,
+
+    /// Through the controller at this port, in place of --bus: it passes packets on while its rig is limp, off or
+    /// faulted. Without a value, or `auto`: the one at a USB port that answers. Its torque stays off: `identify` cannot
+    /// move a servo.
+    #[arg(
+        long,
+        value_name = "PORT",
+        global = true,
+        num_args = 0..=1,
+        default_missing_value = "auto",
+        conflicts_with = "bus"
+    )]
+    board: Option<PathBuf>,
+
+    /// Which of the board's lines of servos, from 0.
+    #[arg(long, value_name = "N", global = true, default_value_t = 0, requires = "board")]
+    line: u8,
 
     /// The servos' protocol. Default: that of the rig's servos; else both are tried.
     #[arg(long, value_enum, global = true)]
@@ -22,9 +42,10 @@ pub(super) struct LineArgs {
     #[arg(long, value_name = "BAUD", global = true, value_parser = rate)]
     baud: Option<u32>,
 
-    /// How long to wait for an answer, in ms. Adapters with an FTDI chip keep bytes for up to 16 ms.
-    #[arg(long, value_name = "MS", global = true, default_value_t = 34, value_parser = wait_ms)]
-    wait: u64,
+    /// How long to wait for an answer, in ms. Adapters with an FTDI chip keep bytes for up to 16 ms. Default: 34;
+    /// through a board 5.
+    #[arg(long, value_name = "MS", global = true, value_parser = wait_ms)]
+    wait: Option<u64>,
 
     /// How often to ask before a servo counts as silent.
     #[arg(long, value_name = "N", global = true, default_value_t = 3, value_parser = tries)]
@@ -66,18 +87,29 @@ fn tries(text: &str) -> Result<u32, String> {
 }
 
 /// A client on the port.
-pub(super) type PortClient = Client<SerialLine>;
+pub(super) type PortClient = Client<Box<dyn Exchange>>;
 
 impl LineArgs {
     /// Opens the port, at the first rate that may be.
     pub(super) fn client(&self) -> anyhow::Result<PortClient> {
-        let path = self.bus.as_deref().context(
-            "which port? `--bus PORT` names it, such as /dev/ttyUSB0, or the link of `sinew servos --pty`",
-        )?;
+        let (line, wait_ms): (Box<dyn Exchange>, u64) = if let Some(path) = &self.board {
+            (Box::new(BoardServos::new(open(Some(path))?, self.line)?), 5)
+        } else {
+            let path = self.bus.as_deref().context(
+                "which port? `--bus PORT` names it, such as /dev/ttyUSB0, or the link of `sinew servos --pty`; `--board \
+                 PORT` goes through a controller",
+            )?;
+            (Box::new(SerialLine::open(path)?), 34)
+        };
         let protocol = self.protocols().first().copied().unwrap_or(Protocol::Dynamixel);
         let baud = self.baud.unwrap_or(protocol.bauds()[0]);
-        let settings = Settings { patience: Duration::from_millis(self.wait), tries: self.tries };
-        Ok(Client::new(SerialLine::open(path)?, protocol, baud, settings)?)
+        let patience = Duration::from_millis(self.wait.unwrap_or(wait_ms));
+        Ok(Client::new(line, protocol, baud, Settings { patience, tries: self.tries })?)
+    }
+
+    /// The port of the servos, if a controller answers there: nothing that is done with servos can come of it.
+    pub(super) fn of_controller(&self) -> Option<&Path> {
+        self.bus.as_deref().filter(|path| sinew_client::port::has_controller(path))
     }
 
     /// Which protocols may be.

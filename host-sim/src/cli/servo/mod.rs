@@ -10,6 +10,7 @@ mod watch;
 
 use std::process::ExitCode;
 
+use anyhow::bail;
 use clap::{Args, Subcommand};
 use line::LineArgs;
 
@@ -42,8 +43,21 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
 }
 
-/// Runs the subcommand.
+/// Runs the subcommand. Where it comes to nothing, it may be that the port is a controller's.
 pub(super) fn run(args: &ServoArgs) -> anyhow::Result<ExitCode> {
+    let done = on_line(args);
+    if !matches!(done, Ok(ExitCode::SUCCESS))
+        && let Some(path) = args.line.of_controller()
+    {
+        bail!(
+            "{}: a controller answers here, not servos: name it with --board, and it passes packets on",
+            path.display()
+        );
+    }
+    done
+}
+
+fn on_line(args: &ServoArgs) -> anyhow::Result<ExitCode> {
     let line = &args.line;
     match &args.command {
         Command::Scan(args) => scan::run(line, args),

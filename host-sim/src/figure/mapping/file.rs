@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use sinew_mocap::SkeletonMap;
 use sinew_mocap::skeleton_map::{Part, Signature};
+use sinew_mocap::{SkeletonMap, Up};
 
 use crate::figure::{BODIES, BODY_COUNT};
 use crate::parse_message::parse_message;
@@ -28,10 +28,20 @@ pub enum Error {
         /// Line, column and what was expected.
         source: Box<toml::de::Error>,
     },
+    /// Neither a file nor a name.
+    #[error(
+        "{}: no such file, and no known skeleton of that name: expected a file or one of {known}", path.display()
+    )]
+    NoSuchMapping {
+        /// What was asked for.
+        path: PathBuf,
+        /// Names of the known ones.
+        known: String,
+    },
     /// The skeleton is unknown.
     #[error(
-        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping file after the \
-         pattern of host-sim/mappings/*.toml and give it with --mapping"
+        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping after what \
+         `sinew map` prints, and give it with --mapping"
     )]
     NoneMatches {
         /// The skeleton's joints.
@@ -41,6 +51,14 @@ pub enum Error {
         /// A sentence on the nearest one, or nothing.
         nearest: String,
     },
+    /// The skeleton is unknown, and no mapping can be proposed.
+    #[error("{unknown}\nNone is proposed: {why}")]
+    NotProposed {
+        /// That no known one is for it.
+        unknown: Box<Error>,
+        /// Why not.
+        why: String,
+    },
     /// Two mappings claim the same skeleton.
     #[error("the skeleton fits several mappings ({names}); give one of them with --mapping")]
     SeveralMatch {
@@ -48,25 +66,34 @@ pub enum Error {
         names: String,
     },
     /// The mapping is for another skeleton.
-    #[error("mapping `{mapping}`: body `{body}` needs joint `{joint}`, but the clip has {found}")]
-    NoSuchJoint {
+    #[error("mapping `{mapping}`{}", told(mistakes, found))]
+    Wrong {
         /// Name of the mapping.
         mapping: String,
-        /// Name of the body.
-        body: &'static str,
-        /// The joint that is missing.
-        joint: String,
+        /// All that is wrong.
+        mistakes: Vec<Mistake>,
         /// The skeleton's joints.
         found: String,
     },
+}
+
+/// What of a mapping does not fit a skeleton.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Mistake {
+    /// A joint is missing.
+    #[error("body `{body}` needs joint `{joint}`")]
+    NoSuchJoint {
+        /// Name of the body.
+        body: &'static str,
+        /// The joint.
+        joint: String,
+    },
     /// A body would not move with its parent.
     #[error(
-        "mapping `{mapping}`: body `{body}`, {key}: expected a joint that moves with `{parent_joint}`, whose \
-         frame its parent `{parent}` has; found `{joint}`, which does not"
+        "body `{body}`, {key}: expected a joint that moves with `{parent_joint}`, whose frame its parent `{parent}` has; \
+         found `{joint}`, which does not"
     )]
     BrokenTree {
-        /// Name of the mapping.
-        mapping: String,
         /// Name of the body.
         body: &'static str,
         /// `origin` or `rotation`.
@@ -79,15 +106,28 @@ pub enum Error {
         parent_joint: String,
     },
     /// The joint goes on in other joints, or just ends.
-    #[error("mapping `{mapping}`: the end of body `{body}` needs an end site on joint `{joint}`")]
+    #[error("the end of body `{body}` needs an end site on joint `{joint}`")]
     NoEndSite {
-        /// Name of the mapping.
-        mapping: String,
         /// Name of the body.
         body: &'static str,
         /// The joint without one.
         joint: String,
     },
+}
+
+/// All mistakes, each in a line if there are several; and the skeleton's joints where one is missing.
+fn told(mistakes: &[Mistake], found: &str) -> String {
+    let mut text = match mistakes {
+        [one] => format!(": {one}"),
+        _ => mistakes.iter().fold(format!(": {} mistakes", mistakes.len()), |text, mistake| {
+            format!("{text}\n  {mistake}")
+        }),
+    };
+    if mistakes.iter().any(|mistake| matches!(mistake, Mistake::NoSuchJoint { .. })) {
+        let joined = if mistakes.len() == 1 { ", but the clip has" } else { "\n  The clip has" };
+        text = format!("{text}{joined} {found}");
+    }
+    text
 }
 
 /// How a recorded skeleton makes the figure.
@@ -100,6 +140,8 @@ pub struct Mapping {
     pub metres_per_unit: f64,
     /// Frames per second, for files that do not tell them.
     pub rate_hz: Option<f64>,
+    /// The axis of the files that points up; `None` to see it in the motion.
+    pub up: Option<Up>,
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, in the figure's order.
@@ -113,6 +155,22 @@ impl Mapping {
     /// A message with line and column if the text is not a mapping of all 18 bodies.
     pub fn parse(text: &str) -> Result<Self, toml::de::Error> {
         toml::from_str(text)
+    }
+
+    /// What `--mapping` says: a mapping file, else the name of a known skeleton.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchMapping`] if it is neither; those of [`read`](Self::read).
+    pub fn named(path: &Path) -> Result<Self, Error> {
+        if path.exists() {
+            return Self::read(path);
+        }
+        let known = super::known();
+        let found = known.iter().find(|known| path.to_str() == Some(&known.mapping.name));
+        found.map(|known| known.mapping.clone()).ok_or_else(|| Error::NoSuchMapping {
+            path: path.to_path_buf(),
+            known: super::known::names(known.iter().map(|known| &known.mapping)),
+        })
     }
 
     /// Reads the mapping file at `path`.
@@ -131,18 +189,29 @@ impl TryFrom<SkeletonMap> for Mapping {
     type Error = String;
 
     fn try_from(map: SkeletonMap) -> Result<Self, String> {
-        let SkeletonMap { name, metres_per_unit, rate_hz, signature, mut bodies } = map;
+        let SkeletonMap { name, metres_per_unit, rate_hz, up, signature, mut bodies } = map;
         let mut parts = Vec::with_capacity(BODY_COUNT);
+        let mut missing = Vec::new();
         for place in &BODIES {
-            let part = bodies
-                .remove(place.name)
-                .ok_or_else(|| format!("[body]: expected `{}`, which is missing", place.name))?;
-            parts.push(part);
+            match bodies.remove(place.name) {
+                Some(part) => parts.push(part),
+                None => missing.push(place.name),
+            }
         }
-        if let Some(stranger) = bodies.keys().next() {
+        let list = |names: &[&str]| format!("`{}`", names.join("`, `"));
+        let mut wrong = Vec::new();
+        if !missing.is_empty() {
+            let (names, are) = (list(&missing), if missing.len() == 1 { "is" } else { "are" });
+            wrong.push(format!("expected {names}, which {are} missing"));
+        }
+        if !bodies.is_empty() {
+            let strangers: Vec<&str> = bodies.keys().map(String::as_str).collect();
             let names = BODIES.map(|place| place.name).join(", ");
-            return Err(format!("[body]: expected only {names}; found `{stranger}`"));
+            wrong.push(format!("expected only {names}; found {}", list(&strangers)));
         }
-        Ok(Self { name, metres_per_unit, rate_hz, signature, parts })
+        if !wrong.is_empty() {
+            return Err(format!("[body]: {}", wrong.join("; ")));
+        }
+        Ok(Self { name, metres_per_unit, rate_hz, up, signature, parts })
     }
 }

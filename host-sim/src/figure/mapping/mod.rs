@@ -6,94 +6,21 @@
 //! to its parent holds the rotations of all joints between the two.
 
 mod file;
-
-use std::sync::LazyLock;
+mod found;
+mod known;
 
 use glam::{DQuat, DVec3};
-use sinew_mocap::skeleton_map::NoEnd;
+use sinew_mocap::skeleton_map::{NoEnd, Part};
 use sinew_mocap::{Clip, JointSample, Recording, Skeleton, forward_kinematics};
 
 use super::BODIES;
 use super::motion::FigureMotion;
 
-pub use file::{Error, Mapping};
+pub use file::{Error, Mapping, Mistake};
+pub use found::{Found, Proposed, found};
+pub use known::{Known, choose, known, nearest};
 
-/// The mapping of every skeleton that is known, in the order in which they are tried.
-pub fn known() -> &'static [Mapping] {
-    static KNOWN: LazyLock<Vec<Mapping>> = LazyLock::new(|| {
-        macro_rules! mappings {
-            ($($name:literal),*) => {
-                [$(include_str!(concat!("../../../mappings/", $name, ".toml"))),*]
-            };
-        }
-        let files = mappings!(
-            "sinew",
-            "cgspeed_mb",
-            "cgspeed_mb_asf",
-            "asfamc",
-            "cmu_asf",
-            "cgspeed_daz",
-            "m21",
-            "bandai",
-            "geno",
-            "deepmimic"
-        );
-        files.iter().map(|text| Mapping::parse(text).expect("the tests read every file")).collect()
-    });
-    &KNOWN
-}
-
-/// The one known mapping whose signature `skeleton` bears.
-///
-/// # Errors
-/// [`Error::NoneMatches`] with the joints found and the mappings tried, or
-/// [`Error::SeveralMatch`] with their names.
-pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
-    let matching: Vec<&Mapping> =
-        known().iter().filter(|mapping| mapping.signature.matches(skeleton)).collect();
-    let names = |mappings: &mut dyn Iterator<Item = &Mapping>| {
-        mappings.map(|mapping| mapping.name.clone()).collect::<Vec<_>>().join(", ")
-    };
-    match matching[..] {
-        [mapping] => Ok(mapping),
-        [] => Err(Error::NoneMatches {
-            found: joint_names(skeleton),
-            tried: names(&mut known().iter()),
-            nearest: nearest(skeleton).map_or_else(String::new, |(mapping, lacking)| {
-                let why = if lacking.is_empty() {
-                    "all of its joints are there, but other offsets are zero".to_owned()
-                } else {
-                    format!("the clip lacks its {}", lacking.join(", "))
-                };
-                format!(" The nearest is `{}`: {why}.", mapping.name)
-            }),
-        }),
-        _ => Err(Error::SeveralMatch { names: names(&mut matching.into_iter()) }),
-    }
-}
-
-/// The joints of a skeleton for a message, not all of a long list.
-fn joint_names(skeleton: &Skeleton) -> String {
-    const SHOWN_MAX: usize = 40;
-    let names: Vec<_> =
-        skeleton.joints.iter().take(SHOWN_MAX).map(|joint| joint.name.as_str()).collect();
-    let rest = skeleton.joints.len() - names.len();
-    let names = names.join(", ");
-    if rest > 0 { format!("{names} and {rest} more") } else { names }
-}
-
-/// The known mapping of whose signature's joints `skeleton` has the largest share, and those it lacks.
-fn nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
-    known()
-        .iter()
-        .map(|mapping| {
-            let names = mapping.signature.joints.iter().map(String::as_str);
-            let lacking: Vec<_> = names.filter(|name| skeleton.find(name).is_none()).collect();
-            (mapping, lacking)
-        })
-        .filter(|(mapping, lacking)| lacking.len() < mapping.signature.joints.len())
-        .min_by_key(|(mapping, lacking)| lacking.len() * 1000 / mapping.signature.joints.len())
-}
+use known::joint_names;
 
 /// Neither the file nor its mapping tells the frame rate.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -145,58 +72,96 @@ pub struct Binding {
     segment_end_m: Vec<DVec3>,
 }
 
+/// Where a body is on the skeleton.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    origin: usize,
+    rotation: usize,
+    end_m: DVec3,
+}
+
+impl Placed {
+    /// Body `i`, its parent placed before; `None` if a mistake leaves nothing to go on with.
+    fn new(
+        i: usize,
+        part: &Part,
+        prefix: &str,
+        parent: Option<Self>,
+        (skeleton, rest_m): (&Skeleton, &[DVec3]),
+        mistakes: &mut Vec<Mistake>,
+    ) -> Option<Self> {
+        let body = BODIES[i].name;
+        let mut find = |joint: &str| {
+            let found = skeleton.find(&format!("{prefix}{joint}"));
+            if found.is_none() {
+                mistakes.push(Mistake::NoSuchJoint { body, joint: joint.to_owned() });
+            }
+            found
+        };
+        let (origin, rotation) = (find(&part.origin), find(&part.rotation));
+        let end_m = match part.end.behind(prefix, skeleton, rest_m) {
+            Ok(end_m) => Some(end_m),
+            Err(NoEnd::Joint(joint)) => {
+                mistakes.push(Mistake::NoSuchJoint { body, joint });
+                None
+            }
+            Err(NoEnd::Site(joint)) => {
+                mistakes.push(Mistake::NoEndSite { body, joint });
+                None
+            }
+        };
+        let (origin, rotation) = (origin?, rotation?);
+        if let (Some(parent), Some(of)) = (parent, BODIES[i].parent) {
+            for (key, joint) in [("origin", origin), ("rotation", rotation)] {
+                let at_parent = key == "origin" && joint == parent.origin;
+                if !at_parent && !skeleton.moves_with(parent.rotation, joint) {
+                    let name = |joint: usize| skeleton.joints[joint].name.clone();
+                    mistakes.push(Mistake::BrokenTree {
+                        body,
+                        key,
+                        joint: name(joint),
+                        parent: BODIES[of].name,
+                        parent_joint: name(parent.rotation),
+                    });
+                }
+            }
+        }
+        // Without its end a body can still carry others.
+        Some(Self { origin, rotation, end_m: end_m.unwrap_or_default() })
+    }
+}
+
 impl Binding {
     /// Binds `mapping` to `skeleton`.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`] or [`Error::NoEndSite`] if the skeleton lacks what the mapping names.
+    /// [`Error::Wrong`] with all that does not fit: joints and end sites that the skeleton lacks, bodies that do not
+    /// move with their parents.
     pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
         let rest_m = skeleton.rest_positions_m();
-        let mut binding = Self {
-            origin: vec![0; BODIES.len()],
-            rotation: vec![0; BODIES.len()],
-            offset_m: vec![DVec3::ZERO; BODIES.len()],
-            segment_end_m: vec![DVec3::ZERO; BODIES.len()],
-        };
-        for (i, body) in BODIES.iter().enumerate() {
-            let part = &mapping.parts[i];
-            let no_such_joint = |joint: &str| Error::NoSuchJoint {
-                mapping: mapping.name.clone(),
-                body: body.name,
-                joint: joint.to_owned(),
-                found: joint_names(skeleton),
-            };
-            let find = |joint: &str| skeleton.find(joint).ok_or_else(|| no_such_joint(joint));
-            let origin = find(&part.origin)?;
-            binding.origin[i] = origin;
-            binding.rotation[i] = find(&part.rotation)?;
-            if let Some(parent) = body.parent {
-                let frame_of_parent = binding.rotation[parent];
-                for (key, joint) in [("origin", origin), ("rotation", binding.rotation[i])] {
-                    let at_parent = key == "origin" && joint == binding.origin[parent];
-                    if !at_parent && !skeleton.moves_with(frame_of_parent, joint) {
-                        return Err(Error::BrokenTree {
-                            mapping: mapping.name.clone(),
-                            body: body.name,
-                            key,
-                            joint: skeleton.joints[joint].name.clone(),
-                            parent: BODIES[parent].name,
-                            parent_joint: skeleton.joints[frame_of_parent].name.clone(),
-                        });
-                    }
-                }
-                binding.offset_m[i] = rest_m[origin] - rest_m[binding.origin[parent]];
-            }
-            let end_m = part.end.rest_position_m(skeleton, &rest_m);
-            let end_m = end_m.map_err(|lack| match lack {
-                NoEnd::Joint(joint) => no_such_joint(&joint),
-                NoEnd::Site(joint) => {
-                    Error::NoEndSite { mapping: mapping.name.clone(), body: body.name, joint }
-                }
-            })?;
-            binding.segment_end_m[i] = end_m - rest_m[origin];
+        let prefix = mapping.signature.prefix(skeleton).unwrap_or_default();
+        let mut mistakes = Vec::new();
+        let mut placed: Vec<Option<Placed>> = Vec::with_capacity(BODIES.len());
+        for (i, part) in mapping.parts.iter().enumerate() {
+            let parent = BODIES[i].parent.and_then(|parent| placed[parent]);
+            placed.push(Placed::new(i, part, prefix, parent, (skeleton, &rest_m), &mut mistakes));
         }
-        Ok(binding)
+        if !mistakes.is_empty() {
+            mistakes.dedup();
+            let (mapping, found) = (mapping.name.clone(), joint_names(skeleton));
+            return Err(Error::Wrong { mapping, mistakes, found });
+        }
+        let placed: Vec<Placed> = placed.into_iter().flatten().collect();
+        let origin_m = |body: usize| rest_m[placed[body].origin];
+        let offset_m = |(i, body): (usize, &super::Body)| {
+            body.parent.map_or(DVec3::ZERO, |parent| origin_m(i) - origin_m(parent))
+        };
+        Ok(Self {
+            origin: placed.iter().map(|body| body.origin).collect(),
+            rotation: placed.iter().map(|body| body.rotation).collect(),
+            offset_m: BODIES.iter().enumerate().map(offset_m).collect(),
+            segment_end_m: placed.iter().map(|body| body.end_m - rest_m[body.origin]).collect(),
+        })
     }
 
     /// The figure's motion in `clip`, which must be of the skeleton this was bound to.
@@ -252,7 +217,10 @@ impl Binding {
         leg_m + trunk_m + of("head", &self.segment_end_m)
     }
 
-    /// Refuses limbs of which one side is longer by half than the other: both hang on one body.
+    /// Refuses limbs of which one side is longer by half than the other: both hang on one body. What shall be found
+    /// is a damaged digit, and how unlike real sides can be is not known to us: both numbers are choices. One digit
+    /// in the first place changes a length by half of it or more where that digit is small (1 to 2, 3 to 5), or where
+    /// a digit more makes it ten times as long; what is smaller harms in proportion, and passes.
     pub(crate) fn check_sides(&self) -> Result<(), UnlikeSides> {
         for (left, body) in BODIES.iter().enumerate() {
             let Some(part) = body.name.strip_suffix("_l") else { continue };
@@ -260,7 +228,7 @@ impl Binding {
             let Some(right) = BODIES.iter().position(other) else { continue };
             for lengths_m in [&self.offset_m, &self.segment_end_m] {
                 let [left_m, right_m] = [left, right].map(|side| lengths_m[side].length());
-                // Small ones differ by how a maker rounds them.
+                // Bones shorter than this are those of hands, feet and clavicles, whose ends makers place as they like.
                 if (left_m - right_m).abs() > 0.1 && left_m.max(right_m) > 1.5 * left_m.min(right_m)
                 {
                     return Err(UnlikeSides { part: part.to_owned(), left_m, right_m });

@@ -1,4 +1,5 @@
 use sinew_mocap::SkeletonJoint;
+use sinew_mocap::skeleton_map::End;
 
 use super::*;
 use crate::figure::Body;
@@ -28,8 +29,8 @@ fn message(file: &str) -> String {
 }
 
 #[test]
-fn knows_ten_skeletons_by_different_names() {
-    let names: Vec<&str> = known().iter().map(|mapping| mapping.name.as_str()).collect();
+fn knows_skeletons_by_different_names() {
+    let names: Vec<&str> = known().iter().map(|known| known.mapping.name.as_str()).collect();
     let expected = [
         "sinew",
         "cgspeed_mb",
@@ -41,8 +42,71 @@ fn knows_ten_skeletons_by_different_names() {
         "bandai",
         "geno",
         "deepmimic",
+        "mixamo",
+        "mixamo_body",
+        "lafan1",
+        "xsens_mvn",
+        "xsens_bvh",
+        "axis_neuron",
+        "rokoko",
+        "mocopi",
+        "makehuman",
+        "makehuman_walks",
+        "second_life",
     ];
     assert_eq!(names, expected);
+    for Known { about, mapping } in known() {
+        let fits = about.len() > 10 && about.len() < 100 && about.ends_with('.');
+        assert!(fits, "{}: {about:?}", mapping.name);
+    }
+}
+
+/// A skeleton with all joints of each map, and what else its makers' files have, is known as that map behind any
+/// prefix.
+#[test]
+fn known_skeletons_are_known_behind_any_prefix() {
+    for Known { mapping, .. } in known() {
+        let signature = &mapping.signature;
+        for prefix in ["", "mixamorig7:", "mixamorig", "Armature|Actor_"] {
+            let mut names: Vec<String> = Vec::new();
+            let parts = mapping.parts.iter().flat_map(|part| {
+                let end = match &part.end {
+                    End::Joint(end) | End::Site { site: end } | End::Beyond { beyond: end, .. } => {
+                        end
+                    }
+                };
+                [&part.origin, &part.rotation, end]
+            });
+            let all = signature.joints.iter().chain(&signature.zero_offsets);
+            for name in all.chain(&signature.nonzero_offsets).chain(parts) {
+                let name = format!("{prefix}{name}");
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let mut skeleton = chain(&names);
+            for joint in &signature.zero_offsets {
+                let joint = skeleton.find(&format!("{prefix}{joint}")).unwrap();
+                skeleton.joints[joint].offset_m = DVec3::ZERO;
+            }
+            let known =
+                choose(&skeleton).unwrap_or_else(|error| panic!("{}: {error}", mapping.name));
+            assert_eq!(known.name, mapping.name, "{prefix}");
+        }
+    }
+}
+
+#[test]
+fn a_known_map_is_named() {
+    let named = |name: &str| Mapping::named(std::path::Path::new(name));
+    assert_eq!(named("mixamo").unwrap().name, "mixamo");
+    let error = named("miximo").unwrap_err().to_string();
+    assert!(
+        error.starts_with("miximo: no such file, and no known skeleton of that name"),
+        "{error}"
+    );
+    assert!(error.ends_with("second_life"), "{error}");
 }
 
 #[test]
@@ -66,15 +130,16 @@ fn maps_the_built_in_skeleton_on_itself() {
 fn names_joints_and_mappings_when_none_matches() {
     assert_eq!(
         choose(&chain(&["a", "b"])).unwrap_err().to_string(),
-        "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, \
-         cmu_asf, cgspeed_daz, m21, bandai, geno, deepmimic). Write a mapping file after the pattern \
-         of host-sim/mappings/*.toml and give it with --mapping"
+        "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, cmu_asf, \
+         cgspeed_daz, m21, bandai, geno, deepmimic, mixamo, mixamo_body, lafan1, xsens_mvn, xsens_bvh, axis_neuron, \
+         rokoko, mocopi, makehuman, makehuman_walks, second_life). Write a mapping after what `sinew map` prints, and \
+         give it with --mapping"
     );
 }
 
 #[test]
 fn names_the_nearest_mapping_and_what_it_lacks() {
-    let of = |name: &str| known().iter().find(|mapping| mapping.name == name).unwrap();
+    let of = |name: &str| &known().iter().find(|known| known.mapping.name == name).unwrap().mapping;
     let mut names: Vec<&str> = of("geno")
         .signature
         .joints
@@ -132,7 +197,7 @@ fn refuses_a_body_that_does_not_move_with_its_parent() {
 
 #[test]
 fn tells_skeletons_of_the_same_names_apart_by_their_offsets() {
-    let of = |name: &str| known().iter().find(|mapping| mapping.name == name).unwrap();
+    let of = |name: &str| &known().iter().find(|known| known.mapping.name == name).unwrap().mapping;
     let (zero, nonzero) = (of("cgspeed_mb"), of("asfamc"));
     let mut names: Vec<&str> = zero.signature.joints.iter().map(String::as_str).collect();
     names.extend(["LeftShoulder", "RightShoulder"]);
@@ -199,14 +264,22 @@ fn names_what_a_given_mapping_lacks() {
         let mapping = Mapping::parse(&file(joint, end)).unwrap();
         Binding::new(&mapping, &skeleton).unwrap_err().to_string()
     };
-    assert_eq!(
-        bind("hip", "'a'"),
-        "mapping `test`: body `pelvis` needs joint `hip`, but the clip has a, b"
+    let lacks = bind("hip", "'a'");
+    assert!(
+        lacks.starts_with("mapping `test`: 18 mistakes\n  body `pelvis` needs joint `hip`\n"),
+        "{lacks}"
     );
-    assert_eq!(
-        bind("a", "{ site = 'a' }"),
-        "mapping `test`: the end of body `pelvis` needs an end site on joint `a`"
+    assert!(lacks.ends_with("  body `foot_r` needs joint `hip`\n  The clip has a, b"), "{lacks}");
+    let lacks = bind("a", "{ site = 'a' }");
+    assert!(
+        lacks.starts_with(
+            "mapping `test`: 18 mistakes\n  the end of body `pelvis` needs an end site"
+        ),
+        "{lacks}"
     );
+    let one = file("a", "'a'").replacen("end = 'a'", "end = 'x'", 1);
+    let one = Binding::new(&Mapping::parse(&one).unwrap(), &skeleton).unwrap_err().to_string();
+    assert_eq!(one, "mapping `test`: body `pelvis` needs joint `x`, but the clip has a, b");
 }
 
 #[test]
@@ -215,6 +288,11 @@ fn refuses_wrong_files() {
     assert!(Mapping::parse(&good).is_ok());
     for (what, with, expected) in [
         ("pelvis", "hips", "[body]: expected `pelvis`, which is missing"),
+        (
+            "thorax",
+            "hips",
+            "[body]: expected `thorax`, which is missing; expected only pelvis, abdomen",
+        ),
         ("[body]", "[body]\ntail = { origin = 'a', rotation = 'a', end = 'a' }", "found `tail`"),
         ("unit = 1", "unit = nan", "metres_per_unit: expected above zero, found NaN"),
         ("unit = 1", "unit = -1", "metres_per_unit: expected above zero, found -1"),

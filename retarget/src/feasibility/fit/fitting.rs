@@ -10,7 +10,7 @@ use super::joint::{distance, draw};
 use super::look::{Look, Looking, lower_chain, most_held};
 use super::rest::Rest;
 use super::within::Within;
-use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
+use super::{Fit, FitError, FitSettings, Lowered, Smoothed, interpolated, smooth};
 use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
@@ -24,6 +24,8 @@ const LOWERING_S: f64 = 0.4;
 const COOLING: f64 = 0.97;
 /// Slower than this share of its speed, or nearer to home than this share of its way, is no performance any more.
 const LEAST_SHARE: f64 = 0.02;
+/// Beside what a show exceeded, the course keeps this share of the pace that would just be within the limit.
+const EASED: f64 = 0.97;
 /// Looks beside those that saw an excess at which a smoothed motion is looked at again.
 const BESIDE: usize = 2;
 
@@ -45,6 +47,13 @@ pub(super) struct Progress {
     pace: Vec<f64>,
     share: Vec<Vec<f64>>,
     room: Vec<f64>,
+}
+
+impl Progress {
+    /// Whether it is of this motion; else that was made finer meanwhile.
+    pub(super) fn is_of(&self, motion: &RigMotion) -> bool {
+        self.pace.len() == motion.rows.len()
+    }
 }
 
 /// A motion on its way to a fit.
@@ -106,10 +115,6 @@ impl<'a> Fitting<'a> {
 
     /// Goes on from what was done for another fit of the motion.
     pub(super) fn go_on_from(&mut self, before: &Progress) {
-        // Of a motion that was made finer meanwhile nothing was done.
-        if before.pace.len() != self.rows.count {
-            return;
-        }
         let Progress { widest, ended, pace, share, room } = before.clone();
         (self.widest, self.ended, self.share) = (widest, ended, share);
         (self.course.pace, self.within.room) = (pace, room);
@@ -119,12 +124,7 @@ impl<'a> Fitting<'a> {
     /// Low-passes joints that are too fast, as far as that changes little. Whether nothing is exceeded at all.
     pub(super) fn smooth(&mut self) -> Result<bool, FitError> {
         let given = self.rows.clone();
-        for (joint, widest) in self.widest.iter().enumerate() {
-            if let Some((width_s, _)) = widest {
-                let (sigma, rows) = (width_s / self.dt_s, &mut self.rows);
-                smooth::smooth(self.mechanism, joint, &given, rows, sigma, f64::INFINITY);
-            }
-        }
+        self.smooth_as_before(&given);
         let (mut report, mut looks) = self.excesses_of_rows(None)?;
         let is_whole = self.course.is_as_given() && self.share.iter().all(Vec::is_empty);
         if report.excesses.is_empty() && is_whole {
@@ -161,6 +161,42 @@ impl<'a> Fitting<'a> {
             (report, looks) = self.excesses_of_rows(Some(&looks))?;
         }
         Ok(false)
+    }
+
+    /// Low-passes the joints that a fit before has low-passed.
+    fn smooth_as_before(&mut self, given: &Rows) {
+        for (joint, widest) in self.widest.iter().enumerate() {
+            if let Some((width_s, _)) = widest {
+                let (sigma, rows) = (width_s / self.dt_s, &mut self.rows);
+                smooth::smooth(self.mechanism, joint, given, rows, sigma, f64::INFINITY);
+            }
+        }
+    }
+
+    /// Goes slower beside what a show of the fit before exceeded, if that is what helps: if all of it is too fast or
+    /// too strong where the course is slower already, of joints that no wider low-pass may change. Whether it does.
+    pub(super) fn ease(&mut self, shown: &Report, given_s: &[f64]) -> bool {
+        let last = self.rows.count - 1;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+        let row = |time_s: f64| {
+            let given_s = interpolated(given_s, time_s / self.dt_s);
+            ((given_s / self.dt_s).round() as usize).min(last)
+        };
+        let mut shares = vec![1.0; self.rows.count];
+        for excess in &shown.excesses {
+            let rows = row(excess.from_s)..=row(excess.to_s);
+            let is_slowed = self.course.pace[rows.clone()].iter().any(|pace| *pace < 1.0);
+            let joint = self.limits.freedoms[excess.freedom].joint;
+            if !(is_fast(excess) && is_slowed && self.ended[joint]) {
+                return false;
+            }
+            let share = EASED * libm::sqrt(excess.limit / excess.value);
+            shares[rows].iter_mut().for_each(|of_row| *of_row = f64::min(*of_row, share));
+        }
+        self.course.slow_down(0, &shares);
+        let given = self.rows.clone();
+        self.smooth_as_before(&given);
+        true
     }
 
     /// What the rows exceed, at all looks or at some; and beside which looks joints that may still be smoothed are too

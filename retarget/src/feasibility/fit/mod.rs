@@ -16,7 +16,7 @@ mod within;
 use sinew_rig::Mechanism;
 use thiserror::Error;
 
-use super::check::{CheckError, Excess, Kind, check};
+use super::check::{CheckError, Excess, Kind, Report, check};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
 use super::motion::{MotionError, RigMotion};
@@ -198,6 +198,40 @@ pub fn refit(
         .or_else(|_| go_on(mechanism, limits, motion, None, settings))
 }
 
+/// [`refit`] that goes slower only beside what a show of the fit before exceeded (`shown`), where smoother does not
+/// help: it looks at nothing but its course. `None` if slower is not what helps there.
+///
+/// # Errors
+/// As [`fit`](fit()).
+pub fn ease(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    motion: &RigMotion,
+    before: &Fit,
+    shown: &Report,
+    settings: FitSettings,
+) -> Result<Option<Fit>, FitError> {
+    // Of a motion that was made finer meanwhile nothing was done.
+    if !before.progress.is_of(motion) {
+        return Ok(None);
+    }
+    let rest = Rest::of(mechanism, limits, &mut Within::new(mechanism, settings.room))?;
+    let kept = kept(limits, &rest.holding, settings.share);
+    let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
+    fitting.go_on_from(&before.progress);
+    if !fitting.ease(shown, &before.given_s) {
+        return Ok(None);
+    }
+    for _ in 0..ROUNDS {
+        match fitting.round()? {
+            Round::Within => return Ok(Some(fitting.done())),
+            Round::Nearer => {}
+            Round::Hopeless => break,
+        }
+    }
+    Ok(None)
+}
+
 fn go_on(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -215,10 +249,10 @@ fn go_on(
     drop(curve);
     let motion = finer.as_ref().unwrap_or(motion);
     let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
-    drop(finer);
-    if let Some(before) = before {
+    if let Some(before) = before.filter(|before| before.is_of(motion)) {
         fitting.go_on_from(before);
     }
+    drop(finer);
     if fitting.smooth()? {
         return Ok(fitting.done());
     }

@@ -20,6 +20,8 @@ pub(super) struct Proposed {
 pub(super) struct Draft<'a> {
     body: Body<'a>,
     matched: &'a SkeletonMatch,
+    /// What carries legs and trunk: the pelvis, or the joint that it and the spine hang on (DAZ, MMD, 3ds Max).
+    pelvis: usize,
     /// Joints of the spine from the pelvis to the chest, the pelvis left out.
     spine: Vec<usize>,
     /// Where the head begins: the neck, or the head itself.
@@ -47,9 +49,10 @@ impl<'a> Draft<'a> {
             return Err(NoMapping::Missing(missing));
         }
         let body = Body::new(skeleton, &[]);
-        let mut spine = body.way(body.common_ancestor(pelvis, chest), chest);
+        let pelvis = body.common_ancestor(pelvis, chest);
+        let mut spine = body.way(pelvis, chest);
         spine.retain(|joint| body.names[*joint].kind != Kind::Helper);
-        Ok(Self { spine, neck: at(Landmark::Neck).unwrap_or(head), body, matched })
+        Ok(Self { pelvis, spine, neck: at(Landmark::Neck).unwrap_or(head), body, matched })
     }
 
     /// The joint of a landmark, which [`new`](Self::new) has found there.
@@ -59,7 +62,7 @@ impl<'a> Draft<'a> {
 
     /// Pelvis, abdomen, thorax and head.
     pub(super) fn trunk(&self) -> Vec<Proposed> {
-        let pelvis = self.joint(Landmark::Pelvis);
+        let pelvis = self.pelvis;
         let (abdomen, thorax) = self.spine.split_at(self.spine.len() / 2);
         let thorax_origin = thorax.first().copied().unwrap_or(pelvis);
         let abdomen_origin = abdomen.first().copied().unwrap_or(pelvis);

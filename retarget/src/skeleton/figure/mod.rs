@@ -100,6 +100,7 @@ pub fn figure_mapping(
         name: head.name.to_owned(),
         metres_per_unit: head.metres_per_unit,
         rate_hz: head.rate_hz,
+        up: None,
         signature,
         bodies: bodies
             .into_iter()

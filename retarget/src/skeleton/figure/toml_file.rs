@@ -25,6 +25,9 @@ impl FigureMapping {
         if let Some(rate_hz) = self.map.rate_hz {
             let _ = writeln!(text, "rate_hz = {rate_hz:?}");
         }
+        if let Some(up) = self.map.up {
+            let _ = writeln!(text, "up = '{up}'");
+        }
         text.push_str("\n[signature]\n");
         let signature = &self.map.signature;
         for (key, joints) in [

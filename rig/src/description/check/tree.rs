@@ -1,11 +1,10 @@
 //! One base, and every other body on exactly one joint: a tree.
 
-use sinew_core::BodySet;
-
 use super::names::Names;
 use super::part::Part;
 use crate::description::error::{DescriptionError, Path, Step};
 use crate::description::{Description, Joint, JointType};
+use crate::mechanism::BODY_COUNT_MAX;
 
 /// The tree that joints make of bodies, by index.
 pub(in crate::description) struct Shape {
@@ -43,10 +42,10 @@ pub(super) fn shape(rig: &Description, bodies: &Names<'_>) -> Result<Shape, Desc
     refuse_loop(rig, &held_by, base)?;
     let fixed = rig.joints.iter().filter(|joint| joint.kind == JointType::Fixed).count();
     let count = rig.bodies.len() - fixed;
-    if count > BodySet::CAPACITY {
+    if count > BODY_COUNT_MAX {
         return Err(of_rig(
             "body",
-            format!("at most {} bodies, those on fixed joints not counted", BodySet::CAPACITY),
+            format!("at most {BODY_COUNT_MAX} bodies, those on fixed joints not counted"),
             count.to_string(),
         ));
     }

@@ -4,6 +4,7 @@ use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::{Quat, Vec3};
+use sinew_core::math;
 
 /// Instants that are computed side by side: as many numbers as a vector register of any 64-bit processor holds.
 pub const LANES: usize = 4;
@@ -143,6 +144,23 @@ impl Quaternions {
         }
     }
 
+    /// Turned about an axis by these angles: `math::exp`, by its polynomials where all angles are up to a quarter turn.
+    #[inline]
+    pub(super) fn about(axis: Vec3, angles: Lanes) -> Self {
+        let v = Vectors::all(axis) * angles * Lanes::all(0.5);
+        let squared = v.dot(v);
+        // Written so that NaN is not among them.
+        if !squared.0.iter().all(|squared| *squared <= EIGHTH * EIGHTH) {
+            return Self::of(angles.0.map(|angle| math::exp(axis * angle)));
+        }
+        let [one, a, b, c] = [1.0, -0.166_666_55, 0.008_332_1, 1.950_396_4e-4].map(Lanes::all);
+        let sine_over_angle = one + squared * (a + squared * (b - squared * c));
+        let [a, b, c, d] = [0.5, 0.041_666_653, -0.001_388_765_4, 2.446_383_4e-5].map(Lanes::all);
+        let cosine = one - squared * (a - squared * (b + squared * (c + squared * d)));
+        let Vectors { x, y, z } = v * sine_over_angle;
+        Self { x, y, z, w: cosine }
+    }
+
     /// One rotation behind each.
     #[inline]
     pub(super) fn behind(self, outer: Quat) -> Self {
@@ -164,13 +182,16 @@ impl Quaternions {
         let excess = squared - Lanes::all(1.0);
         if excess.0.iter().any(|excess| excess.abs() >= NEAR || excess.is_nan()) {
             return Self::of(from_fn(|k| {
-                sinew_core::math::unit(Quat::from_xyzw(x.0[k], y.0[k], z.0[k], w.0[k]))
+                math::unit(Quat::from_xyzw(x.0[k], y.0[k], z.0[k], w.0[k]))
             }));
         }
         let share = excess * (Lanes::all(0.375) * excess - Lanes::all(0.5));
         Self { x: x + x * share, y: y + y * share, z: z + z * share, w: w + w * share }
     }
 }
+
+/// An eighth of a turn, rad: half of the largest angle for which `math::exp` takes a polynomial.
+const EIGHTH: f32 = 0.25 * math::PI;
 
 /// How near to 1 a squared length is for which `math::unit` takes a series.
 const NEAR: f32 = 2e-3;

@@ -9,18 +9,15 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::{GRAVITY_M_S2, JointTargets, Tree, TreeError, Wrench};
 
-use super::Mechanism;
+use super::{BODY_COUNT_MAX, Mechanism};
 pub use lanes::LANES;
 use side_by_side::SideBySide;
-
-/// The most bodies of a mechanism: what `sinew-core` holds at most.
-const CAPACITY: usize = 128;
 
 /// Computes efforts of a mechanism, with room for one instant.
 #[derive(Debug)]
 pub struct InverseDynamics {
-    tree: Box<Tree<CAPACITY>>,
-    motion: Box<JointTargets<CAPACITY>>,
+    tree: Box<Tree<BODY_COUNT_MAX>>,
+    motion: Box<JointTargets<BODY_COUNT_MAX>>,
     scratch: Vec<BodyMotion>,
     wrenches: Vec<Wrench>,
     efforts: Vec<f32>,
@@ -33,7 +30,7 @@ impl InverseDynamics {
     /// # Errors
     /// [`TreeError`] if it is larger than the core takes, or a number does not survive f32.
     pub fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
-        let tree = Box::new(mechanism.tree::<CAPACITY>()?);
+        let tree = Box::new(mechanism.tree::<BODY_COUNT_MAX>()?);
         Ok(Self {
             motion: Box::new(JointTargets::rest(&tree)),
             scratch: vec![BodyMotion::default(); tree.len()],

@@ -155,7 +155,7 @@ impl Joint {
         else {
             return Self::of_columns(body, q, qd, qdd);
         };
-        let turned = Quaternions::of(angles.map(|angle| math::exp(axis * angle)));
+        let turned = Quaternions::about(axis, Lanes(*angles));
         // From zero on, as the core does it: no zeros are negative.
         let along = |numbers: &[f32; LANES]| {
             let Vectors { x, y, z } = Vectors::all(axis) * Lanes(*numbers);

@@ -1,0 +1,54 @@
+//! `sinew inspect`: what files are.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use sinew_sim::command::print;
+use sinew_sim::inspect::Entry;
+
+use super::told::ToldArgs;
+
+/// Show what files are: motions, characters and rigs.
+///
+/// Of each: format and maker, frames and rate, unit and up axis and why they are believed, height and span, the known
+/// skeleton that is nearest and what it lacks of it, T-pose, gaps, joint flips, and all joints as a tree.
+///
+/// A file that cannot be read is told, the others are shown all the same, and the exit code is 1.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The files: BVH, AMC (its ASF beside it), `DeepMimic` text, glTF, VRM, Geno.bin, URDF, MJCF, rig.toml.
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    told: ToldArgs,
+
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// A block of lines for each file.
+    Text,
+    /// A list of JSON objects.
+    Json,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    let entries: Vec<Entry> =
+        args.files.iter().map(|file| Entry::of(file, args.told.told())).collect();
+    print(&match args.format {
+        Format::Json => serde_json::to_string_pretty(&entries)? + "\n",
+        Format::Text => {
+            let block =
+                |(file, entry): (&PathBuf, &Entry)| format!("{}\n{}", file.display(), entry.text());
+            args.files.iter().zip(&entries).map(block).collect::<Vec<_>>().join("\n")
+        }
+    })?;
+    let all_read = entries.iter().all(Entry::is_read);
+    Ok(if all_read { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

@@ -1,0 +1,212 @@
+//! `sinew play --board`: a show on a controller at a serial port.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context as _, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew_client::ClientError;
+use sinew_link::message::{Command, Feed, Parts as Told, Refusal, State, Summary};
+use sinew_show::Show;
+use sinew_sim::command::note;
+use sinew_sim::play::Parts;
+
+use super::stop::Stop;
+use crate::cli::board::{PortBoard, named, open, put_show, remedy};
+
+/// For so long a rig may not be ready to be armed.
+const READY: Duration = Duration::from_secs(10);
+/// How often the state is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+/// Snapshots a second.
+const RATE_HZ: f32 = 20.0;
+
+/// What is under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Ready,
+    Arming,
+    Playing,
+    Stopping,
+}
+
+struct Performance {
+    board: PortBoard,
+    phase: Phase,
+    /// Summaries that had come when the last command was done: those count no more.
+    before: u32,
+    begun: Duration,
+    /// When the show began, and how long it is to run.
+    played: Option<Duration>,
+    most: Option<Duration>,
+    state: Option<State>,
+    faults: usize,
+    bar: ProgressBar,
+}
+
+/// Uploads a show if it is not there, arms the rig, plays, and stops it. `rounds`: of a loop; else it runs until
+/// Ctrl-C.
+pub(super) fn perform(
+    path: &Path,
+    parts: &Parts,
+    bytes: &[u8],
+    rounds: Option<u32>,
+) -> anyhow::Result<ExitCode> {
+    let show = Show::open(bytes)?;
+    let mut board = open(Some(path))?;
+    check_rig(&board, parts)?;
+    let stop = Stop::new()?;
+    let slot = put_show(&mut board, bytes, "sinew play")?;
+    board.ask(Command::LoadShow { slot })?;
+    board.telemetry(RATE_HZ, Told::SUMMARY)?;
+    let style = ProgressStyle::with_template("{msg}")?;
+    let most = rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
+    let mut performance = Performance {
+        begun: board.now(),
+        board,
+        phase: Phase::Ready,
+        before: 0,
+        played: None,
+        most: most.filter(|_| show.is_loop()),
+        state: None,
+        faults: 0,
+        bar: ProgressBar::new_spinner().with_style(style),
+    };
+    let ended = performance.run(&stop);
+    performance.bar.finish_and_clear();
+    ended
+}
+
+/// That the board has the rig of the file.
+fn check_rig(board: &PortBoard, parts: &Parts) -> anyhow::Result<()> {
+    const HELP: &str = "`sinew upload rig FILE --board PORT` brings it";
+    let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
+    let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
+    let here = board.about().rig;
+    ensure!(here != 0, "the board has no rig: {HELP}");
+    ensure!(here == own, "the board has rig {here:08x}, the file's is {own:08x}: {HELP}");
+    Ok(())
+}
+
+impl Performance {
+    fn run(&mut self, stop: &Stop) -> anyhow::Result<ExitCode> {
+        loop {
+            self.board.step(LOOK)?;
+            self.tell();
+            let times = stop.times();
+            if times > 1 {
+                note(format_args!(
+                    "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                ));
+                return Ok(ExitCode::FAILURE);
+            }
+            let is_over = self
+                .most
+                .zip(self.played)
+                .is_some_and(|(most, played)| self.board.now().saturating_sub(played) >= most);
+            if (times > 0 || is_over) && self.phase != Phase::Stopping {
+                if self.phase == Phase::Ready {
+                    return Ok(ExitCode::SUCCESS);
+                }
+                self.command(Command::Stop, Phase::Stopping)?;
+            }
+            // What was told before the last command counts no more.
+            if self.board.seen.summaries < self.before + 2 {
+                continue;
+            }
+            if let Some(ended) = self.go_on()? {
+                return Ok(ended);
+            }
+        }
+    }
+
+    fn command(&mut self, command: Command, phase: Phase) -> Result<(), ClientError> {
+        self.board.ask(command)?;
+        (self.phase, self.before) = (phase, self.board.seen.summaries);
+        Ok(())
+    }
+
+    /// The next command, by the state; or how it ended.
+    fn go_on(&mut self) -> anyhow::Result<Option<ExitCode>> {
+        let Some(state) = self.board.state() else { return Ok(None) };
+        match (self.phase, state) {
+            (_, State::Faulted) => return Ok(Some(self.faulted())),
+            (Phase::Ready, _) => self.arm(state)?,
+            (Phase::Arming, State::Holding) => {
+                self.command(Command::Play(Feed::Show), Phase::Playing)?;
+                self.played = Some(self.board.now());
+            }
+            // The show is over, or a fault holds it.
+            (Phase::Playing, State::Holding) => self.command(Command::Stop, Phase::Stopping)?,
+            (Phase::Arming | Phase::Playing, State::Stopping | State::Lowering | State::Limp) => {
+                self.phase = Phase::Stopping;
+            }
+            (Phase::Stopping, State::Limp | State::Off) => {
+                let is_well = self.board.seen.faults.is_empty();
+                return Ok(Some(if is_well { ExitCode::SUCCESS } else { self.faulted() }));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Arms the rig as soon as it may be.
+    fn arm(&mut self, state: State) -> anyhow::Result<()> {
+        let waits = self.board.now().saturating_sub(self.begun) < READY;
+        if state != State::Limp && waits {
+            return Ok(());
+        }
+        match self.command(Command::Arm, Phase::Arming) {
+            Err(ClientError::Refused(
+                Refusal::Moving { .. }
+                | Refusal::RegistersUnread
+                | Refusal::NotMeasured
+                | Refusal::StopUntested
+                | Refusal::Busy,
+            )) if waits => Ok(self.board.run(2 * LOOK)?),
+            Err(ClientError::Refused(why)) => bail!("the controller refused to arm: {why}"),
+            armed => Ok(armed?),
+        }
+    }
+
+    fn faulted(&self) -> ExitCode {
+        let mut numbers: Vec<u8> = self.board.seen.faults.iter().map(|fault| fault.fault).collect();
+        numbers.extend(self.board.seen.summary.and_then(|summary| summary.fault));
+        numbers.sort_unstable();
+        numbers.dedup();
+        for number in numbers {
+            note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
+        }
+        note(format_args!("`sinew faults --clear` when it is mended"));
+        ExitCode::FAILURE
+    }
+
+    /// States and faults as they come; on a terminal the rest as it is.
+    fn tell(&mut self) {
+        let since_s = self.board.now().saturating_sub(self.begun).as_secs_f64();
+        let Some(summary) = self.board.seen.summary else { return };
+        if self.state.replace(summary.state) != Some(summary.state) {
+            self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", summary.state)));
+        }
+        for fault in self.board.seen.faults.iter().skip(self.faults) {
+            self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", named(fault.fault))));
+        }
+        self.faults = self.board.seen.faults.len();
+        if !self.bar.is_hidden() {
+            self.bar.set_message(live(&summary));
+        }
+    }
+}
+
+fn live(summary: &Summary) -> String {
+    let errors = summary.errors.map_or_else(String::new, |errors| {
+        format!(", error {:.2} deg in the mean, {:.2} at most", errors.mean_deg, errors.largest_deg)
+    });
+    let supply = match summary.supply_v {
+        0.0 => String::new(),
+        v => format!(", supply {v:.2} V"),
+    };
+    let show_s = f64::from(summary.show_ms) * 1e-3;
+    format!("{}, show {show_s:.2} s{errors}{supply}, tick {} us", summary.state, summary.tick_us)
+}

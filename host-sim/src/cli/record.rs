@@ -1,0 +1,302 @@
+//! `sinew record`: a rig is led by hand, and what was measured becomes a motion.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail, ensure};
+use sinew_firmware::supervisor::State;
+use sinew_retarget::exchange::table;
+use sinew_retarget::feasibility::{Fit, RigMotion, check};
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_show::write::Settings as ShowSettings;
+use sinew_sim::command::{note, print};
+use sinew_sim::output;
+use sinew_sim::performance::{
+    CHECK_HZ, Marks, Played, TakenOver, bake, bake_within, feasibility, rig_hash,
+};
+use sinew_sim::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
+use sinew_sim::rig::Loaded;
+use sinew_sim::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
+
+use super::clips::{rate, seconds};
+use super::performance::{ON_STAND, OnRig};
+use super::play::with_stack;
+
+/// Lead a rig by hand, and keep what it did: as a show of the rig, or as a CSV of its joint coordinates.
+///
+/// Limp, its torque is off: hold it. Floating, it carries its own weight by its model, and stays about where you leave
+/// it; for this every servo must take an effort (a current mode). What was measured is low-passed, rest at the
+/// beginning and at the end is cut, and what was cut is said.
+///
+/// In the simulator a scripted hand leads: a spring and a damper at each joint. It says at the end how far the result
+/// is from the hand's way.
+///
+/// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
+#[derive(Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
+pub(super) struct Args {
+    /// Lead simulated servos, as `sinew play` has them. Real ones cannot be led yet.
+    #[arg(long, required = true)]
+    simulate: bool,
+
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Torque off. Default.
+    #[arg(long, conflicts_with = "float")]
+    limp: bool,
+
+    /// The rig is armed where it is, then carries its own weight.
+    #[arg(long)]
+    float: bool,
+
+    /// Where the scripted hand leads: a CSV of joint coordinates, as `sinew export` writes it. Default: all joints at
+    /// once, from home and back.
+    #[arg(long, value_name = "FILE.csv")]
+    hand: Option<PathBuf>,
+
+    /// Put a servo of this kind on each joint that has none, as `sinew play` does. May be repeated.
+    #[arg(long, value_name = "[JOINT=]KIND")]
+    servo: Vec<ServoChoice>,
+
+    /// Cutoff of the low-pass, Hz. 0: none.
+    #[arg(long, value_name = "HZ", default_value_t = 6.0, value_parser = cutoff, allow_negative_numbers = true)]
+    cutoff: f64,
+
+    /// Rows a second of what is written.
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate, allow_negative_numbers = true)]
+    rate: f64,
+
+    /// A show within all limits of the rig: smoothed, slowed down, or drawn towards home where it must be.
+    #[arg(long)]
+    fit: bool,
+
+    /// Let go at the end of the way for so long, and say how far the rig sinks, s.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    let_go: Option<f64>,
+
+    /// Masses and inertias of the simulated bodies: so many times what the rig's file says, and the controller
+    /// believes.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    masses: f64,
+
+    /// Dry friction of the simulated servos: so many times their kind's.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    friction: f64,
+
+    /// The file to write: `.show` or `.csv`. May be given twice.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    ensure!(args.simulate, "--simulate: real servos cannot be led yet");
+    let written: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
+    for path in &written {
+        if !["show", "csv"].contains(&kind(path)) {
+            bail!("{}: expected a name that ends in .show or .csv", path.display());
+        }
+    }
+    let read = [("rig", Some(args.rig.as_path())), ("hand", args.hand.as_deref())];
+    output::distinct(&written, &read)?;
+    let mut rig = OnRig::default().rig(&args.rig, ON_STAND)?;
+    if put_servos(&mut rig.description, &args.servo)? > 0 {
+        rig.mechanism = rig.description.mechanism()?;
+    }
+    let leads = args.leads(&rig)?;
+    let taken = with_stack(|| args.led(&rig, &leads))?;
+    let Taken { dt_s, rows, drift } = taken;
+    let measured = RigMotion { dt_s, rows };
+    let taught = Taught::new(&rig.mechanism, &measured, args.cutoff, args.rate)?;
+    let [before_s, behind_s] = taught.cut_s;
+    let mut text = format!(
+        "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
+        measured.duration_s(),
+        taught.motion.duration_s(),
+    );
+    if args.cutoff > 0.0 {
+        text.extend([format!(
+            "low-pass at {} Hz: it moved a joint by {} at most\n",
+            args.cutoff,
+            shown(taught.smoothed)
+        )]);
+    }
+    for path in written {
+        let is_show = kind(path) == "show";
+        if is_show {
+            let (of_show, motion) = args.show(&rig, &taught.motion, path)?;
+            text += &of_show;
+            text += &args.off(&rig, &motion, &leads, before_s, "the show")?;
+        } else {
+            output::write(path, table::csv(&rig.mechanism, &taught.motion, 0.0))?;
+            text += &args.off(&rig, &taught.motion, &leads, before_s, "the table")?;
+        }
+        note(format_args!("wrote {}", path.display()));
+    }
+    if let Some(let_go_s) = args.let_go {
+        let (at, most) = drift
+            .iter()
+            .enumerate()
+            .fold((0, 0.0), |most, (at, drift)| if *drift > most.1 { (at, *drift) } else { most });
+        let joint = coordinate(&rig, at);
+        let line =
+            format!("let go for {let_go_s} s: it drifted by {} at most ({joint})\n", shown(most));
+        text.push_str(&line);
+    }
+    print(&text)?;
+    Ok(())
+}
+
+impl Args {
+    fn leads(&self, rig: &Loaded) -> anyhow::Result<Leads> {
+        let Some(path) = &self.hand else { return Ok(Leads::built_in(&rig.mechanism)?) };
+        let of_file = || path.display().to_string();
+        let text = sinew_mocap::read::text(path).with_context(of_file)?;
+        let (motion, _) = table::read(&rig.mechanism, &text).with_context(of_file)?;
+        Ok(Leads::along(&rig.mechanism, &motion)?)
+    }
+
+    /// What was measured while the hand led.
+    fn led(&self, rig: &Loaded, leads: &Leads) -> anyhow::Result<Taken> {
+        let of_rig = || self.rig.display().to_string();
+        let mut parts = Parts::new(&rig.description, &rig.mechanism, Options::default())
+            .with_context(of_rig)?;
+        for part in &mut parts.servos {
+            let kind = &mut part.own.kind;
+            for friction in [&mut kind.friction_nm, &mut kind.stribeck_nm, &mut kind.load_friction]
+            {
+                *friction *= self.friction;
+            }
+        }
+        let mut heavy = rig.mechanism.clone();
+        for body in &mut heavy.bodies {
+            body.mass_kg *= self.masses;
+            body.inertia_kg_m2 *= self.masses;
+        }
+        let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+        let plant = parts.plant(&rig.description, &heavy).with_context(of_rig)?;
+        let mut stand = Stand::new(&parts, None, &mut memories, plant).with_context(of_rig)?;
+        let mode = if self.float && !self.limp { Mode::Float } else { Mode::Limp };
+        let mut last = None;
+        let tell = |time_s: f64, state: State| {
+            if last.replace(state) != Some(state) {
+                note(format_args!("{time_s:7.2} s  {state}"));
+            }
+        };
+        let let_go_s = self.let_go.unwrap_or_default();
+        Ok(Lesson::new(&mut stand, &rig.mechanism).run(mode, leads, let_go_s, tell)?)
+    }
+
+    /// Writes a show of a motion; says what it is, and which motion it has.
+    fn show(
+        &self,
+        rig: &Loaded,
+        motion: &RigMotion,
+        path: &Path,
+    ) -> anyhow::Result<(String, RigMotion)> {
+        let on_rig = OnRig::of_motion(self.fit);
+        let name = path.display().to_string();
+        let mut performed = on_rig.fitted(rig, &name, 0.0, TakenOver::own(motion.clone()))?;
+        let (mechanism, limits, settings) =
+            (&rig.mechanism, &performed.limits, ShowSettings::default());
+        let (hash, why_not) = rig_hash(&rig.description, mechanism);
+        if let Some(line) = why_not {
+            note(format_args!("note: {line}"));
+        }
+        let of = |motion: &RigMotion| bake(mechanism, motion, hash, &Marks::default(), &settings);
+        let (baked, report) = match performed.fit.take() {
+            None => {
+                let baked = of(motion)?;
+                let report =
+                    check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
+                (baked, report)
+            }
+            Some(fit) => {
+                let (fit, baked, report) =
+                    bake_within(mechanism, limits, motion, fit, |fit: &Fit| of(&fit.motion))?;
+                performed.fit = Some(fit);
+                (baked, report)
+            }
+        };
+        output::write(path, &baked.written.bytes)?;
+        let rounding = [settings.angle_rad, settings.length_m];
+        let mut text = format!(
+            "{name}: {:.2} s, {} bytes\n{}",
+            baked.duration_s,
+            baked.written.bytes.len(),
+            feasibility(mechanism, limits, &report, rounding)
+        );
+        if let Some(done) = performed.done() {
+            text.extend([format!("\nFitted: {done}")]);
+        }
+        let played = played(&baked.written.bytes, motion.dt_s)?;
+        Ok((text, played))
+    }
+
+    /// How far a motion is from where the hand led.
+    fn off(
+        &self,
+        rig: &Loaded,
+        motion: &RigMotion,
+        leads: &Leads,
+        begin_s: f64,
+        what: &str,
+    ) -> anyhow::Result<String> {
+        if self.fit && what == "the show" {
+            // It may have been slowed down.
+            return Ok(String::new());
+        }
+        let ([mean, most], at, time_s) = beside(&rig.mechanism, motion, leads, begin_s)?;
+        Ok(format!(
+            "{what} beside the hand's way: {} off in the mean, {} at most ({} at {time_s:.2} s)\n",
+            shown(mean),
+            shown(most),
+            coordinate(rig, at)
+        ))
+    }
+}
+
+/// The motion that a show has when it is played.
+fn played(bytes: &[u8], dt_s: f64) -> anyhow::Result<RigMotion> {
+    use sinew_retarget::feasibility::{Instant, Performance as _};
+    let played = Played::new(bytes)?;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
+    let count = (played.duration_s() / dt_s).round() as usize;
+    let row = |index: usize| {
+        let mut instant = Instant::default();
+        played.at(index as f64 * dt_s, &mut instant);
+        instant.q
+    };
+    Ok(RigMotion { dt_s, rows: (0..=count).map(row).collect() })
+}
+
+/// An angle in words.
+fn shown(radians: f64) -> String {
+    format!("{:.2} deg", radians.to_degrees())
+}
+
+/// The name of a coordinate's joint.
+fn coordinate(rig: &Loaded, at: usize) -> &str {
+    let ranges = rig.mechanism.coordinate_ranges();
+    let mut joints = rig.mechanism.bodies.iter().zip(ranges);
+    joints.find(|(_, range)| range.contains(&at)).map_or("", |(link, _)| &link.joint_name)
+}
+
+fn kind(path: &Path) -> &str {
+    path.extension().and_then(|extension| extension.to_str()).unwrap_or_default()
+}
+
+fn cutoff(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(hz) if (0.0..=1000.0).contains(&hz) => Ok(hz),
+        _ => Err("expected a number of Hz from 0 to 1000".into()),
+    }
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(factor) if (0.0..=10.0).contains(&factor) => Ok(factor),
+        _ => Err("expected a factor from 0 to 10".into()),
+    }
+}

@@ -1,0 +1,36 @@
+//! Options that say what files do not: the unit of length, and which axis points up.
+
+use sinew_mocap::Up;
+use sinew_sim::measured::Told;
+
+/// What files do not tell of themselves.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub(super) struct ToldArgs {
+    /// Length of the file's unit in metres: 0.01 for centimetres. Default: the file's own, that of other files of a
+    /// known skeleton, or by the body's height.
+    #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true)]
+    metres_per_unit: Option<f64>,
+
+    /// The axis of the file that points up: x, y or z. Default: as its format says, or as the body stands.
+    #[arg(long, value_name = "AXIS")]
+    up: Option<Up>,
+}
+
+impl ToldArgs {
+    pub(super) const fn told(&self) -> Told {
+        Told { metres_per_unit: self.metres_per_unit, up: self.up }
+    }
+
+    /// An option that is given.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let unit = self.metres_per_unit.is_some().then_some("--metres-per-unit");
+        unit.or(self.up.is_some().then_some("--up"))
+    }
+}
+
+fn unit(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(metres) if (1e-6..=1e3).contains(&metres) => Ok(metres),
+        _ => Err("expected a length in m from 1e-6 to 1000".into()),
+    }
+}

@@ -1,0 +1,75 @@
+//! Of characters: a skeleton at rest, and its skin.
+
+use std::path::Path;
+
+use glam::DVec3;
+use sinew_retarget::skeleton::SkeletonMatch;
+
+use super::{Common, Inspected, Kind, maker, motion};
+use crate::character::{self, Character, Options};
+use crate::measured::{self, Measured, Told};
+use crate::pipeline::tpose;
+
+pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
+    let read = |told| character::read(path, &Options { told, frame: None });
+    // What is too large to be believed is shown all the same.
+    let (character, refused) = match read(told) {
+        Ok(character) => (character, None),
+        Err(error) => {
+            let as_it_is = Told { metres_per_unit: told.metres_per_unit.or(Some(1.0)), ..told };
+            (read(as_it_is).map_err(|_| error.to_string())?, Some(error))
+        }
+    };
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let format = match extension.to_str() {
+        Some("bin") => "Geno.bin",
+        Some("urdf") => "URDF",
+        _ => "glTF 2.0",
+    };
+    let mut inspected = of_character(&character, format, path, told);
+    inspected.notes.extend(character.notes().iter().skip(1).cloned());
+    inspected.notes.dedup();
+    inspected.notes.extend(refused.map(|error| format!("other commands refuse it: {error}")));
+    Ok(inspected)
+}
+
+pub(super) fn of_character(
+    character: &Character,
+    format: &'static str,
+    path: &Path,
+    told: Told,
+) -> Inspected {
+    let rest = character.at_rest();
+    let matched = SkeletonMatch::new(&rest.skeleton, &[]);
+    let mut measured = Measured::of_format(&rest, &matched);
+    if told.up.is_some() {
+        "after the turn that you asked for".clone_into(&mut measured.up.reason);
+    }
+    let common = Common {
+        kind: Kind::Character,
+        format,
+        maker: maker::by_text(path),
+        skeleton: &rest.skeleton,
+        measured: &measured,
+        matched: &matched,
+        extents: measured::extents(&rest, DVec3::Y),
+    };
+    let mut inspected = common.inspected();
+    // The reader has brought it to metres.
+    if let Some(metres_per_unit) = told.metres_per_unit {
+        inspected.metres_per_unit = Some(metres_per_unit);
+        "as you say".clone_into(&mut inspected.unit_reason);
+    }
+    let rest_m = rest.skeleton.rest_positions_m();
+    let joint = |body: &str| matched.joint(motion::limb(body)?);
+    let at = |body: &str| joint(body).map_or(DVec3::NAN, |joint| rest_m[joint]);
+    inspected.t_pose = tpose::is_t(at).then_some("at rest");
+    if let Some(mesh) = character.mesh() {
+        inspected.notes.push(format!(
+            "its skin has {} vertices and {} triangles",
+            mesh.positions_m.len(),
+            mesh.triangles.len()
+        ));
+    }
+    inspected
+}

@@ -1,0 +1,59 @@
+//! The length of a file's unit.
+
+use sinew_mocap::Recording;
+use sinew_retarget::skeleton::{BODY_HEIGHT_M, SkeletonMatch};
+
+use super::{By, short};
+
+/// The unit in metres and why: the user's, the file's own, the given mapping's, else that of the known skeleton's files
+/// where it makes a believable body, else by the body's height.
+///
+/// # Errors
+/// Why nothing tells it.
+pub(super) fn of(
+    recording: &Recording,
+    matched: &SkeletonMatch,
+    by: Option<By<'_>>,
+    given: Option<f64>,
+) -> Result<(f64, String), String> {
+    if let Some(metres) = given {
+        return Ok((metres, "as you say".to_owned()));
+    }
+    if let Some(metres) = recording.metres_per_unit {
+        return Ok((metres, "as its format says".to_owned()));
+    }
+    let guess = matched.unit.as_ref();
+    let by_height = guess.and_then(|unit| Some((unit.metres_per_unit?, unit.reason.clone())));
+    if let Some(By { mapping, is_given }) = by {
+        let metres = mapping.metres_per_unit;
+        let why = if is_given { "as the mapping says" } else { "as other files of this skeleton" };
+        // A guess by height can only contradict where there is a body.
+        let is_believable =
+            guess.is_none_or(|unit| BODY_HEIGHT_M.contains(&(metres * unit.height)));
+        let same = by_height.as_ref().is_none_or(|(guess, _)| same_unit(*guess, metres));
+        if is_given || is_believable && same {
+            return Ok((metres, why.to_owned()));
+        }
+        if let Some((guess, reason)) = by_height {
+            let height_m = metres * matched.unit.as_ref().map_or(0.0, |unit| unit.height);
+            let other = format!(
+                "{reason}; files of skeleton `{}` are in units of {} m, which made it {height_m:.2} m",
+                mapping.name,
+                short(metres)
+            );
+            return Ok((guess, other));
+        }
+        if is_believable {
+            return Ok((metres, why.to_owned()));
+        }
+    }
+    by_height.ok_or_else(|| match guess {
+        Some(unit) => unit.reason.clone(),
+        None => "no arms and legs tell the body's height".to_owned(),
+    })
+}
+
+/// Whether two lengths are one unit but for rounding: CMU's is written with six digits.
+fn same_unit(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() < 1e-3
+}

@@ -1,0 +1,102 @@
+//! Every reader of files as a fuzz target: it takes any bytes, and what it makes of them can be.
+
+use std::fs;
+use std::path::Path;
+
+use sinew_mocap::{Recording, asf_amc, bvh, deepmimic};
+use sinew_rig::import::{self, Options as ImportOptions};
+use sinew_rig::toml_file;
+use sinew_sim::character::{self, Options};
+use sinew_sim::evaluate::Setup;
+use sinew_sim::figure::{Mapping, Subject};
+use sinew_sim::measured::{Measured, Told};
+use sinew_sim::sweep::SweepFile;
+use sinew_sim::verify::verify_folder;
+use sinew_sim::weights::radii;
+
+/// A target by its name, which is that of its folder in the corpus.
+pub(crate) type Target = (&'static str, fn(&[u8]));
+
+pub(crate) const TARGETS: [Target; 17] = [
+    ("bvh", |bytes| motion(bvh::parse(bytes, Path::new("a.bvh")).ok())),
+    ("asf", |bytes| {
+        motion(asf_amc::parse((bytes, Path::new("a.asf")), (AMC, Path::new("a.amc"))).ok());
+    }),
+    ("amc", |bytes| {
+        motion(asf_amc::parse((ASF, Path::new("a.asf")), (bytes, Path::new("a.amc"))).ok());
+    }),
+    ("deepmimic", |bytes| motion(deepmimic::parse(bytes, Path::new("a.txt")).ok())),
+    ("geno", |bytes| character("a.bin", bytes)),
+    ("gltf", |bytes| character("a.gltf", bytes)),
+    ("glb", |bytes| character("a.glb", bytes)),
+    ("urdf_character", |bytes| character("a.urdf", bytes)),
+    ("urdf", |bytes| {
+        rig(text(bytes).and_then(|text| {
+            Some(import::urdf(text, &ImportOptions::default()).ok()?.description)
+        }));
+    }),
+    ("mjcf", |bytes| {
+        rig(text(bytes).and_then(|text| {
+            Some(import::mjcf(text, &ImportOptions::default()).ok()?.description)
+        }));
+    }),
+    ("rig_toml", |bytes| rig(text(bytes).and_then(|text| toml_file::read(text).ok()))),
+    ("figure_mapping", |bytes| drop(text(bytes).map(Mapping::parse))),
+    ("rig_mapping", |bytes| drop(text(bytes).map(sinew_retarget::mapping::Mapping::read))),
+    ("subject", |bytes| in_file("a.toml", bytes, |file| drop(Subject::read(file)))),
+    ("setup", |bytes| drop(text(bytes).map(Setup::parse))),
+    ("sweep", |bytes| {
+        drop(text(bytes).map(|text| SweepFile::parse(text.to_owned(), Path::new("a.toml"), None)));
+    }),
+    ("tables", |bytes| {
+        in_file("a.csv", bytes, |file| drop(radii::read(file)));
+        in_file("a.json", bytes, |file| drop(verify_folder(file.parent().unwrap(), &[])));
+    }),
+];
+
+/// A skeleton of two bones, for motions of fuzz.
+const ASF: &[u8] = include_bytes!("corpus/asf/two_bones.asf");
+const AMC: &[u8] = include_bytes!("corpus/amc/two_bones.amc");
+
+fn text(bytes: &[u8]) -> Option<&str> {
+    core::str::from_utf8(bytes).ok()
+}
+
+/// What was read has a sample or a gap for each joint, and numbers alone; and it can be measured.
+fn motion(recording: Option<Recording>) {
+    let Some(recording) = recording else { return };
+    let joints = recording.skeleton.joints.len();
+    for frame in &recording.frames {
+        assert_eq!(frame.len(), joints);
+        for sample in frame.iter().flatten() {
+            assert!(sample.rotation.is_finite() && sample.position_m.is_finite());
+        }
+    }
+    let matched = sinew_retarget::skeleton::SkeletonMatch::of_recording(&recording);
+    let measured = Measured::new(&recording, &matched, None, Told::default());
+    if let Ok(recording) = measured.apply(recording) {
+        assert_eq!(recording.skeleton.joints.len(), joints);
+    }
+}
+
+fn character(name: &str, bytes: &[u8]) {
+    in_file(name, bytes, |file| {
+        let Ok(character) = character::read(file, &Options::default()) else { return };
+        assert!(character.joints().iter().all(|joint| joint.position_m.is_finite()));
+    });
+}
+
+fn rig(description: Option<sinew_rig::Description>) {
+    let Some(description) = description else { return };
+    if let Ok(mechanism) = description.mechanism() {
+        assert!(mechanism.poses(&mechanism.home()).iter().all(|pose| pose.position_m.is_finite()));
+    }
+}
+
+/// Gives a reader of files a folder of its own with one in it.
+fn in_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(name);
+    fs::write(&file, bytes).unwrap();
+    read(&file);
+}
