@@ -321,9 +321,9 @@ impl Hierarchy {
             .collect()
     }
 
-    /// Adds the offsets to positions that are displacements from them, as in files of MakeHuman. These are near zero
-    /// where the joints' offsets are not: no file puts all of its joints at one place. 5 % of the bones' length is a
-    /// choice between the two.
+    /// Adds the offsets to positions that are displacements from them, as some exporters write them. These are near
+    /// zero where the joints' offsets are not: no file puts all of its joints at one place. 5 % of the bones' length is
+    /// a choice between the two.
     fn add_offsets(&self, frames: &mut Frames) -> Option<String> {
         const NEAR: f64 = 0.05;
         let joints = &self.skeleton.joints;

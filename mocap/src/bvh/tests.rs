@@ -353,7 +353,7 @@ proptest! {
     }
 }
 
-/// As in files of MakeHuman.
+/// As the files of a face from `MakeHuman` have them.
 #[test]
 fn positions_near_zero_are_displacements() {
     let text = VALID
