@@ -38,6 +38,6 @@ mod upload;
 pub use board::{Board, nonce};
 pub use error::ClientError;
 pub use line::{Line, SerialBoard};
-pub use seen::Seen;
+pub use seen::{Seen, TimedPose};
 pub use servos::BoardServos;
 pub use upload::item;

@@ -2,6 +2,15 @@
 
 use sinew_link::message::{Dof, FaultRecord, Part, Servo, Summary, Telemetry};
 
+/// A pose as it was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimedPose {
+    /// In which tick of the controller.
+    pub tick: u32,
+    /// The rig's coordinates; fewer if not all of its frames have come.
+    pub q: Vec<f32>,
+}
+
 /// Telemetry, its frames put together again, and faults as they came.
 #[derive(Debug, Clone, Default)]
 pub struct Seen {
@@ -11,6 +20,8 @@ pub struct Seen {
     pub summary: Option<Summary>,
     /// The newest pose, the rig's coordinates.
     pub q: Vec<f32>,
+    /// All poses since this was put here, for those who record.
+    pub poses: Option<Vec<TimedPose>>,
     /// The newest of degrees of freedom.
     pub dofs: Vec<Dof>,
     /// The newest of servos.
@@ -36,10 +47,26 @@ impl Seen {
                 self.summary = Some(summary);
                 self.summaries += 1;
             }
-            Part::Pose { first, q } => put(&mut self.q, first, &q),
+            Part::Pose { first, q } => {
+                if let Some(poses) = &mut self.poses {
+                    keep(poses, tick, first, &q);
+                }
+                put(&mut self.q, first, &q);
+            }
             Part::Dofs { first, dofs } => put(&mut self.dofs, first, &dofs),
             Part::Servos { first, servos } => put(&mut self.servos, first, &servos),
         }
+    }
+}
+
+/// Numbers of a tick's pose from `first` on. What comes behind a frame that was lost belongs to no pose.
+fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
+    if first == 0 {
+        poses.push(TimedPose { tick, q: q.to_vec() });
+    } else if let Some(pose) = poses.last_mut()
+        && (pose.tick, pose.q.len()) == (tick, usize::from(first))
+    {
+        pose.q.extend_from_slice(q);
     }
 }
 

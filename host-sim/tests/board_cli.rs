@@ -152,3 +152,29 @@ fn firmware_is_refused_with_what_would_be_right() {
     let other = says(&flash, 2);
     assert!(other.contains("9.4") && other.contains("nothing was written"), "{other}");
 }
+
+#[test]
+fn a_rig_at_a_board_is_led_and_limp_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, port, csv, show] =
+        ["arm.toml", "board", "led.csv", "led.show"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port, "--hand"]);
+    let record = |how: &str, seconds: &str, file: &str| {
+        let of = ["record", "--board", &port, "--rig", &rig, how, "--seconds", seconds, "-o", file];
+        says(&of, 0)
+    };
+    let limp = record("--limp", "8.5", &csv);
+    assert!(limp.contains("teaching") && limp.contains("lead it"), "{limp}");
+    // The hand of the simulated board goes the built-in way: 0.6 rad at most, from home and back.
+    let led = std::fs::read_to_string(&csv).unwrap();
+    let column = |line: &str| line.split(',').nth(1).and_then(|x| x.parse::<f64>().ok());
+    let most = led.lines().filter_map(column).fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!((0.2..0.7).contains(&most), "{most}");
+    let floating = record("--float", "4", &show);
+    assert!(floating.contains("floating") && floating.contains("limp"), "{floating}");
+    assert!(std::fs::metadata(&show).unwrap().len() > 100);
+    let hand = sinew(&["record", "--board", &port, "--rig", &rig, "--masses", "2", "-o", &csv]);
+    let hand = text(&{ hand }.output().unwrap());
+    assert!(hand.contains("cannot be used with"), "{hand}");
+}

@@ -53,12 +53,12 @@ fn run(folder: &Path, lines: &[String]) -> f64 {
 fn every_command_of_the_page_does_what_it_says() {
     let folder = tempfile::tempdir().unwrap();
     let steps = steps();
-    // See it move, stop, check, ids, clip, teach, face.
-    assert_eq!(steps.len(), 7, "{steps:?}");
+    // See it move, stop, check, ids, clip, teach, face, board.
+    assert_eq!(steps.len(), 8, "{steps:?}");
     for (heading, lines) in &steps {
         println!("| {heading} | {} | {:.1} |", lines.len(), run(folder.path(), lines));
     }
-    for made in ["arm.html", "punch.show", "punch.html", "taught.show", "taught.csv", "talk.show"] {
+    for made in ["arm.html", "punch.show", "taught.csv", "led.show", "talk.show", "doctor.txt"] {
         assert!(folder.path().join(made).is_file(), "{made}");
     }
 }

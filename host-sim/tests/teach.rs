@@ -33,7 +33,8 @@ fn led(
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let mut stand = Stand::new(&parts, None, &mut memories, plant).unwrap();
     let leads = Leads::built_in(&mechanism).unwrap();
-    let taken = Lesson::new(&mut stand, &mechanism).run(mode, &leads, let_go_s, |_, _| {})?;
+    let taken =
+        Lesson::new(&mut stand, &mechanism, leads.clone()).run(mode, let_go_s, |_, _| {})?;
     Ok((taken, leads))
 }
 

@@ -1,8 +1,10 @@
 //! `sinew record`: a rig is led by hand, and what was measured becomes a motion.
 
+mod board;
+
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
 use sinew_retarget::exchange::table;
 use sinew_retarget::feasibility::{Fit, RigMotion, check};
@@ -28,15 +30,24 @@ use super::play::with_stack;
 /// beginning and at the end is cut, and what was cut is said.
 ///
 /// In the simulator a scripted hand leads: a spring and a damper at each joint. It says at the end how far the result
-/// is from the hand's way.
+/// is from the hand's way. With --board you lead, from the line `lead it` until Ctrl-C; then the rig goes to rest, and
+/// is limp before this ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub(super) struct Args {
-    /// Lead simulated servos, as `sinew play` has them. Real ones cannot be led yet.
-    #[arg(long, required = true)]
+    /// Lead simulated servos, as `sinew play` has them.
+    #[arg(long, required_unless_present = "board", conflicts_with = "board")]
     simulate: bool,
+
+    /// Lead the rig of the controller at this serial port, such as /dev/ttyACM0; `auto`: the one that answers.
+    #[arg(long, value_name = "PORT")]
+    board: Option<PathBuf>,
+
+    /// With --board: end by itself after so long, s.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, requires = "board")]
+    seconds: Option<f64>,
 
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
@@ -52,7 +63,7 @@ pub(super) struct Args {
 
     /// Where the scripted hand leads: a CSV of joint coordinates, as `sinew export` writes it. Default: all joints at
     /// once, from home and back.
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "board")]
     hand: Option<PathBuf>,
 
     /// Put a servo of this kind on each joint that has none, as `sinew play` does. May be repeated.
@@ -72,16 +83,16 @@ pub(super) struct Args {
     fit: bool,
 
     /// Let go at the end of the way for so long, and say how far the rig sinks, s.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, conflicts_with = "board")]
     let_go: Option<f64>,
 
     /// Masses and inertias of the simulated bodies: so many times what the rig's file says, and the controller
     /// believes.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true, conflicts_with = "board")]
     masses: f64,
 
     /// Dry friction of the simulated servos: so many times their kind's.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true, conflicts_with = "board")]
     friction: f64,
 
     /// The file to write: `.show` or `.csv`. May be given twice.
@@ -89,9 +100,11 @@ pub(super) struct Args {
     output: Vec<PathBuf>,
 }
 
+/// What was measured; of a scripted hand also where it led, and how far each coordinate went after it let go.
+type Led = (RigMotion, Option<(Leads, Vec<f64>)>);
+
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    ensure!(args.simulate, "--simulate: real servos cannot be led yet");
     let written: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
     for path in &written {
         if !["show", "csv"].contains(&kind(path)) {
@@ -104,10 +117,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if put_servos(&mut rig.description, &args.servo)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let leads = args.leads(&rig)?;
-    let taken = with_stack(|| args.led(&rig, &leads))?;
-    let Taken { dt_s, rows, drift } = taken;
-    let measured = RigMotion { dt_s, rows };
+    let led = with_stack(|| match &args.board {
+        Some(port) => args.led_at(port, &rig),
+        None => args.led(&rig),
+    })?;
+    let (measured, simulated) = led;
     let taught = Taught::new(&rig.mechanism, &measured, args.cutoff, args.rate)?;
     let [before_s, behind_s] = taught.cut_s;
     let mut text = format!(
@@ -127,14 +141,18 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         if is_show {
             let (of_show, motion) = args.show(&rig, &taught.motion, path)?;
             text += &of_show;
-            text += &args.off(&rig, &motion, &leads, before_s, "the show")?;
+            if let Some((leads, _)) = &simulated {
+                text += &args.off(&rig, &motion, leads, before_s, "the show")?;
+            }
         } else {
             output::write(path, table::csv(&rig.mechanism, &taught.motion, 0.0))?;
-            text += &args.off(&rig, &taught.motion, &leads, before_s, "the table")?;
+            if let Some((leads, _)) = &simulated {
+                text += &args.off(&rig, &taught.motion, leads, before_s, "the table")?;
+            }
         }
         note(format_args!("wrote {}", path.display()));
     }
-    if let Some(let_go_s) = args.let_go {
+    if let Some((let_go_s, (_, drift))) = args.let_go.zip(simulated) {
         let (at, most) = drift
             .iter()
             .enumerate()
@@ -148,20 +166,36 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Where a scripted hand leads: along the file, or the built-in way.
+pub(super) fn leads(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<Leads> {
+    let Some(path) = file else { return Ok(Leads::built_in(&rig.mechanism)?) };
+    let of_file = || path.display().to_string();
+    let text = sinew_mocap::read::text(path).with_context(of_file)?;
+    let (motion, _) = table::read(&rig.mechanism, &text).with_context(of_file)?;
+    Ok(Leads::along(&rig.mechanism, &motion)?)
+}
+
 impl Args {
-    fn leads(&self, rig: &Loaded) -> anyhow::Result<Leads> {
-        let Some(path) = &self.hand else { return Ok(Leads::built_in(&rig.mechanism)?) };
-        let of_file = || path.display().to_string();
-        let text = sinew_mocap::read::text(path).with_context(of_file)?;
-        let (motion, _) = table::read(&rig.mechanism, &text).with_context(of_file)?;
-        Ok(Leads::along(&rig.mechanism, &motion)?)
+    fn mode(&self) -> Mode {
+        if self.float && !self.limp { Mode::Float } else { Mode::Limp }
     }
 
-    /// What was measured while the hand led.
-    fn led(&self, rig: &Loaded, leads: &Leads) -> anyhow::Result<Taken> {
+    fn parts(&self, rig: &Loaded) -> anyhow::Result<Parts> {
+        let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+        parts.with_context(|| self.rig.display().to_string())
+    }
+
+    /// What a controller measured while somebody led its rig.
+    fn led_at(&self, port: &Path, rig: &Loaded) -> anyhow::Result<Led> {
+        let parts = self.parts(rig)?;
+        Ok((board::led(port, rig, &parts, self.mode(), self.seconds)?, None))
+    }
+
+    /// What was measured while the scripted hand led.
+    fn led(&self, rig: &Loaded) -> anyhow::Result<Led> {
         let of_rig = || self.rig.display().to_string();
-        let mut parts = Parts::new(&rig.description, &rig.mechanism, Options::default())
-            .with_context(of_rig)?;
+        let leads = leads(rig, self.hand.as_deref())?;
+        let mut parts = self.parts(rig)?;
         for part in &mut parts.servos {
             let kind = &mut part.own.kind;
             for friction in [&mut kind.friction_nm, &mut kind.stribeck_nm, &mut kind.load_friction]
@@ -177,7 +211,6 @@ impl Args {
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(&rig.description, &heavy).with_context(of_rig)?;
         let mut stand = Stand::new(&parts, None, &mut memories, plant).with_context(of_rig)?;
-        let mode = if self.float && !self.limp { Mode::Float } else { Mode::Limp };
         let mut last = None;
         let tell = |time_s: f64, state: State| {
             if last.replace(state) != Some(state) {
@@ -185,7 +218,9 @@ impl Args {
             }
         };
         let let_go_s = self.let_go.unwrap_or_default();
-        Ok(Lesson::new(&mut stand, &rig.mechanism).run(mode, leads, let_go_s, tell)?)
+        let mut lesson = Lesson::new(&mut stand, &rig.mechanism, leads.clone());
+        let Taken { dt_s, rows, drift } = lesson.run(self.mode(), let_go_s, tell)?;
+        Ok((RigMotion { dt_s, rows }, Some((leads, drift))))
     }
 
     /// Writes a show of a motion; says what it is, and which motion it has.

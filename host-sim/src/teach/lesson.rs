@@ -2,11 +2,10 @@
 
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
-use sinew_servo_sim::plant::{Hand, RigPlant};
+use sinew_servo_sim::plant::RigPlant;
 use thiserror::Error;
 
-use super::Leads;
+use super::{Leads, ScriptedHand};
 use crate::play::{Drive, Parts, Stand};
 
 /// After so long a rig that is not ready will not be, s.
@@ -58,23 +57,13 @@ pub struct Taken {
 /// A rig on its stand, and a hand.
 pub struct Lesson<'s, 'a> {
     stand: &'s mut Stand<'a, RigPlant>,
-    /// Freedom and coordinate of all that a hand can lead.
-    led: Vec<(usize, usize)>,
+    hand: ScriptedHand,
 }
 
 impl<'s, 'a> Lesson<'s, 'a> {
     /// With a stand just before power comes on.
-    pub fn new(stand: &'s mut Stand<'a, RigPlant>, mechanism: &Mechanism) -> Self {
-        let (mut led, mut freedom, mut coordinate) = (Vec::new(), 0, 0);
-        for link in &mechanism.bodies {
-            let kind = link.joint.kind();
-            let (freedoms, coordinates) = (kind.degrees_of_freedom(), kind.coordinate_count());
-            if !matches!(link.joint, Freedom::Spherical | Freedom::Free) {
-                led.extend((freedom..freedom + freedoms).zip(coordinate..));
-            }
-            (freedom, coordinate) = (freedom + freedoms, coordinate + coordinates);
-        }
-        Self { stand, led }
+    pub fn new(stand: &'s mut Stand<'a, RigPlant>, mechanism: &Mechanism, leads: Leads) -> Self {
+        Self { stand, hand: ScriptedHand::new(mechanism, leads) }
     }
 
     /// Power on, the hand holds the rig; it is led along a way, let go for `let_go_s`, and made limp. `each` sees every
@@ -85,7 +74,6 @@ impl<'s, 'a> Lesson<'s, 'a> {
     pub fn run(
         &mut self,
         mode: Mode,
-        leads: &Leads,
         let_go_s: f64,
         mut each: impl FnMut(f64, State),
     ) -> Result<Taken, LessonError> {
@@ -96,7 +84,7 @@ impl<'s, 'a> Lesson<'s, 'a> {
             return Err(LessonError::NoEffort(servo.own.name.clone()));
         }
         let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
-        self.hold(leads, 0.0);
+        self.hold(0.0);
         while self.stand.report().state != taught {
             let command = self.towards(mode);
             self.tick(command, &mut each)?;
@@ -109,16 +97,16 @@ impl<'s, 'a> Lesson<'s, 'a> {
         let mut rows = Vec::new();
         loop {
             let time_s = self.stand.time_s() - begin_s;
-            if time_s > leads.duration_s() {
+            if time_s > self.hand.duration_s() {
                 break;
             }
-            self.hold(leads, time_s);
+            self.hold(time_s);
             self.tick(None, &mut each)?;
             rows.push(self.stand.measured().iter().map(|x| f64::from(*x)).collect());
         }
-        for (freedom, _) in &self.led {
-            self.stand.lead(*freedom, None);
-        }
+        self.hand.let_go(|freedom, hand| {
+            self.stand.lead(freedom, hand);
+        });
         let (left, from_s) = (self.stand.q(), self.stand.time_s());
         let mut drift = vec![0.0; left.len()];
         while self.stand.time_s() < from_s + let_go_s {
@@ -148,12 +136,10 @@ impl<'s, 'a> Lesson<'s, 'a> {
     }
 
     /// Where the hand is now.
-    fn hold(&mut self, leads: &Leads, time_s: f64) {
-        let instant = leads.at(time_s);
-        for (freedom, coordinate) in &self.led {
-            let (position, velocity) = (instant.q[*coordinate], instant.qd[*freedom]);
-            self.stand.lead(*freedom, Some(Hand { position, velocity }));
-        }
+    fn hold(&mut self, time_s: f64) {
+        self.hand.hold(time_s, |freedom, hand| {
+            self.stand.lead(freedom, hand);
+        });
     }
 
     fn tick(

@@ -1,5 +1,6 @@
 //! Commands for a controller at a serial port, and a simulated one.
 
+mod arm;
 mod doctor;
 mod faults;
 mod flash;
@@ -11,6 +12,7 @@ mod simulate;
 mod upload;
 mod words;
 
+pub(super) use arm::{READY, arm, check_rig};
 pub(super) use doctor::{DoctorArgs, run as doctor};
 pub(super) use faults::{FaultsArgs, run as faults};
 pub(super) use flash::{FlashArgs, run as flash};
@@ -20,4 +22,4 @@ pub(super) use settings::{SettingsArgs, run as settings};
 #[cfg(unix)]
 pub(super) use simulate::{SimulateArgs, run as simulate};
 pub(super) use upload::{UploadArgs, put_show, run as upload};
-pub(super) use words::{named, remedy};
+pub(super) use words::{named, remedy, tell_faults};

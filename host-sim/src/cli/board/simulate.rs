@@ -1,6 +1,6 @@
 //! `sinew board simulate`: a whole board on a serial port of this machine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -9,15 +9,20 @@ use std::thread;
 use anyhow::Context as _;
 use clap::{Args, Subcommand};
 use signal_hook::consts::{SIGINT, SIGTERM};
+use sinew_firmware::supervisor::State;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
 use sinew_sim::command::print;
 use sinew_sim::play::{Chip, Memory, Options, Parts, SimulatedBoard, put_servos};
+use sinew_sim::teach::ScriptedHand;
 
+use crate::cli::record::leads;
 use crate::cli::rig::read;
 
 /// The loop's arrays are sized for the largest board.
 const STACK_BYTES: usize = 64 << 20;
+/// In place of a file: the hand's own way.
+const BUILT_IN: &str = "built-in";
 /// What a port is set to until a program sets it.
 const BAUD: u32 = 1_000_000;
 
@@ -54,6 +59,11 @@ struct BoardArgs {
     /// As it comes out of the box: no rig is stored, `sinew upload rig` brings it.
     #[arg(long)]
     blank: bool,
+
+    /// A scripted hand leads the rig whenever it is taught or floats: along a CSV of joint coordinates, or as that of
+    /// `sinew record --simulate`.
+    #[arg(long, value_name = "FILE.csv", num_args = 0..=1, default_missing_value = BUILT_IN)]
+    hand: Option<PathBuf>,
 
     /// Servos for a rig whose file has none, as of `sinew play`.
     #[arg(long, value_name = "[JOINTS=]KIND")]
@@ -94,6 +104,25 @@ fn serve(args: &BoardArgs) -> anyhow::Result<ExitCode> {
     }
     let port = Port::open(&args.pty, BAUD).context("--pty")?;
     print("ready\n")?;
-    board.serve(&port, &stop)?;
+    let way = |file: &PathBuf| {
+        leads(&rig, Some(file.as_path()).filter(|file| *file != Path::new(BUILT_IN)))
+    };
+    let leads = args.hand.as_ref().map(way).transpose()?;
+    let hand = leads.map(|leads| ScriptedHand::new(&rig.mechanism, leads));
+    let (mut was_led, mut begun_us) = (false, None);
+    board.serve(&port, &stop, |board| {
+        let Some(hand) = &hand else { return };
+        let now_us = board.now_us();
+        let is_led = matches!(board.state(), Some(State::Teaching | State::Floating));
+        if is_led && !was_led {
+            begun_us = Some(now_us);
+        }
+        was_led = is_led;
+        // Before its way it holds the beginning, behind it the end.
+        let way_us = now_us - begun_us.unwrap_or(now_us);
+        hand.hold(1e-6 * way_us as f64, |freedom, hand| {
+            board.lead(freedom, hand);
+        });
+    })?;
     Ok(ExitCode::SUCCESS)
 }

@@ -2,6 +2,9 @@
 
 use sinew_firmware::supervisor::{Fault, TABLE};
 use sinew_link::message::FaultRecord;
+use sinew_sim::command::note;
+
+use super::PortBoard;
 
 /// The fault of a number; its number alone if this program does not know it.
 pub(in crate::cli) fn named(number: u8) -> String {
@@ -13,6 +16,18 @@ pub(in crate::cli) fn named(number: u8) -> String {
 pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
     let row = TABLE.iter().find(|row| row.fault.number() == number)?;
     Some(format!("{} {}", row.when, row.remedy))
+}
+
+/// Says what faults a controller has told of, and what to do.
+pub(in crate::cli) fn tell_faults(board: &PortBoard) {
+    let mut numbers: Vec<u8> = board.seen.faults.iter().map(|fault| fault.fault).collect();
+    numbers.extend(board.seen.summary.and_then(|summary| summary.fault));
+    numbers.sort_unstable();
+    numbers.dedup();
+    for number in numbers {
+        note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
+    }
+    note(format_args!("`sinew faults --clear` when it is mended"));
 }
 
 /// Where and when a fault came.

@@ -4,19 +4,16 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::{Context as _, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_client::ClientError;
-use sinew_link::message::{Command, Feed, Parts as Told, Refusal, State, Summary};
+use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
 use sinew_show::Show;
 use sinew_sim::command::note;
 use sinew_sim::play::Parts;
 
 use super::stop::Stop;
-use crate::cli::board::{PortBoard, named, open, put_show, remedy};
+use crate::cli::board::{PortBoard, READY, arm, check_rig, named, open, put_show, tell_faults};
 
-/// For so long a rig may not be ready to be armed.
-const READY: Duration = Duration::from_secs(10);
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(50);
 /// Snapshots a second.
@@ -76,17 +73,6 @@ pub(super) fn perform(
     let ended = performance.run(&stop);
     performance.bar.finish_and_clear();
     ended
-}
-
-/// That the board has the rig of the file.
-fn check_rig(board: &PortBoard, parts: &Parts) -> anyhow::Result<()> {
-    const HELP: &str = "`sinew upload rig FILE --board PORT` brings it";
-    let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
-    let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
-    let here = board.about().rig;
-    ensure!(here != 0, "the board has no rig: {HELP}");
-    ensure!(here == own, "the board has rig {here:08x}, the file's is {own:08x}: {HELP}");
-    Ok(())
 }
 
 impl Performance {
@@ -157,28 +143,14 @@ impl Performance {
         if state != State::Limp && waits {
             return Ok(());
         }
-        match self.command(Command::Arm, Phase::Arming) {
-            Err(ClientError::Refused(
-                Refusal::Moving { .. }
-                | Refusal::RegistersUnread
-                | Refusal::NotMeasured
-                | Refusal::StopUntested
-                | Refusal::Busy,
-            )) if waits => Ok(self.board.run(2 * LOOK)?),
-            Err(ClientError::Refused(why)) => bail!("the controller refused to arm: {why}"),
-            armed => Ok(armed?),
+        if arm(&mut self.board, waits)? {
+            (self.phase, self.before) = (Phase::Arming, self.board.seen.summaries);
         }
+        Ok(())
     }
 
     fn faulted(&self) -> ExitCode {
-        let mut numbers: Vec<u8> = self.board.seen.faults.iter().map(|fault| fault.fault).collect();
-        numbers.extend(self.board.seen.summary.and_then(|summary| summary.fault));
-        numbers.sort_unstable();
-        numbers.dedup();
-        for number in numbers {
-            note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
-        }
-        note(format_args!("`sinew faults --clear` when it is mended"));
+        tell_faults(&self.board);
         ExitCode::FAILURE
     }
 

@@ -15,11 +15,16 @@ const CATCH_UP: Duration = Duration::from_millis(50);
 const ROOM: usize = 1 << 16;
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true.
+    /// Serves programs at a port in real time until `stop` is true. `before`: what happens to the rig before each tick.
     ///
     /// # Errors
     /// What the system says if reading or writing fails.
-    pub fn serve(&mut self, port: &Port, stop: &AtomicBool) -> io::Result<()> {
+    pub fn serve(
+        &mut self,
+        port: &Port,
+        stop: &AtomicBool,
+        mut before: impl FnMut(&mut Self),
+    ) -> io::Result<()> {
         let (mut bytes, mut due) = ([0; 4096], Instant::now());
         while !stop.load(Ordering::Relaxed) {
             loop {
@@ -28,6 +33,7 @@ impl<P: Plant> SimulatedBoard<'_, P> {
                 self.give(came);
             }
             let before_us = self.now_us();
+            before(self);
             self.tick();
             let taken = port.write(self.said.make_contiguous())?;
             self.said.drain(..taken);

@@ -11,6 +11,7 @@ use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_storage::{Approver, Descriptor, Kind, Store};
 use thiserror::Error;
 
@@ -188,6 +189,15 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     /// Length of a tick.
     pub(super) fn tick_time(&self) -> Duration {
         Duration::from_micros(self.parts.tick_us().into())
+    }
+}
+
+impl SimulatedBoard<'_, RigPlant> {
+    /// Puts a hand on a freedom of the rig, or takes it away; whether there is such a freedom.
+    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
+        // Without a line there are no servos.
+        let line = self.lines.first_mut();
+        line.is_some_and(|line| line.servos.bench_mut().plant.lead(freedom, hand))
     }
 }
 

@@ -1,0 +1,47 @@
+//! What commands that move a rig have in common: the right one, and how it is armed.
+
+use std::time::Duration;
+
+use anyhow::{Context as _, bail, ensure};
+use sinew_client::ClientError;
+use sinew_link::message::{Command, Refusal};
+use sinew_sim::play::Parts;
+
+use super::PortBoard;
+
+/// For so long a rig may not be ready to be armed.
+pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
+/// Between two tries.
+const AGAIN: Duration = Duration::from_millis(100);
+
+/// That the board has the rig of the file.
+pub(in crate::cli) fn check_rig(board: &PortBoard, parts: &Parts) -> anyhow::Result<()> {
+    const HELP: &str = "`sinew upload rig FILE --board PORT` brings it";
+    let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
+    let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
+    let here = board.about().rig;
+    ensure!(here != 0, "the board has no rig: {HELP}");
+    ensure!(here == own, "the board has rig {here:08x}, the file's is {own:08x}: {HELP}");
+    Ok(())
+}
+
+/// Asks a rig to be armed, or not yet: whether it was. `waits`: it may become ready.
+pub(in crate::cli) fn arm(board: &mut PortBoard, waits: bool) -> anyhow::Result<bool> {
+    match board.ask(Command::Arm) {
+        Err(ClientError::Refused(
+            Refusal::Moving { .. }
+            | Refusal::RegistersUnread
+            | Refusal::NotMeasured
+            | Refusal::StopUntested
+            | Refusal::Busy,
+        )) if waits => {
+            board.run(AGAIN)?;
+            Ok(false)
+        }
+        Err(ClientError::Refused(why)) => bail!("the controller refused to arm: {why}"),
+        armed => {
+            armed?;
+            Ok(true)
+        }
+    }
+}

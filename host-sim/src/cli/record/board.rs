@@ -1,0 +1,162 @@
+//! A rig at a controller is led by hand, until Ctrl-C.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew_client::ClientError;
+use sinew_link::message::{Command, Parts as Told, Refusal, State};
+use sinew_retarget::feasibility::RigMotion;
+use sinew_sim::command::note;
+use sinew_sim::play::{Drive, Parts};
+use sinew_sim::rig::Loaded;
+use sinew_sim::teach::{LessonError, Mode, rows};
+
+use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
+use crate::cli::play::stop::Stop;
+
+/// Poses a second that are asked for: a hand's motion has nothing above 6 Hz.
+const RATE_HZ: f32 = 100.0;
+/// How often the state is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+/// Without telemetry for so long nobody is there.
+const SILENT: Duration = Duration::from_secs(1);
+
+/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds.
+pub(super) fn led(
+    port: &Path,
+    rig: &Loaded,
+    parts: &Parts,
+    mode: Mode,
+    seconds: Option<f64>,
+) -> anyhow::Result<RigMotion> {
+    if mode == Mode::Float
+        && let Some(servo) = parts.servos.iter().find(|part| part.drive != Drive::Current)
+    {
+        bail!(LessonError::NoEffort(servo.own.name.clone()));
+    }
+    let mut board = open(Some(port))?;
+    check_rig(&board, parts)?;
+    let told = board.telemetry(RATE_HZ, Told::SUMMARY.and(Told::POSE))?;
+    ensure!(told.rate_hz > 0.0, "the controller sends no poses");
+    let mut lesson = Lesson { board, stop: Stop::new()?, state: None, bar: bar()? };
+    let led = lesson.run(mode, seconds);
+    lesson.bar.finish_and_clear();
+    // Whatever came between: the rig is limp before this ends, or a second Ctrl-C came.
+    let stopped = lesson.limp();
+    led?;
+    stopped?;
+    let poses = lesson.board.seen.poses.take().unwrap_or_default();
+    let tick_s = 1e-6 * f64::from(parts.tick_us());
+    Ok(rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip())?)
+}
+
+fn bar() -> anyhow::Result<ProgressBar> {
+    Ok(ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{msg}")?))
+}
+
+struct Lesson {
+    board: PortBoard,
+    stop: Stop,
+    state: Option<State>,
+    bar: ProgressBar,
+}
+
+impl Lesson {
+    fn run(&mut self, mode: Mode, seconds: Option<f64>) -> anyhow::Result<()> {
+        let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
+        let begun = self.board.now();
+        while self.look()? != Some(taught) {
+            if self.stop.times() > 0 {
+                bail!("ended before the rig could be led");
+            }
+            let waits = self.board.now().saturating_sub(begun) < READY;
+            match (mode, self.state) {
+                (Mode::Limp, Some(State::Limp)) => self.ask(Command::Teach, waits)?,
+                (Mode::Float, Some(State::Limp)) => {
+                    arm(&mut self.board, waits)?;
+                }
+                (Mode::Float, Some(State::Holding)) => self.ask(Command::Float, false)?,
+                (_, state) if !waits => bail!(
+                    "the rig is still {} after {} s",
+                    state.map_or_else(|| "silent".to_owned(), |state| state.to_string()),
+                    READY.as_secs()
+                ),
+                _ => {}
+            }
+        }
+        let until = seconds.map_or_else(String::new, |seconds| format!(", or {seconds} s"));
+        note(format_args!("lead it; Ctrl-C ends it{until}"));
+        let begun = self.board.now();
+        self.board.seen.poses = Some(Vec::new());
+        loop {
+            if self.look()? != Some(taught) {
+                bail!("the rig is not led any more");
+            }
+            let since_s = self.board.now().saturating_sub(begun).as_secs_f64();
+            if !self.bar.is_hidden() {
+                self.bar.set_message(format!("{taught}, {since_s:.1} s"));
+            }
+            if self.stop.times() > 0 || seconds.is_some_and(|seconds| since_s >= seconds) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Brings the rig to rest, and waits until it is limp. What comes meanwhile is no part of the motion.
+    fn limp(&mut self) -> anyhow::Result<()> {
+        let poses = self.board.seen.poses.take();
+        if !matches!(self.state, Some(State::Limp | State::Off | State::Faulted) | None) {
+            self.board.ask(Command::Stop)?;
+            let times = self.stop.times();
+            while !matches!(self.look()?, Some(State::Limp | State::Off | State::Faulted)) {
+                if self.stop.times() > times {
+                    bail!(
+                        "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                    );
+                }
+            }
+        }
+        self.board.seen.poses = poses;
+        Ok(())
+    }
+
+    fn ask(&mut self, command: Command, waits: bool) -> anyhow::Result<()> {
+        match self.board.ask(command) {
+            Err(ClientError::Refused(Refusal::RegistersUnread | Refusal::NotMeasured)) if waits => {
+                Ok(())
+            }
+            Err(ClientError::Refused(why)) => bail!("the controller refused: {why}"),
+            done => Ok(done.map(|_| ())?),
+        }
+    }
+
+    /// Takes what comes; the state by a summary that is newer than what was asked for.
+    fn look(&mut self) -> anyhow::Result<Option<State>> {
+        let (before, since) = (self.board.seen.summaries, self.board.now());
+        while self.board.seen.summaries < before + 2 {
+            self.board.step(LOOK)?;
+            let silent = self.board.now().saturating_sub(since);
+            ensure!(
+                silent < SILENT,
+                "the controller sends no telemetry any more: it holds, and is limp after 2 s"
+            );
+            if self.stop.times() > 1 {
+                break;
+            }
+        }
+        let state = self.board.state();
+        if self.state != state {
+            self.state = state;
+            if let Some(state) = state {
+                self.bar.suspend(|| note(format_args!("{state}")));
+            }
+        }
+        if state == Some(State::Faulted) || !self.board.seen.faults.is_empty() {
+            tell_faults(&self.board);
+            bail!("a fault has ended it");
+        }
+        Ok(state)
+    }
+}
