@@ -265,6 +265,7 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     )]
     let frames = args.seconds.map_or(usize::MAX, |s| (s / motion.dt_s).round().max(1.0) as usize);
     let bytes = show::bake(&motion, &model, frames)?;
+    sinew_firmware::show::Show::parse(&bytes).context("no board would perform this show")?;
     output::write(&args.out, &bytes)?;
     print(&format!(
         "{}: {} frames of {}, {} bytes\n",
