@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use sinew_mocap::files::ClipFile;
 use sinew_retarget::feasibility::{Fit, RigMotion, check, looped};
 use sinew_show::write::Settings as ShowSettings;
@@ -243,14 +243,14 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     let clip = match builtin::clips().into_iter().find(|clip| clip.name == args.clip) {
         Some(clip) => clip,
         None => {
-            pipeline::load(&ClipFile::new(Path::new(&args.clip)), &settings).with_context(|| {
-                let names: Vec<_> = builtin::clips().into_iter().map(|clip| clip.name).collect();
-                format!(
-                    "{} is no built-in clip ({}) and no readable file",
-                    args.clip,
-                    names.join(", ")
-                )
-            })?
+            let names = || builtin::clips().into_iter().map(|clip| clip.name).collect::<Vec<_>>();
+            ensure!(
+                Path::new(&args.clip).exists(),
+                "{} is neither a file nor a built-in clip ({})",
+                args.clip,
+                names().join(", ")
+            );
+            pipeline::load(&ClipFile::new(Path::new(&args.clip)), &settings)?
         }
     };
     let (motion, notices) = pipeline::prepare(clip, &settings)?;

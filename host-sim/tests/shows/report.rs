@@ -140,7 +140,7 @@ fn what_is_no_recording_is_refused_in_words() {
     bytes[4..64].fill(0xFF);
     std::fs::write(&damaged, bytes).unwrap();
     for (arguments, part) in [
-        (&["report", &rig][..], "no Parquet file"),
+        (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
         (&["report", &short], "nothing of it is whole"),
         (&["report", &damaged], "part 1: "),
