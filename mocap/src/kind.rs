@@ -89,7 +89,7 @@ impl Kind {
         if start.starts_with("hierarchy") {
             return Some(Self::Bvh);
         }
-        if start.starts_with("#!oml:asf") || start.starts_with(":") {
+        if start.starts_with("#!oml:asf") || start.starts_with(':') {
             return Some(if has(":bonedata") || has(":root") { Self::Asf } else { Self::Amc });
         }
         if start.starts_with('<') {
