@@ -109,7 +109,7 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
                 assert!(read == written, "at {at}");
             }
             Err(RecordingError::Nothing) => assert!(found.is_empty(), "at {at}"),
-            Err(RecordingError::NotParquet) => assert!(at < 8, "at {at}"),
+            Err(RecordingError::NotParquet(_)) => assert!(at < 4, "at {at}"),
             Err(why) => panic!("at {at}: {why}"),
         }
     }
