@@ -240,18 +240,19 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
         told: args.told.told(),
         ..Settings::default()
     };
-    let clip = match builtin::clips().into_iter().find(|clip| clip.name == args.clip) {
-        Some(clip) => clip,
-        None => {
-            let names = || builtin::clips().into_iter().map(|clip| clip.name).collect::<Vec<_>>();
-            ensure!(
-                Path::new(&args.clip).exists(),
-                "{} is neither a file nor a built-in clip ({})",
-                args.clip,
-                names().join(", ")
-            );
-            pipeline::load(&ClipFile::new(Path::new(&args.clip)), &settings)?
-        }
+    let mut built_in = builtin::clips();
+    let clip = if let Some(place) = built_in.iter().position(|clip| clip.name == args.clip) {
+        built_in.swap_remove(place)
+    } else {
+        let file = Path::new(&args.clip);
+        let names = || built_in.iter().map(|clip| clip.name.as_str()).collect::<Vec<_>>();
+        ensure!(
+            file.exists(),
+            "{} is neither a file nor a built-in clip ({})",
+            args.clip,
+            names().join(", ")
+        );
+        pipeline::load(&ClipFile::new(file), &settings)?
     };
     let (motion, notices) = pipeline::prepare(clip, &settings)?;
     for notice in notices {
