@@ -9,7 +9,7 @@
 //! | u16 | version, 1 |
 //! | u16 | bodies n, at least 1 |
 //! | u32 | frames f, at least 1 |
-//! | f32 | time from frame to frame, s |
+//! | f32 | time from frame to frame, s: from 1e-9 to 1000 |
 //! | n x 108 | rig, per body: parent i16 (-1: the world), joint kind u16 (0 fixed, 1 revolute, 2 prismatic, 3
 //! universal, 4 spherical, 5 free), two axes 6 x f32 (unused ones zero), placement quaternion xyzw and translation 7 x
 //! f32 (m), performer's offset 3 x f32 (m), mass f32 (kg), centre of mass 3 x f32 (m), inertia xx xy xz yy yz zz 6 x
@@ -18,9 +18,10 @@
 //! | u32 | CRC-32 (ISO-HDLC) of all bytes before it |
 //!
 //! The rig's placements are the machine's own; the performer's offsets are those of the animation. Both are
-//! kept because a rig need not have the dimensions of the figure it imitates.
+//! kept because a rig need not have the dimensions of the figure it imitates. No translation is longer than 1000 m.
 
 use core::fmt;
+use core::ops::RangeInclusive;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use sinew_core::glam::{Quat, Vec3};
@@ -30,11 +31,22 @@ const MAGIC: [u8; 4] = *b"SNWS";
 const VERSION: u16 = 1;
 const HEADER_LEN: usize = 16;
 const BODY_LEN: usize = 108;
+/// Where a body's placement has its translation, and where the performer's offset is.
+const PLACE_AT: usize = 44;
+const OFFSET_AT: usize = 56;
 const CRC_LEN: usize = 4;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// How far a stored quaternion's squared length may be from 1: it was unit in f32 when it was baked.
 const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// The farthest that a body may be from its parent, and the root from the origin, in m. The tracker takes differences of
+/// positions up to 1e6 m. Frames before the first go on as the first step did: hundreds of them stay within that.
+const FARTHEST_M: f32 = 1e3;
+
+/// Times from frame to frame, in s. The shortest is that of the tracker's differences. The longest times the most ticks
+/// that can be lost (65,535) is still a number.
+const TIME_STEPS_S: RangeInclusive<f32> = 1e-9..=1e3;
 
 /// A baked show, checked as a whole when it was opened.
 ///
@@ -72,8 +84,8 @@ pub struct Show<'a> {
 }
 
 impl<'a> Show<'a> {
-    /// Opens a show where it lies. O(size): everything is checked here, once, so that reading a frame
-    /// cannot fail. The rig's numbers are checked by [`Self::tree`].
+    /// Opens a show where it lies. O(size): everything is checked here, once, so that neither reading a frame nor a
+    /// tick that performs it can fail. What else a rig must be is checked by [`Self::tree`].
     ///
     /// # Errors
     /// [`ShowError`] names what is wrong and where.
@@ -93,7 +105,7 @@ impl<'a> Show<'a> {
         if bodies == 0 || frames == 0 {
             return Err(ShowError::Empty);
         }
-        if !(dt_s.is_finite() && dt_s > 0.0) {
+        if !TIME_STEPS_S.contains(&dt_s) {
             return Err(ShowError::TimeStep { found: dt_s });
         }
         let rig_len = bodies.saturating_mul(BODY_LEN);
@@ -114,8 +126,18 @@ impl<'a> Show<'a> {
         let body = content.get(HEADER_LEN..).ok_or(too_short)?;
         let (rig, performance) = body.split_at_checked(rig_len).ok_or(too_short)?;
         let show = Self { bodies, frames, dt_s, rig, performance };
+        show.check_places()?;
         show.check_frames()?;
         Ok(show)
+    }
+
+    fn check_places(&self) -> Result<(), ShowError> {
+        for body in 0..self.bodies {
+            if !is_near(self.of_rig(body, PLACE_AT).vec3()?) {
+                return Err(ShowError::Place { body });
+            }
+        }
+        Ok(())
     }
 
     fn check_frames(&self) -> Result<(), ShowError> {
@@ -125,7 +147,7 @@ impl<'a> Show<'a> {
                 let squared = rotation.dot(rotation);
                 // Written so that NaN is refused.
                 let unit = (squared - 1.0).abs() <= UNIT_TOLERANCE;
-                if !(unit && translation_m.is_finite()) {
+                if !(unit && is_near(translation_m)) {
                     return Err(ShowError::Pose { frame, body });
                 }
             }
@@ -181,13 +203,18 @@ impl<'a> Show<'a> {
         let mut at = if body == 0 {
             Reader { bytes: self.performance, at: start }
         } else {
-            Reader { bytes: self.rig, at: body.saturating_mul(BODY_LEN).saturating_add(56) }
+            self.of_rig(body, OFFSET_AT)
         };
         Transform { rotation, translation_m: at.vec3().unwrap_or(Vec3::ZERO) }
     }
 
+    /// The numbers of a body of the rig, from a byte of them on.
+    fn of_rig(&self, body: usize, from: usize) -> Reader<'a> {
+        Reader { bytes: self.rig, at: body.saturating_mul(BODY_LEN).saturating_add(from) }
+    }
+
     fn rig_body(&self, body: usize) -> Result<Body, ShowError> {
-        let mut at = Reader { bytes: self.rig, at: body.saturating_mul(BODY_LEN) };
+        let mut at = self.of_rig(body, 0);
         let parent = match at.u16()?.cast_signed() {
             -1 => None,
             found => Some(usize::try_from(found).map_err(|_| ShowError::Parent { body, found })?),
@@ -218,6 +245,11 @@ impl<'a> Show<'a> {
         let inertia = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
         Ok(Body { parent, joint, placement, inertia, rotor_inertia: 0.0 })
     }
+}
+
+/// Whether differences of a position can be taken. Written so that NaN is refused.
+fn is_near(position_m: Vec3) -> bool {
+    position_m.dot(position_m) <= FARTHEST_M * FARTHEST_M
 }
 
 const fn frame_len(bodies: usize) -> usize {
@@ -345,7 +377,7 @@ pub enum ShowError {
     },
     /// It has no bodies or no frames.
     Empty,
-    /// The time step is not a positive number.
+    /// The time step is not from 1e-9 s to 1000 s.
     TimeStep {
         /// What it is.
         found: f32,
@@ -378,7 +410,12 @@ pub enum ShowError {
         /// The number of the kind.
         found: u16,
     },
-    /// A pose is not finite or its rotation not a unit quaternion.
+    /// A body of the rig is more than 1000 m from its parent.
+    Place {
+        /// The body.
+        body: usize,
+    },
+    /// A pose is more than 1000 m away, or its rotation not a unit quaternion.
     Pose {
         /// The frame.
         frame: usize,
@@ -403,7 +440,11 @@ impl fmt::Display for ShowError {
             }
             Self::Empty => f.write_str("the show has no bodies or no frames"),
             Self::TimeStep { found } => {
-                write!(f, "the show's time step is {found} s; it must be a positive number")
+                let (least, most) = (TIME_STEPS_S.start(), TIME_STEPS_S.end());
+                write!(
+                    f,
+                    "the show's time step is {found} s; it must be from {least:e} to {most} s"
+                )
             }
             Self::Length { expected, found } => {
                 write!(f, "the show has {found} bytes where its header asks for {expected}")
@@ -419,9 +460,15 @@ impl fmt::Display for ShowError {
             Self::JointKind { body, found } => {
                 write!(f, "body {body} has joint kind {found}; kinds are 0 to 5")
             }
+            Self::Place { body } => {
+                write!(
+                    f,
+                    "body {body} is not within {FARTHEST_M} m of its parent, by the show's rig"
+                )
+            }
             Self::Pose { frame, body } => write!(
                 f,
-                "frame {frame}, body {body}: the pose is not finite or its rotation not unit"
+                "frame {frame}, body {body}: the pose is not within {FARTHEST_M} m or its rotation not unit"
             ),
             Self::Rig(error) => write!(f, "the show's rig: {error}"),
         }

@@ -6,7 +6,7 @@ use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
 use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError, write};
-use sinew_parity::replay::{METHODS, Replay, TorqueHash};
+use sinew_parity::replay::{METHODS, Replay, ReplayError, TorqueHash};
 
 const BODIES: usize = 3;
 
@@ -99,6 +99,10 @@ fn each_fault_has_its_error() {
     assert_eq!(error(&with(6, &[0, 0])), E::Empty);
     assert_eq!(error(&with(12, &0f32.to_le_bytes())), E::TimeStep { found: 0.0 });
     assert!(matches!(error(&with(12, &f32::NAN.to_le_bytes())), E::TimeStep { .. }));
+    // No difference can be taken over less, nor over 65,535 lost ticks of more.
+    for dt_s in [1e-10f32, 1001.0, 1e38] {
+        assert_eq!(error(&with(12, &dt_s.to_le_bytes())), E::TimeStep { found: dt_s });
+    }
     let found = good.len();
     assert_eq!(error(&with(8, &41u32.to_le_bytes())), E::Length { expected: found + 60, found });
     let mut damaged = good.clone();
@@ -108,6 +112,11 @@ fn each_fault_has_its_error() {
     let nan = f32::NAN.to_le_bytes();
     assert_eq!(error(&with(first_frame, &nan)), E::Pose { frame: 0, body: 0 });
     assert_eq!(error(&with(first_frame + 60 + 12 + 16, &nan)), E::Pose { frame: 1, body: 1 });
+    // Numbers, but farther than a rig moves or is large: a tick would refuse them.
+    let far = 1001f32.to_le_bytes();
+    assert_eq!(error(&with(first_frame + 60 + 4, &far)), E::Pose { frame: 1, body: 0 });
+    assert_eq!(error(&with(16 + 108 + 56, &far)), E::Pose { frame: 0, body: 1 });
+    assert_eq!(error(&with(16 + 2 * 108 + 44, &far)), E::Place { body: 2 });
 
     let tree = |bytes: &[u8]| Show::parse(bytes).unwrap().tree::<3>().unwrap_err();
     assert_eq!(tree(&with(16 + 2, &[9, 0])), E::JointKind { body: 0, found: 9 });
@@ -203,11 +212,39 @@ fn velocities_span_the_ticks_whose_state_was_refused() {
 /// Whatever the bytes are: an error, or a show that can be performed to its end.
 fn perform(bytes: &[u8]) {
     let Ok(show) = Show::parse(bytes) else { return };
-    let Ok(mut replay) = Replay::<3>::new(show, MethodName::LinearCompensation) else { return };
-    for tick in 0..u32::try_from(show.frame_count()).unwrap() {
-        if let Ok(asked) = replay.step(tick) {
+    for method in METHODS {
+        let mut replay = match Replay::<3>::new(show, method) {
+            Ok(replay) => replay,
+            Err(ReplayError::Show(_) | ReplayError::Tracker(_)) => continue,
+            Err(error) => panic!("{method}: a show that parsed cannot begin: {error}"),
+        };
+        for tick in 0..u32::try_from(show.frame_count()).unwrap() {
+            let asked =
+                replay.step(tick).unwrap_or_else(|error| panic!("{method} {tick}: {error}"));
             assert!(asked.torques().iter().all(|torque| torque.value.is_finite()));
         }
+    }
+}
+
+#[test]
+fn the_farthest_and_the_fastest_that_parses_is_performed() {
+    let to_and_fro = [-999.0, 999.0, -999.0].map(|x| {
+        let mut frame = frames()[7];
+        frame[0].translation_m = Vec3::X * x;
+        frame[1].translation_m = Vec3::Z * 999.0;
+        frame
+    });
+    let mut rig = rig();
+    rig[2].placement.translation_m = Vec3::Y * 999.0;
+    for dt_s in [1e-9, 1e3] {
+        let mut bytes = Vec::new();
+        let sink = |piece: &[u8]| {
+            bytes.extend_from_slice(piece);
+            Ok::<(), std::convert::Infallible>(())
+        };
+        let Ok(()) = write(&rig, dt_s, to_and_fro.iter().map(<[_; BODIES]>::as_slice), sink);
+        Show::parse(&bytes).unwrap();
+        perform(&bytes);
     }
 }
 

@@ -258,3 +258,34 @@ fn two_runs_into_one_folder_are_refused() {
     let said = refused(folder, &["evaluate", "--clips", "m21.bvh", "--out", "out"]);
     assert!(said.contains("another run writes into this folder"), "{said}");
 }
+
+/// What a file is and who takes it, where a command does not.
+#[test]
+fn a_file_of_another_kind_is_named() {
+    let folder = folder_with(&["m21.bvh", "esc.glb"]);
+    let folder = folder.path();
+    fs::write(folder.join("rig.urdf"), "<robot name='a'><link name='b'/></robot>").expect("a file");
+    fs::write(folder.join("map.toml"), "name = 'a'\n[body]\n").expect("a file");
+    done(folder, &["bake", "m21.bvh", "--seconds", "0.2", "--out", "a.show"]);
+    let files = [
+        ("m21.bvh", "a BVH motion, which `sinew inspect`, `map`, `bake`"),
+        ("esc.glb", "a glTF character, which `sinew weights`"),
+        ("rig.urdf", "a URDF rig, which `sinew rig`"),
+        ("map.toml", "a mapping on the human figure, which `--mapping` takes"),
+        ("a.show", "a show, which `sinew play`"),
+    ];
+    let commands: [(&[&str], &[&str]); 6] = [
+        (&["rig", "import"], &["rig.urdf"]),
+        (&["evaluate", "--clips"], &["m21.bvh"]),
+        (&["evaluate", "--setup"], &[]),
+        (&["sweep", "--out", "out"], &[]),
+        (&["figure"], &[]),
+        (&["report"], &[]),
+    ];
+    for (command, takes) in commands {
+        for (file, is) in files.iter().filter(|(file, _)| !takes.contains(file)) {
+            let said = refused(folder, &[command, &[*file]].concat());
+            assert!(said.contains(&format!("found {is}")), "{command:?} {file}: {said}");
+        }
+    }
+}

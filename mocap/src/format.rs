@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::kind::Kind;
 use super::recording::Recording;
 use super::{asf_amc, bvh, deepmimic};
 
@@ -63,32 +64,14 @@ pub enum Error {
         file: PathBuf,
     },
     /// Neither name nor content says.
-    #[error("{}: expected a motion in {NAMES}, found {}", file.display(), kind_of(file))]
+    #[error("{}: expected a motion in {NAMES}, found {}", file.display(), Kind::found(*found))]
     Unknown {
         /// The file.
         file: PathBuf,
+        /// What it is, if that is known.
+        found: Option<Kind>,
     },
 }
-
-/// What a file is by its name, for those who took it for a motion.
-fn kind_of(file: &Path) -> &'static str {
-    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    match extension.to_ascii_lowercase().as_str() {
-        "glb" | "gltf" | "vrm" => {
-            "a glTF character, which `sinew weights` and `sinew inspect` take; its animations are not read: export \
-             them as BVH (Blender does)"
-        }
-        "fbx" => "FBX, which is not read: export it as BVH (Blender does)",
-        "urdf" | "xacro" | "toml" | "xml" => {
-            "a rig or settings: `sinew rig` and `sinew inspect` take rigs"
-        }
-        "show" => "a show, which `sinew play` takes",
-        _ => OTHER,
-    }
-}
-
-/// A file of no kind that has a name.
-const OTHER: &str = "another kind of file";
 
 impl Format {
     /// The format that the file's name says; `None` if only its content can say it.
@@ -106,21 +89,6 @@ impl Format {
             _ => None,
         }
     }
-
-    /// The format that the file's first words tell.
-    fn of_content(bytes: &[u8]) -> Option<Self> {
-        let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-        let start = start.trim_start_matches('\u{feff}').trim_start().to_ascii_lowercase();
-        if start.starts_with("hierarchy") {
-            Some(Self::Bvh)
-        } else if start.starts_with('{') {
-            Some(Self::DeepMimic)
-        } else if start.starts_with("#!oml:asf") || start.starts_with(":fully-specified") {
-            Some(Self::AsfAmc)
-        } else {
-            None
-        }
-    }
 }
 
 /// Whether a file in a folder is a motion: by its name, or a text by its content.
@@ -132,12 +100,7 @@ pub(crate) fn is_motion(file: &Path) -> bool {
         return false;
     }
     let text = crate::read::bytes(file).unwrap_or_default();
-    let has_frames = || text.windows(8).any(|word| word == b"\"Frames\"");
-    match Format::of_content(&text) {
-        // Any JSON begins so.
-        Some(Format::DeepMimic) => has_frames(),
-        other => other.is_some(),
-    }
+    matches!(Kind::of(file, &text), Some(Kind::Bvh | Kind::Amc | Kind::DeepMimic))
 }
 
 /// Reads the motion in `file`, in the format that its name says, or else its content.
@@ -178,11 +141,13 @@ fn of_other(file: &Path) -> Result<Format, Error> {
         return Err(Error::Markers { file: path() });
     }
     let bytes = crate::read::bytes(file).map_err(|source| Error::Io { file: path(), source })?;
-    // Any JSON begins as DeepMimic's, glTF too.
-    if kind_of(file) != OTHER {
-        return Err(Error::Unknown { file: path() });
+    match Kind::of(file, &bytes) {
+        Some(Kind::Bvh) => Ok(Format::Bvh),
+        Some(Kind::Amc) => Ok(Format::AsfAmc),
+        Some(Kind::DeepMimic) => Ok(Format::DeepMimic),
+        Some(Kind::Asf) => Err(Error::SkeletonOnly { file: path() }),
+        found => Err(Error::Unknown { file: path(), found }),
     }
-    Format::of_content(&bytes).ok_or_else(|| Error::Unknown { file: path() })
 }
 
 #[cfg(test)]
@@ -190,18 +155,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn knows_files_by_name_and_else_by_content() {
+    fn knows_files_by_name() {
         let of_name = |name: &str| Format::of_name(Path::new(name));
         assert_eq!(of_name("a/b.BVH"), Some(Format::Bvh));
         assert_eq!(of_name("b.Amc"), Some(Format::AsfAmc));
         assert_eq!(of_name("humanoid3d_kick.txt"), Some(Format::DeepMimic));
         assert_eq!(of_name("LICENSE.txt"), None);
         assert_eq!(of_name("bvh"), None);
-        let of_content = |text: &str| Format::of_content(text.as_bytes());
-        assert_eq!(of_content("\u{feff}\r\nHierarchy\nROOT"), Some(Format::Bvh));
-        assert_eq!(of_content(" {\"Loop\""), Some(Format::DeepMimic));
-        assert_eq!(of_content("#!OML:ASF x\n"), Some(Format::AsfAmc));
-        assert_eq!(of_content(""), None);
     }
 
     #[test]

@@ -39,6 +39,7 @@ pub mod filter;
 pub mod flips;
 pub mod format;
 pub mod gaps;
+mod kind;
 pub mod read;
 mod recording;
 pub mod resample;
@@ -48,6 +49,7 @@ pub mod text;
 mod up;
 
 pub use clip::{Clip, moving_root};
+pub use kind::Kind;
 pub use recording::Recording;
 pub use skeleton::{JointSample, Skeleton, SkeletonJoint, forward_kinematics};
 pub use skeleton_map::SkeletonMap;

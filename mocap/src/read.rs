@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::Path;
 
+use crate::Kind;
+
 /// Far above any recording: what bounds the memory that a wrong name can ask for.
 const FILE_BYTES_MAX: u64 = 1 << 30;
 
@@ -33,7 +35,24 @@ pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`bytes`]; [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn text(path: &Path) -> io::Result<String> {
-    String::from_utf8(bytes(path)?).map_err(|error| {
+    utf8(bytes(path)?)
+}
+
+/// The text of a file of one of these kinds, or of none that is known. `expected`: what they are, for the message.
+///
+/// # Errors
+/// Those of [`text`]; [`io::ErrorKind::InvalidData`] for files of another kind, with what takes them.
+pub fn text_of(path: &Path, expected: &str, kinds: &[Kind]) -> io::Result<String> {
+    let bytes = bytes(path)?;
+    if let Some(found) = Kind::of(path, &bytes).filter(|kind| !kinds.contains(kind)) {
+        let what = format!("expected {expected}, found {found}");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+    }
+    utf8(bytes)
+}
+
+fn utf8(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let what = format!("expected text in UTF-8, found other bytes from byte {at} on");
         io::Error::new(io::ErrorKind::InvalidData, what)
@@ -43,6 +62,19 @@ pub fn text(path: &Path) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_of_another_kind_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.toml");
+        let read = |text: &str| {
+            fs::write(&file, text).unwrap();
+            text_of(&file, "a sweep in TOML", &[Kind::Sweep, Kind::Toml])
+        };
+        assert_eq!(read("[[grid]]\n").unwrap(), "[[grid]]\n");
+        let error = read("HIERARCHY\n").unwrap_err().to_string();
+        assert!(error.starts_with("expected a sweep in TOML, found a BVH motion"), "{error}");
+    }
 
     #[cfg(unix)]
     #[test]

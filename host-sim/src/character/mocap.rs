@@ -7,7 +7,9 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::damage::check_bones;
-use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, format, forward_kinematics};
+use sinew_mocap::{
+    JointSample, Kind, Recording, Skeleton, SkeletonJoint, format, forward_kinematics,
+};
 use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::error::{Error, Refusal, refuse};
@@ -24,8 +26,8 @@ use crate::measured::{By, Measured};
 pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let recording = match format::read(path) {
         Ok(recording) => recording,
-        Err(format::Error::Unknown { file }) => {
-            let refusal = refuse("the file", NAMES, "another kind of file");
+        Err(format::Error::Unknown { file, found }) => {
+            let refusal = refuse("the file", NAMES, Kind::found(found));
             return Err(Error::Refused { file, refusal });
         }
         Err(error) => return Err(error.into()),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use sinew_mocap::files::ClipFile;
 use sinew_retarget::feasibility::{Fit, RigMotion, check, looped};
 use sinew_show::write::Settings as ShowSettings;
@@ -240,18 +240,19 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
         told: args.told.told(),
         ..Settings::default()
     };
-    let clip = match builtin::clips().into_iter().find(|clip| clip.name == args.clip) {
-        Some(clip) => clip,
-        None => {
-            pipeline::load(&ClipFile::new(Path::new(&args.clip)), &settings).with_context(|| {
-                let names: Vec<_> = builtin::clips().into_iter().map(|clip| clip.name).collect();
-                format!(
-                    "{} is no built-in clip ({}) and no readable file",
-                    args.clip,
-                    names.join(", ")
-                )
-            })?
-        }
+    let mut built_in = builtin::clips();
+    let clip = if let Some(place) = built_in.iter().position(|clip| clip.name == args.clip) {
+        built_in.swap_remove(place)
+    } else {
+        let file = Path::new(&args.clip);
+        let names = || built_in.iter().map(|clip| clip.name.as_str()).collect::<Vec<_>>();
+        ensure!(
+            file.exists(),
+            "{} is neither a file nor a built-in clip ({})",
+            args.clip,
+            names().join(", ")
+        );
+        pipeline::load(&ClipFile::new(file), &settings)?
     };
     let (motion, notices) = pipeline::prepare(clip, &settings)?;
     for notice in notices {
@@ -265,6 +266,7 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     )]
     let frames = args.seconds.map_or(usize::MAX, |s| (s / motion.dt_s).round().max(1.0) as usize);
     let bytes = show::bake(&motion, &model, frames)?;
+    sinew_firmware::show::Show::parse(&bytes).context("no board would perform this show")?;
     output::write(&args.out, &bytes)?;
     print(&format!(
         "{}: {} frames of {}, {} bytes\n",

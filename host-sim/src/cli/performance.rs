@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_mocap::files::ClipFile;
+use sinew_mocap::{Kind, read as file};
 use sinew_retarget::exchange::{blender, servos, table};
 use sinew_retarget::feasibility::{
     Fit, FitSettings, Limits, LoopError, Looped, RigMotion, fit, looped,
@@ -308,7 +309,9 @@ fn of_coordinates(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)>
 }
 
 fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
-    let text = sinew_mocap::read::text(path).with_context(|| path.display().to_string())?;
+    let expected = "a mapping on the rig, as `sinew map --rig` proposes it";
+    let text = file::text_of(path, expected, &[Kind::RigMapping, Kind::Toml])
+        .with_context(|| path.display().to_string())?;
     Mapping::read(&text).with_context(|| path.display().to_string())
 }
 

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use sinew_firmware::supervisor::{Refused, TABLE};
+use sinew_mocap::Kind;
 use sinew_retarget::feasibility::Fit;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -302,12 +303,18 @@ impl Args {
         {
             bail!("{}: {error}", path.display());
         }
-        let Some(bytes) = read.ok().filter(|bytes| Show::open(bytes).is_ok()) else {
-            ensure!(
-                path.extension().is_none_or(|extension| extension != "show"),
-                "{}: is no show of `sinew bake`",
-                path.display()
-            );
+        let bytes = match read {
+            Ok(bytes) if Kind::of(path, &bytes) == Some(Kind::Show) => {
+                Show::open(&bytes).with_context(|| path.display().to_string())?;
+                Some(bytes)
+            }
+            Ok(bytes) if path.extension().is_some_and(|extension| extension == "show") => {
+                let found = Kind::found(Kind::of(path, &bytes));
+                bail!("{}: expected a show of `sinew bake --rig`, found {found}", path.display());
+            }
+            _ => None,
+        };
+        let Some(bytes) = bytes else {
             return self.baked(rig, parts.rig_crc());
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");

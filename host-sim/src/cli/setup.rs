@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use sinew_mocap::{Kind, read};
 use sinew_rig::Mechanism;
 use sinew_sim::evaluate::{BodySource, Setup};
 use sinew_sim::figure::Subject;
@@ -52,8 +53,8 @@ impl SetupArgs {
     fn read(&self, rig: Option<&Mechanism>, exact: bool) -> anyhow::Result<Setup> {
         let mut setup = toml::Table::new();
         if let Some(file) = &self.setup {
-            let text =
-                sinew_mocap::read::text(file).with_context(|| format!("{}", file.display()))?;
+            let text = read::text_of(file, "a setup in TOML", &[Kind::Toml])
+                .with_context(|| format!("{}", file.display()))?;
             // Alone, errors point at the file's lines.
             Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
             setup = text.parse().with_context(|| format!("{}", file.display()))?;

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use anyhow::ensure;
 use clap::Args;
 use comfy_table::Table;
 use sinew_sim::command::{self, note, print};
@@ -24,6 +25,11 @@ pub(super) struct VerifyArgs {
 /// # Errors
 /// If a file cannot be computed, or there is no file.
 pub(super) fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
+    ensure!(
+        !args.folder.is_file(),
+        "{}: expected a folder of golden files (*.json), found a file",
+        args.folder.display()
+    );
     let report = verify_folder(&args.folder, &args.skip)?;
     let mut out = String::new();
     writeln!(out, "{}", table(&report))?;

@@ -10,6 +10,7 @@ use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleTyp
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
+use sinew_mocap::Kind;
 use thiserror::Error;
 
 use super::record::{OF_JOINT, OF_SERVO, SCHEMA, UNFINISHED};
@@ -18,6 +19,8 @@ use super::record::{OF_JOINT, OF_SERVO, SCHEMA, UNFINISHED};
 const MAGIC: &[u8; 4] = b"PAR1";
 /// Of an end: the length of what stands before it, and the magic.
 const TAIL_LEN: u64 = 8;
+/// As much of a file as tells what it is.
+const BEGINNING_LEN: u64 = 1 << 16;
 /// So much of a file is looked through at once, from its end on.
 const BLOCK: u64 = 1 << 16;
 
@@ -29,8 +32,8 @@ pub enum RecordingError {
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// It does not begin as a Parquet file does.
-    #[error("is no recording of `sinew play --record`: no Parquet file")]
-    NotParquet,
+    #[error("expected a recording of `sinew play --record` in Parquet, found {}", Kind::found(*.0))]
+    NotParquet(Option<Kind>),
     /// A Parquet file of something else.
     #[error("is no recording of `sinew play --record`: a Parquet file of something else")]
     Other,
@@ -109,6 +112,11 @@ impl Recording {
     /// [`RecordingError`].
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let mut file = File::open(path)?;
+        let mut start = Vec::new();
+        (&mut file).take(BEGINNING_LEN).read_to_end(&mut start)?;
+        if !start.starts_with(MAGIC) {
+            return Err(RecordingError::NotParquet(Kind::of(path, &start)));
+        }
         let metadata = last_end(&mut file)?;
         let mut recording =
             Self { file: Arc::new(file), metadata, joints: Vec::new(), servos: Vec::new() };
@@ -237,10 +245,8 @@ impl Recording {
 /// What the last whole end of a file says. Ends stand between the parts, too: see [`super::Recorder`].
 fn last_end(file: &mut File) -> Result<ParquetMetaData, RecordingError> {
     let len = file.seek(SeekFrom::End(0))?;
-    let mut head = [0; MAGIC.len()];
-    file.rewind()?;
-    if len < TAIL_LEN || file.read_exact(&mut head).is_err() || head != *MAGIC {
-        return Err(RecordingError::NotParquet);
+    if len < TAIL_LEN {
+        return Err(RecordingError::Nothing);
     }
     let mut end = len;
     // The first magic is the beginning.

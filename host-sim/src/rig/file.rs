@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use sinew_mocap::{Kind, read};
 use sinew_rig::import::{self, Imported, Options};
 use sinew_rig::{Description, Mechanism, toml_file};
 use thiserror::Error;
@@ -31,18 +32,14 @@ pub struct RigFileError {
 /// [`RigFileError`] with file, line and what would be right.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
-    let bytes = sinew_mocap::read::bytes(path).map_err(|error| refused(error.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        refused(format!(
-            "expected UTF-8 text, found other bytes from byte {} on",
-            error.utf8_error().valid_up_to()
-        ))
-    })?;
+    let expected = "a rig (rig.toml, URDF or MJCF)";
+    let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
+    let text = read::text_of(path, expected, &kinds).map_err(|error| refused(error.to_string()))?;
     let text = text.trim_start_matches('\u{feff}');
     let (description, notes) = if text.trim_start().starts_with('<') {
-        let read = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
+        let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
         let Imported { description, notes } =
-            read(text, options).map_err(|error| refused(error.to_string()))?;
+            parse(text, options).map_err(|error| refused(error.to_string()))?;
         (description, notes.iter().map(ToString::to_string).collect())
     } else {
         (toml_file::read(text).map_err(|error| refused(error.to_string()))?, Vec::new())

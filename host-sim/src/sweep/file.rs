@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use sinew_mocap::{Kind, read};
 use sinew_rig::Mechanism;
 
 use super::error::{SweepError, io};
@@ -52,7 +53,8 @@ impl SweepFile {
     /// # Errors
     /// [`SweepError`] with the file's name and what is wrong where; nothing has been run then.
     pub fn read(path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
-        let text = sinew_mocap::read::text(path).map_err(io(path))?;
+        let kinds = [Kind::Sweep, Kind::Toml];
+        let text = read::text_of(path, "a sweep in TOML", &kinds).map_err(io(path))?;
         Self::parse(text, path, rig)
     }
 

@@ -109,7 +109,7 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
                 assert!(read == written, "at {at}");
             }
             Err(RecordingError::Nothing) => assert!(found.is_empty(), "at {at}"),
-            Err(RecordingError::NotParquet) => assert!(at < 8, "at {at}"),
+            Err(RecordingError::NotParquet(_)) => assert!(at < 4, "at {at}"),
             Err(why) => panic!("at {at}: {why}"),
         }
     }
@@ -140,7 +140,7 @@ fn what_is_no_recording_is_refused_in_words() {
     bytes[4..64].fill(0xFF);
     std::fs::write(&damaged, bytes).unwrap();
     for (arguments, part) in [
-        (&["report", &rig][..], "no Parquet file"),
+        (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
         (&["report", &short], "nothing of it is whole"),
         (&["report", &damaged], "part 1: "),

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, bail, ensure};
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_client::{Board, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Command, Item, Kind, Refusal};
+use sinew_mocap::Kind as FileKind;
 use sinew_show::Show;
 use sinew_sim::command::{note, print};
 use sinew_sim::play::{Options, Parts, ServoChoice, put_servos};
@@ -90,9 +91,14 @@ fn rig(file: &Path, servo: &[ServoChoice], common: &Common) -> anyhow::Result<Ex
 
 fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<ExitCode> {
     let bytes = sinew_mocap::read::bytes(file).with_context(|| file.display().to_string())?;
-    if Show::open(&bytes).is_err() {
-        bail!("{}: is no show of `sinew bake`", file.display());
-    }
+    let found = FileKind::of(file, &bytes);
+    ensure!(
+        found == Some(FileKind::Show),
+        "{}: expected a show of `sinew bake --rig`, found {}",
+        file.display(),
+        FileKind::found(found)
+    );
+    Show::open(&bytes).with_context(|| file.display().to_string())?;
     let mut board = common.board.open()?;
     if let Some(slot) = replace {
         board.ask(Command::DeleteShow { slot })?;

@@ -26,6 +26,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
+use sinew_mocap::{Kind, read};
 
 use super::BODY_COUNT;
 use super::model::{BodyModel, BodyModelError};
@@ -80,7 +81,7 @@ impl Subject {
     /// [`SubjectError`] with the file's name, and line or keys and values.
     pub fn read(path: &Path) -> Result<Self, SubjectError> {
         let file = || path.to_path_buf();
-        let text = sinew_mocap::read::text(path)
+        let text = read::text_of(path, "a measured subject in TOML", &[Kind::Toml])
             .map_err(|source| SubjectError::Io { file: file(), source })?;
         let inputs = toml::from_str(&text)
             .map_err(|source| SubjectError::Toml { file: file(), source: Box::new(source) })?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use sinew_mocap::skeleton_map::{Part, Signature};
-use sinew_mocap::{SkeletonMap, Up};
+use sinew_mocap::{Kind, SkeletonMap, Up, read};
 
 use crate::figure::{BODIES, BODY_COUNT};
 use crate::parse_message::parse_message;
@@ -179,8 +179,9 @@ impl Mapping {
     /// [`Error::Io`] or [`Error::Toml`], with the file's name.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = || path.to_path_buf();
-        let text =
-            sinew_mocap::read::text(path).map_err(|source| Error::Io { file: file(), source })?;
+        let expected = "a mapping on the human figure (without --rig), as `sinew map` proposes it";
+        let text = read::text_of(path, expected, &[Kind::FigureMapping, Kind::Toml])
+            .map_err(|source| Error::Io { file: file(), source })?;
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })
     }
 }
