@@ -103,6 +103,19 @@ impl<const N: usize> Controller<N> {
         Ok(Self { tree, gains, method, law, gravity_m_s2: GRAVITY_M_S2, limits, inertias })
     }
 
+    /// Of no bodies: it asks for nothing.
+    pub(crate) fn of_nothing() -> Self {
+        Self {
+            tree: Tree::new(),
+            gains: Vec::new(),
+            method: Method::Local,
+            law: ControlLaw::default(),
+            gravity_m_s2: GRAVITY_M_S2,
+            limits: Vec::new(),
+            inertias: Vec::new(),
+        }
+    }
+
     /// The same controller with another control law.
     ///
     /// # Errors
@@ -628,7 +641,11 @@ impl<const N: usize> Workspace<N, N> {
 }
 
 impl<const N: usize, const R: usize> Workspace<N, R> {
-    fn with_room() -> Self {
+    /// With `R` bodies' room for resolved acceleration.
+    // Here and in other functions that make large values: not within the caller, so that it is made where the caller
+    // wants it, not on the stack.
+    #[inline(never)]
+    pub(crate) fn with_room() -> Self {
         Self {
             measured: [BodyState::WORLD; N],
             aim_status: [AimStatus::Leaf; N],

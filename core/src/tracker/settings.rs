@@ -351,6 +351,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`TrackerError`] if a setting cannot be, or not on this rig.
+    #[inline(never)]
     pub fn controller<const N: usize>(
         &self,
         tree: Tree<N>,
@@ -416,6 +417,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`TrackerError`] if the weights cannot be, or not on this rig.
+    #[inline(never)]
     pub fn projection<const N: usize>(
         &self,
         tree: &Tree<N>,

@@ -131,6 +131,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
     }
 
+    #[inline(never)]
     fn take(
         &mut self,
         message: ToController,

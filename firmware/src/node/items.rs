@@ -116,6 +116,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// What cannot be used does not replace what can.
+    #[inline(never)]
     pub(super) fn end<P: Port<'a>>(
         &mut self,
         port: &mut P,
@@ -142,14 +143,12 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
             Kind::Rig => {
                 let (rig, behind) = split_rig(bytes);
-                BoardRig::<B, V, S>::decode(rig).map_err(|error| words::rig_error(&error))?;
+                check_rig::<B, V, S>(rig)?;
                 if P::drives(behind) { Ok(()) } else { Err(Refusal::Unsupported) }
             }
             Kind::Show => {
                 let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
-                open_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
-                    .map(|_| ())
-                    .map_err(|error| words::show_error(&error))
+                check_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
             }
         }
     }
@@ -195,6 +194,23 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let record = record.and_then(words::kept).map(|record| words::fault(&record));
         Ok(Applied::Fault(FaultReport { count, record }))
     }
+}
+
+#[inline(never)]
+fn check_show<const B: usize, const V: usize, const S: usize, const C: usize>(
+    rig: &BoardRig<B, V, S>,
+    crc: u32,
+    tick_s: f32,
+    bytes: &[u8],
+) -> Result<(), Refusal> {
+    let opened = open_show::<B, V, S, C>(rig, crc, tick_s, bytes);
+    opened.map(|_| ()).map_err(|error| words::show_error(&error))
+}
+
+// Apart, as all here that takes much of the stack: it is free again before the rest.
+#[inline(never)]
+fn check_rig<const B: usize, const V: usize, const S: usize>(bytes: &[u8]) -> Result<(), Refusal> {
+    BoardRig::<B, V, S>::decode(bytes).map(|_| ()).map_err(|error| words::rig_error(&error))
 }
 
 fn read_back<F: NorFlash>(
