@@ -355,19 +355,19 @@ fn node(
 
 /// Whether all lines are as the wiring says; torque is off on them.
 fn is_started(ports: &mut Ports, lines: &[Line]) -> bool {
-    lines.iter().all(|line| match &line.protocol {
-        // A chip that does not answer yet makes no pulses: OE is high until there is torque.
-        Protocol::Pca9685(pulses) => pulses.prescale().is_ok_and(|prescale| {
-            let _ = pulses::start(&mut ports.i2c, &prescale);
-            true
-        }),
-        _ => {
-            let is_set = ports.serial.set_rate(line.timing.baud);
-            if is_set {
-                ports.serial.torque_off();
-            }
-            is_set
+    lines.iter().all(|line| {
+        if let Protocol::Pca9685(pulses) = &line.protocol {
+            // A chip that does not answer yet makes no pulses: OE is high until there is torque.
+            return pulses.prescale().is_ok_and(|prescale| {
+                let _ = pulses::start(&mut ports.i2c, &prescale);
+                true
+            });
         }
+        let is_set = ports.serial.set_rate(line.timing.baud);
+        if is_set {
+            ports.serial.torque_off();
+        }
+        is_set
     })
 }
 
