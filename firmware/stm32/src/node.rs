@@ -26,8 +26,8 @@ use static_cell::StaticCell;
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold: those of a small humanoid.
-pub const SERVOS: usize = 20;
+/// Servos that these boards hold. What is static and the deepest stack, of a start, fit in 128 kB with some 40 to spare.
+pub const SERVOS: usize = 12;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
 /// Degrees of freedom.
