@@ -146,7 +146,7 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
             return Err(WiringError::Line);
         }
         self.schedule()?;
-        (0..self.lines.len()).try_for_each(|line| self.bus(line).map(|_| ()))
+        (0..self.lines.len()).try_for_each(|line| self.bus(line).map(drop))
     }
 
     /// Puts the buses of all lines, and their servos, into lines that have none.

@@ -54,13 +54,13 @@ impl<const N: usize> Desired<N> {
             dt_s: 0.0,
             latency: 0,
             projection: None,
-            projected: ProjectionWorkspace::new(),
             of_bodies: ForwardDifferences::new(),
             window: [[Transform::IDENTITY; N]; 3],
             oldest: 0,
             kind: None,
             newest: None,
             targets: JointTargets::of_nothing(),
+            projected: ProjectionWorkspace::new(),
         }
     }
 

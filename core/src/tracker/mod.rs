@@ -153,7 +153,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         if settings.method == MethodName::Recommended {
             timing.check_recommended()?;
         }
-        self.set_controller(tree, settings, dt_s)?;
+        settings.set_controller(&mut self.controller, tree, dt_s)?;
         let effective = settings.effective(dt_s);
         // Who does not look ahead acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
@@ -164,18 +164,6 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         self.estimate.set_up(tree, dt_s, observer, cancel, latency_ticks)?;
         self.desired.set_up(tree, dt_s, ahead, differences, projection);
         (self.supply, self.sharing) = (None, effective.sharing);
-        Ok(())
-    }
-
-    // Apart, so that what it takes of the stack is free again before the rest.
-    #[inline(never)]
-    fn set_controller(
-        &mut self,
-        tree: &Tree<N>,
-        settings: &Settings,
-        dt_s: f32,
-    ) -> Result<(), TrackerError> {
-        self.controller = settings.controller(tree.clone(), dt_s)?;
         Ok(())
     }
 

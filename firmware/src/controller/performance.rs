@@ -134,6 +134,8 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
 
     /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
     /// servos: it holds the rig where a hand has left it. O(freedoms).
+    // Not within its caller, whose frame on the stack every other tick would pay for.
+    #[inline(never)]
     pub(super) fn carry<const C: usize>(
         &mut self,
         led: &Path<V, C>,

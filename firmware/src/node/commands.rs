@@ -25,6 +25,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     Desk<'a, F, B, V, S, C>
 {
     /// Carries a command out, or gives it to the loop: then its answer comes later.
+    #[inline(never)]
     pub(super) fn execute(
         &mut self,
         command: Command,

@@ -130,8 +130,13 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         self.controller
             .set_up(&settings.controller, servos, schedule, start)
             .map_err(ControlError::Controller)?;
-        let of_live = LiveSettings { tick_s: self.controller.dt_s(), ..settings.live() };
-        self.live = Some(Live::new(self.rig, of_live).map_err(ControlError::Live)?);
+        self.set_live(settings.live())
+    }
+
+    #[inline(never)]
+    fn set_live(&mut self, live: LiveSettings) -> Result<(), ControlError> {
+        let live = LiveSettings { tick_s: self.controller.dt_s(), ..live };
+        self.live = Some(Live::new(self.rig, live).map_err(ControlError::Live)?);
         Ok(())
     }
 

@@ -74,6 +74,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         Ok(Applied::Stored(None))
     }
 
+    #[inline(never)]
     pub(super) fn ask(&mut self, place: Place) -> Done {
         let item = match place {
             Place::Settings => self.store.settings(),
@@ -84,6 +85,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         Ok(Applied::Stored(item.map(|item| words::item(item.descriptor()))))
     }
 
+    #[inline(never)]
     pub(super) fn begin(&mut self, item: &Item, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
         let descriptor = words::descriptor(item).ok_or(Refusal::Value)?;
         let schema = match descriptor.kind {
@@ -159,6 +161,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// One setting, as all settings anew. It counts from the restart on.
+    #[inline(never)]
     pub(super) fn write_setting(
         &mut self,
         key: u16,
@@ -183,6 +186,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// 0 is the first since faults were cleared, then from the latest back.
+    #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
         let faults = self.store.faults().map_err(|error| words::storage(&error))?;
         let all = faults.first.iter().chain(&faults.last);

@@ -27,7 +27,7 @@ use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
 /// Servos that these boards hold. What is static and the deepest stack, of a start, fit in 128 kB with some 40 to spare.
-pub const SERVOS: usize = 12;
+pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
 /// Degrees of freedom.
@@ -215,7 +215,7 @@ struct ReadBack {
     store: Store<Chip>,
     settings: NodeSettings,
     rig: Option<(&'static Rig, u32)>,
-    wired: Option<Wired>,
+    wired: Option<&'static Wired>,
     is_bad: bool,
     start: Start,
     mail: &'static OwnMail,
@@ -249,14 +249,15 @@ struct Wired {
 }
 
 #[inline(never)]
-fn wire(behind: &[u8]) -> Option<Wired> {
+fn wire(behind: &[u8]) -> Option<&'static Wired> {
+    static WIRED: StaticCell<Wired> = StaticCell::new();
     static LINES_OF_ALL: StaticCell<RefCell<Lines>> = StaticCell::new();
     let wiring = OwnWiring::decode(behind).ok()?;
     let places = places(&wiring)?;
     let lines = LINES_OF_ALL.uninit().write(no_lines());
     wiring.connect(lines.get_mut()).ok()?;
     let (servos, schedule) = (wiring.setups(), wiring.schedule().ok()?);
-    Some(Wired { lines, places, servos, schedule, of_lines: wiring.lines })
+    Some(WIRED.init(Wired { lines, places, servos, schedule, of_lines: wiring.lines }))
 }
 
 #[inline(never)]
@@ -299,18 +300,17 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     };
     // Without a loop nothing is told of a rig.
     let setup = Setup { about, settings, is_bad, rig: None, tick_s: 0.01, line_bps: link_bps };
-    let desk = Below { store, setup, first_session, mail, link, light };
+    let mut desk = Below { store, setup, first_session, mail, link, light };
     let Some((rig, wired)) = rig.zip(wired) else {
         // A rig that is stored, and that this board cannot move: what is stored is bad.
-        let is_bad = is_bad || rig.is_some();
-        below(Below { setup: Setup { is_bad, ..desk.setup }, ..desk })
+        desk.setup.is_bad |= rig.is_some();
+        below(desk)
     };
     let of_loop = desk.setup.settings.clone();
     let pins = Unwatched { outputs, stop, core_hz };
-    let Wired { lines, places, servos: setups, schedule, of_lines } = wired;
-    let ports = Ports::new(servos, i2c, places);
-    Control::with(rig.0, &of_loop, &setups, &schedule, start, |control| {
-        node(control.ok(), rig, (lines, &of_lines, schedule.tick_us()), ports, pins, desk)
+    let ports = Ports::new(servos, i2c, wired.places.clone());
+    Control::with(rig.0, &of_loop, &wired.servos, &wired.schedule, start, |control| {
+        node(control.ok(), rig, wired, ports, pins, desk)
     })
 }
 /// Of the workspace.
@@ -328,20 +328,22 @@ struct Unwatched {
 fn node(
     control: Option<&mut LoopControl>,
     rig: (&'static Rig, u32),
-    (lines, of_lines, tick_us): (&'static RefCell<Lines>, &[Line], u32),
+    wired: &'static Wired,
     mut ports: Ports,
     pins: Unwatched,
     mut desk: Below,
 ) -> ! {
     let mut own = None;
+    let tick_us = wired.schedule.tick_us();
     let reload = tick_us.checked_sub(1).and_then(|reload| u16::try_from(reload).ok());
     if let (Some(control), Some(reload)) = (control, reload)
-        && is_started(&mut ports, of_lines)
+        && is_started(&mut ports, &wired.of_lines)
         && set_timer(reload)
     {
         let Unwatched { outputs, stop, core_hz } = pins;
         let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
-        let own = own.insert(Loop { control, lines, ports, pins, mail: desk.mail, tick_us });
+        let own =
+            own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, tick_us });
         LOOP.store(ptr::from_mut(own).cast(), Ordering::Release);
         desk.setup.rig = Some(rig);
         desk.setup.tick_s = 1e-6 * tick_us as f32;
