@@ -264,7 +264,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
             };
             let parent = body.parent.and_then(|parent| inner.get(parent));
             solved.desired = parent.map_or(*desired, |parent| parent.desired * *desired);
-            solved.ask(parent, joint, weight);
+            solved.ask(parent, joint, *weight);
         }
     }
 
@@ -276,7 +276,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
             let Some((inner, [solved, ..])) = self.bodies.split_at_mut_checked(index) else {
                 return;
             };
-            solved.ask(body.parent.and_then(|parent| inner.get(parent)), joint, weight);
+            solved.ask(body.parent.and_then(|parent| inner.get(parent)), joint, *weight);
         }
     }
 
@@ -347,7 +347,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
 impl Solved {
     /// What the body wants by itself, `joint` away from its parent.
     #[inline]
-    fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: &BodyWeight) {
+    fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: BodyWeight) {
         self.pose = parent.map_or(joint.pose, |parent| parent.pose * joint.pose);
         let turn = math::log(turn_between(self.pose.rotation, self.desired.rotation));
         let way = self.desired.translation_m - self.pose.translation_m;
