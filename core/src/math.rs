@@ -120,6 +120,18 @@ pub(crate) fn round(x: f32) -> f32 {
     libm::rintf(x)
 }
 
+/// Zero if all components are finite, else no number: many are checked by one comparison of a sum.
+#[inline]
+pub(crate) fn zero_of_numbers(v: Vec3) -> f32 {
+    v.dot(Vec3::ZERO)
+}
+
+/// Whether all components are finite.
+#[inline]
+pub(crate) fn is_finite(v: Vec3) -> bool {
+    zero_of_numbers(v) == 0.0
+}
+
 /// Length of a vector.
 ///
 /// ```
@@ -169,6 +181,14 @@ pub(crate) fn turn_in_world(from: Quat, to: Quat) -> Quat {
         a.w * b.z - a.z * b.w + a.x * b.y - a.y * b.x,
         a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z,
     )
+}
+
+/// A rotation after a half turn about a unit axis of its own.
+#[inline]
+pub(crate) fn turned_half(rotation: Quat, axis: Vec3) -> Quat {
+    let a = Vec3::new(rotation.x, rotation.y, rotation.z);
+    let v = plus_cross(axis * rotation.w, a, axis);
+    Quat::from_xyzw(v.x, v.y, v.z, -a.dot(axis))
 }
 
 /// `sum + a × b`, added up one product after the other: each is one instruction where there is multiply-add.
@@ -274,16 +294,29 @@ fn log_scale(squared: f32, w: f32) -> f32 {
 /// ```
 pub fn exp(rotation_vector_rad: Vec3) -> Quat {
     let v = rotation_vector_rad * 0.5;
-    let squared = v.dot(v);
-    let (scale, w) = if squared <= (0.25 * PI) * (0.25 * PI) {
+    let (scale, w) = sine_over_angle_and_cosine_of(v.dot(v));
+    let v = v * scale;
+    Quat::from_xyzw(v.x, v.y, v.z, w)
+}
+
+/// Sine and cosine of half of an angle: [`exp`] of a turn about a unit axis is `(axis sine, cosine)`.
+#[inline]
+pub(crate) fn half_sin_cos(angle_rad: f32) -> (f32, f32) {
+    let half = angle_rad * 0.5;
+    let (scale, cosine) = sine_over_angle_and_cosine_of(half * half);
+    (half * scale, cosine)
+}
+
+/// `sin(x) / x` and `cos(x)` of x².
+#[inline]
+fn sine_over_angle_and_cosine_of(squared: f32) -> (f32, f32) {
+    if squared <= (0.25 * PI) * (0.25 * PI) {
         (sine_over_angle(squared), cosine_of_root(squared))
     } else {
         let half_angle = sqrt(squared);
         let (sine, cosine) = sin_cos(half_angle);
         (sine / half_angle, cosine)
-    };
-    let v = v * scale;
-    Quat::from_xyzw(v.x, v.y, v.z, w)
+    }
 }
 
 /// Spherical linear interpolation by the shorter way: `a` at 0, `b` at 1, constant angular velocity.

@@ -284,15 +284,16 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         for (joint, (state, disturbance)) in
             self.ahead.as_slice().iter().zip(&self.disturbances).enumerate()
         {
-            // The linear target is a vector of the parent's frame in the axes of the desired pose.
-            let to_desired = targets
-                .states()
-                .get(joint)
-                .map_or(Quat::IDENTITY, |target| target.pose.rotation.conjugate());
-            let against = Twist {
-                angular: -disturbance.angular,
-                linear: to_desired * (state.pose.rotation * -disturbance.linear),
-            };
+            let mut against = Twist::new(-disturbance.angular, Vec3::ZERO);
+            // Most joints only turn.
+            if disturbance.linear != Vec3::ZERO {
+                // The linear target is a vector of the parent's frame in the axes of the desired pose.
+                let to_desired = targets
+                    .states()
+                    .get(joint)
+                    .map_or(Quat::IDENTITY, |target| target.pose.rotation.conjugate());
+                against.linear = to_desired * (state.pose.rotation * -disturbance.linear);
+            }
             targets.add_acceleration(joint, against);
         }
     }
@@ -324,7 +325,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     fn correct(&mut self, joint: usize, body: &Body, measured: &Transform) {
         let dt_s = self.settings.dt_s;
         let (Some(before), Some(disturbance)) =
-            (self.estimates.as_slice().get(joint).copied(), self.disturbances.get_mut(joint))
+            (self.estimates.as_slice().get(joint), self.disturbances.get_mut(joint))
         else {
             return;
         };
@@ -337,11 +338,12 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let made = commands.next().unwrap_or(Command::NONE);
 
         let mut state = match body.joint {
+            JointKind::Spherical => self.settings.correct_ball(before, made, measured, disturbance),
             JointKind::Revolute { axis } => {
                 let about = (axis, &body.placement);
-                self.settings.correct_hinge(about, &before, made, measured, disturbance)
+                self.settings.correct_hinge(about, before, made, measured, disturbance)
             }
-            _ => self.settings.correct(body, &before, made, measured, disturbance),
+            _ => self.settings.correct(body, before, made, measured, disturbance),
         };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
@@ -352,7 +354,11 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         for command in commands {
             state = moved(&state, command.acceleration + disturbance, dt_s, body.joint.slides());
         }
-        let _ = self.ahead.set(joint, state);
+        let _ = if self.delay == 0 {
+            self.ahead.put(joint, state)
+        } else {
+            self.ahead.set(joint, state)
+        };
     }
 }
 
@@ -401,6 +407,32 @@ impl ObserverSettings {
         state
     }
 
+    /// The same of a joint that turns any way, and does not slide.
+    #[inline]
+    fn correct_ball(
+        &self,
+        before: &JointState,
+        made: Command,
+        measured: &Transform,
+        disturbance: &mut Twist,
+    ) -> JointState {
+        let Self { dt_s, pose_gain, velocity_gain_per_s, most_rad_s2, .. } = *self;
+        let unexpected = disturbance.angular;
+        let velocity = before.velocity.angular + (made.acceleration.angular + unexpected) * dt_s;
+        let expected = velocity * dt_s;
+        let came = math::log(math::turn_in_body(before.pose.rotation, measured.rotation));
+        let off = came - expected;
+        if !made.limited {
+            let learnt = within(unexpected + off * self.disturbance_gain_per_s2, most_rad_s2);
+            disturbance.angular = if math::is_finite(learnt) { learnt } else { Vec3::ZERO };
+        }
+        let rotation = before.pose.rotation * math::exp(expected + off * pose_gain);
+        JointState {
+            pose: Transform { rotation, translation_m: measured.translation_m },
+            velocity: Twist::new(velocity + off * velocity_gain_per_s, before.velocity.linear),
+        }
+    }
+
     /// The same of a joint that turns about an axis, in the numbers along it.
     // Apart, so that joints of other kinds do not pay for its stack.
     #[inline(never)]
@@ -429,10 +461,14 @@ impl ObserverSettings {
             };
         }
         *disturbance = Twist::new(axis * unexpected, Vec3::ZERO);
-        // Back on the axis: no measurement would ever correct what is across.
-        let turned = before.pose.rotation * math::exp(axis * (expected + off * pose_gain));
-        let twist = math::twist_about(axis, placement.rotation.conjugate() * turned);
-        let rotation = placement.rotation * twist;
+        // By the joint's angle alone, of whose half these are sine and cosine: no measurement would ever correct what
+        // is across the axis.
+        let (zero, reversed) = (placement.rotation, math::turned_half(placement.rotation, axis));
+        let (sine, cosine) = (reversed.dot(before.pose.rotation), zero.dot(before.pose.rotation));
+        let (of_step, along) = math::half_sin_cos(expected + off * pose_gain);
+        let (sine, cosine) = (sine * along + cosine * of_step, cosine * along - sine * of_step);
+        let twist = math::unit(Quat::from_xyzw(sine, 0.0, 0.0, cosine));
+        let rotation = reversed * twist.x + zero * twist.w;
         JointState {
             pose: Transform { rotation, translation_m: placement.translation_m },
             velocity: Twist::new(axis * (speed + off * velocity_gain_per_s), Vec3::ZERO),
@@ -440,10 +476,6 @@ impl ObserverSettings {
     }
 
     fn bounded(&self, disturbance: Twist) -> Twist {
-        let within = |v: Vec3, most: f32| {
-            let squared = v.dot(v);
-            if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
-        };
         let bounded = Twist {
             angular: within(disturbance.angular, self.most_rad_s2),
             linear: within(disturbance.linear, self.most_m_s2),
@@ -502,6 +534,13 @@ fn on(joint: &JointState, way: Twist, velocity: Twist, slides: bool) -> JointSta
         velocity.linear = joint.velocity.linear;
     }
     JointState { pose, velocity }
+}
+
+/// A vector, shortened to a length.
+#[inline]
+fn within(v: Vec3, most: f32) -> Vec3 {
+    let squared = v.dot(v);
+    if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
 }
 
 fn scaled(motion: Twist, factor: f32) -> Twist {

@@ -78,10 +78,18 @@ fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
 impl JointState {
     /// Whether every component is a number and the rotation is a unit quaternion.
     pub(crate) fn check(&self) -> Result<(), StateInputError> {
-        if !self.pose.is_finite() || !self.velocity.is_finite() {
-            return Err(StateInputError::NonFinite);
+        let zero = math::zero_of_numbers(self.pose.translation_m)
+            + math::zero_of_numbers(self.velocity.angular)
+            + math::zero_of_numbers(self.velocity.linear);
+        // A rotation that is unit is finite.
+        if zero == 0.0 && math::is_unit(self.pose.rotation) {
+            return Ok(());
         }
-        check_rotation(self.pose.rotation)
+        if zero == 0.0 && self.pose.rotation.is_finite() {
+            Err(StateInputError::RotationNotUnit)
+        } else {
+            Err(StateInputError::NonFinite)
+        }
     }
 
     #[expect(

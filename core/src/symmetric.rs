@@ -72,6 +72,14 @@ impl Symmetric {
         }
     }
 
+    /// Adds a multiple of the identity.
+    #[inline]
+    pub(crate) fn add_diagonal(&mut self, x: f32) {
+        self.xx += x;
+        self.yy += x;
+        self.zz += x;
+    }
+
     pub(crate) fn x_axis(&self) -> Vec3 {
         Vec3::new(self.xx, self.xy, self.xz)
     }
@@ -153,6 +161,23 @@ impl Symmetric {
         Inverse::Pseudo { inverse: inverse * scale, null }
     }
 
+    /// The inverse by its cofactors; zero if it is not definite, and no numbers if its determinant is too large for f32:
+    /// that must not look like a body that nothing moves.
+    #[inline]
+    pub(crate) fn inverse_if_definite(&self) -> Self {
+        let adjugate = self.adjugate();
+        let determinant = self.xx * adjugate.xx + self.xy * adjugate.xy + self.xz * adjugate.xz;
+        let share = if determinant > f32::MAX {
+            f32::NAN
+        } else if determinant > 0.0 {
+            1.0 / determinant
+        } else {
+            0.0
+        };
+        adjugate * share
+    }
+
+    #[inline]
     fn adjugate(&self) -> Self {
         let Self { xx, xy, xz, yy, yz, zz } = *self;
         Self {

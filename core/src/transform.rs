@@ -58,7 +58,8 @@ impl Transform {
 
     /// Whether every component is a number.
     pub fn is_finite(self) -> bool {
-        self.rotation.is_finite() && self.translation_m.is_finite()
+        let of_rotation = self.rotation.dot(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+        math::zero_of_numbers(self.translation_m) + of_rotation == 0.0
     }
 }
 
@@ -118,7 +119,7 @@ impl Twist {
 
     /// Whether every component is a number.
     pub fn is_finite(self) -> bool {
-        self.angular.is_finite() && self.linear.is_finite()
+        math::zero_of_numbers(self.angular) + math::zero_of_numbers(self.linear) == 0.0
     }
 
     /// The same motion in the axes that `rotation` leads to.
@@ -192,7 +193,7 @@ impl Wrench {
 
     /// Whether every component is a number.
     pub fn is_finite(self) -> bool {
-        self.moment_nm.is_finite() && self.force_n.is_finite()
+        self.as_twist().is_finite()
     }
 
     /// The same six numbers as a twist: components along a joint's axes are found alike for both.

@@ -25,6 +25,15 @@ impl ArticulatedInertia {
     pub(crate) const ZERO: Self =
         Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
 
+    /// Of a point mass in a ball, both at the origin: it resists motion alike in every direction.
+    pub(crate) fn round(angular: f32, linear: f32) -> Self {
+        Self {
+            angular: Symmetric::diagonal(angular),
+            coupling: Mat3::ZERO,
+            linear: Symmetric::diagonal(linear),
+        }
+    }
+
     #[inline]
     pub(crate) fn wrench(&self, acceleration: Twist) -> Wrench {
         let (turn, slide) =
@@ -57,8 +66,20 @@ impl ArticulatedInertia {
     /// Adds that of a child, whose axes `rotation` turns to this body's, `arm_m` away from this body's origin.
     #[inline]
     pub(crate) fn add(&mut self, child: &Self, rotation: &Mat3, arm_m: Vec3) {
-        let coupling = *rotation * child.coupling * rotation.transpose();
-        let linear = child.linear.turned(rotation);
+        self.add_at(
+            &Self {
+                angular: child.angular.turned(rotation),
+                coupling: *rotation * child.coupling * rotation.transpose(),
+                linear: child.linear.turned(rotation),
+            },
+            arm_m,
+        );
+    }
+
+    /// As [`Self::add`], in the same axes.
+    #[inline]
+    pub(crate) fn add_at(&mut self, child: &Self, arm_m: Vec3) {
+        let Self { angular, coupling, linear } = *child;
         let by_arm = arm_times(arm_m, &linear);
         // [p] Bᵀ - B [p] - [p] M [p] is Z + Zᵀ with Z = [p] (B + ½ [p] M)ᵀ.
         let halfway = (coupling + by_arm * 0.5).transpose();
@@ -67,7 +88,7 @@ impl ArticulatedInertia {
             arm_m.cross(halfway.y_axis),
             arm_m.cross(halfway.z_axis),
         );
-        self.angular += child.angular.turned(rotation) + twice_symmetric_part(&z);
+        self.angular += angular + twice_symmetric_part(&z);
         self.coupling += coupling + by_arm;
         self.linear += linear;
     }
@@ -75,12 +96,17 @@ impl ArticulatedInertia {
     /// As [`Self::add`], of a child that resists only the acceleration of its origin.
     #[inline]
     pub(crate) fn add_linear(&mut self, child: &Symmetric, rotation: &Mat3, arm_m: Vec3) {
-        let linear = child.turned(rotation);
-        let by_arm = arm_times(arm_m, &linear);
+        self.add_linear_at(&child.turned(rotation), arm_m);
+    }
+
+    /// As [`Self::add_linear`], in the same axes.
+    #[inline]
+    pub(crate) fn add_linear_at(&mut self, child: &Symmetric, arm_m: Vec3) {
+        let by_arm = arm_times(arm_m, child);
         // -[p] M [p]
         self.angular += Symmetric::from_product(&cross_matrix(arm_m), &by_arm.transpose());
         self.coupling += by_arm;
-        self.linear += linear;
+        self.linear += *child;
     }
 }
 

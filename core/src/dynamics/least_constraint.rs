@@ -8,11 +8,11 @@
 use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
 
-use super::spatial_inertia::SpatialInertia;
+use super::articulated_inertia::{ArticulatedInertia, transposed_mul};
 use crate::fixed;
 use crate::joint::JointKind;
 use crate::math;
-use crate::matrix::symmetric_inverse;
+use crate::symmetric::Symmetric;
 use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
@@ -20,7 +20,7 @@ use crate::tree::Body;
 /// joint's body. World axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Demand {
-    pub(crate) inertia: SpatialInertia,
+    pub(crate) inertia: ArticulatedInertia,
     pub(crate) wrench: Wrench,
 }
 
@@ -58,14 +58,21 @@ pub(crate) struct Axis {
 /// How the joint moves, whatever its parent does.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Response {
-    /// The body turns by `turn` less `per_way` times the way that its parent carries it.
-    Ball { turn: Vec3, per_way: Mat3 },
+    /// In any turn.
+    Ball(BallResponse),
     /// The body moves so.
     Free(Twist),
     /// About the axis.
     Hinge(HingeResponse),
     /// Along each axis.
     Axes(Vec<AxisResponse, 3>),
+}
+
+/// The body turns by `turn` less `per_way` times the way that its parent carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BallResponse {
+    turn: Vec3,
+    per_way: Mat3,
 }
 
 /// The step about the axis is `per_force (force - wrench · carried)`.
@@ -105,7 +112,7 @@ impl Freedoms {
 }
 
 impl Demand {
-    pub(crate) const ZERO: Self = Self { inertia: SpatialInertia::ZERO, wrench: Wrench::ZERO };
+    pub(crate) const ZERO: Self = Self { inertia: ArticulatedInertia::ZERO, wrench: Wrench::ZERO };
 
     /// Takes a joint's freedoms out: what is left is what the joint passes on to its parent.
     ///
@@ -114,12 +121,15 @@ impl Demand {
     pub(crate) fn eliminate(&mut self, freedoms: &Freedoms, damping: f32) -> Response {
         match freedoms {
             Freedoms::Ball => {
-                let (turn, per_way) = self.eliminate_turn(damping);
-                Response::Ball { turn, per_way }
+                let response = self.eliminate_turn(damping);
+                self.inertia =
+                    ArticulatedInertia { linear: self.inertia.linear, ..ArticulatedInertia::ZERO };
+                self.wrench.moment_nm = Vec3::ZERO;
+                response.into()
             }
             Freedoms::Free => {
-                let (turn, per_way) = self.eliminate_turn(damping);
-                let linear = symmetric_inverse(&self.inertia.linear) * self.wrench.force_n;
+                let BallResponse { turn, per_way } = self.eliminate_turn(damping);
+                let linear = self.inertia.linear.inverse_if_definite() * self.wrench.force_n;
                 *self = Self::ZERO;
                 Response::Free(Twist { angular: turn - per_way * linear, linear })
             }
@@ -133,25 +143,36 @@ impl Demand {
     /// What [`Self::eliminate`] answers without damping, where nothing has to be passed on any more.
     pub(crate) fn response(&self, freedoms: &Freedoms) -> Response {
         if matches!(freedoms, Freedoms::Ball) {
-            let (turn, per_way) = self.turn(0.0);
-            return Response::Ball { turn, per_way };
+            return self.turn(0.0).into();
         }
         let mut demand = *self;
         demand.eliminate(freedoms, 0.0)
     }
 
-    fn turn(&self, damping: f32) -> (Vec3, Mat3) {
-        let inverse = symmetric_inverse(&self.inertia.angular) * (1.0 / (1.0 + damping));
-        (inverse * self.wrench.moment_nm, inverse * self.inertia.coupling)
+    #[inline]
+    fn turn(&self, damping: f32) -> BallResponse {
+        let inverse = self.inertia.angular.inverse_if_definite() * (1.0 / (1.0 + damping));
+        let ArticulatedInertia { coupling, .. } = self.inertia;
+        BallResponse {
+            turn: inverse * self.wrench.moment_nm,
+            per_way: Mat3::from_cols(
+                inverse * coupling.x_axis,
+                inverse * coupling.y_axis,
+                inverse * coupling.z_axis,
+            ),
+        }
     }
 
-    fn eliminate_turn(&mut self, damping: f32) -> (Vec3, Mat3) {
-        let (turn, per_way) = self.turn(damping);
-        let SpatialInertia { coupling, linear, .. } = self.inertia;
-        let back = coupling.transpose();
-        self.inertia = SpatialInertia { linear: linear - back * per_way, ..SpatialInertia::ZERO };
-        self.wrench = Wrench::new(Vec3::ZERO, self.wrench.force_n - back * turn);
-        (turn, per_way)
+    /// Takes all turns out. What is left is how the origin resists; the rest of the inertia and the moment do not
+    /// count any more, whatever they are.
+    #[inline]
+    pub(crate) fn eliminate_turn(&mut self, damping: f32) -> BallResponse {
+        let response = self.turn(damping);
+        let back = self.inertia.coupling.transpose();
+        self.inertia.linear =
+            self.inertia.linear - Symmetric::from_product(&back, &response.per_way);
+        self.wrench.force_n -= transposed_mul(&self.inertia.coupling, response.turn);
+        response
     }
 
     fn eliminate_axis(&mut self, axis: &Axis, damping: f32) -> AxisResponse {
@@ -167,8 +188,7 @@ impl Demand {
     /// As an axis, with nothing to compute of ways.
     fn eliminate_hinge(&mut self, hinge: &Hinge, damping: f32) -> HingeResponse {
         let Hinge { axis, held } = *hinge;
-        let SpatialInertia { angular, coupling, .. } = self.inertia;
-        let wrench = Wrench { moment_nm: angular * axis, force_n: coupling.transpose() * axis };
+        let wrench = self.inertia.of_turn(axis);
         let per_force = yielding(wrench.moment_nm.dot(axis), damping);
         let force = self.wrench.moment_nm.dot(axis);
         if !held {
@@ -180,15 +200,28 @@ impl Demand {
     /// Takes out an axis that asks for `force`, from its wrench per acceleration.
     fn give_way(&mut self, wrench: Wrench, force: f32, per_force: f32) {
         let share = force * per_force;
-        self.inertia = self.inertia.without_one(wrench, per_force);
+        self.inertia.give_way(&wrench, per_force);
         self.wrench = self.wrench + Wrench::new(wrench.moment_nm * -share, wrench.force_n * -share);
     }
 
     /// Adds what a child passes on, `arm_m` away from this body's origin.
     pub(crate) fn add_child(&mut self, child: &Self, arm_m: Vec3) {
-        self.inertia = self.inertia.plus(&child.inertia.moved(arm_m));
-        let Wrench { moment_nm, force_n } = child.wrench;
-        self.wrench = self.wrench + Wrench::new(moment_nm + arm_m.cross(force_n), force_n);
+        self.inertia.add_at(&child.inertia, arm_m);
+        self.wrench.moment_nm += child.wrench.moment_nm;
+        self.add_force(child.wrench.force_n, arm_m);
+    }
+
+    /// As [`Self::add_child`], after [`Self::eliminate_turn`].
+    #[inline]
+    pub(crate) fn add_ball(&mut self, child: &Self, arm_m: Vec3) {
+        self.inertia.add_linear_at(&child.inertia.linear, arm_m);
+        self.add_force(child.wrench.force_n, arm_m);
+    }
+
+    #[inline]
+    fn add_force(&mut self, force_n: Vec3, arm_m: Vec3) {
+        self.wrench.moment_nm = math::plus_cross(self.wrench.moment_nm, arm_m, force_n);
+        self.wrench.force_n += force_n;
     }
 }
 
@@ -198,13 +231,27 @@ fn yielding(resistance: f32, damping: f32) -> f32 {
     if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 }
 }
 
+impl From<BallResponse> for Response {
+    fn from(ball: BallResponse) -> Self {
+        Self::Ball(ball)
+    }
+}
+
+impl BallResponse {
+    /// Turn of the body when its parent carries its origin so far.
+    #[inline]
+    pub(crate) fn turn(&self, way: Vec3) -> Vec3 {
+        self.turn - self.per_way * way
+    }
+}
+
 impl Response {
     /// Twist of the body when its parent carries it along with `carried`; `limit` is asked what of the step
     /// along axis k may be made.
     pub(crate) fn motion(&self, carried: Twist, mut limit: impl FnMut(usize, f32) -> f32) -> Twist {
         match self {
-            Self::Ball { turn, per_way } => {
-                Twist { angular: *turn - *per_way * carried.linear, linear: carried.linear }
+            Self::Ball(ball) => {
+                Twist { angular: ball.turn(carried.linear), linear: carried.linear }
             }
             Self::Free(motion) => *motion,
             Self::Hinge(hinge) => {

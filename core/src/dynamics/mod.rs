@@ -12,8 +12,8 @@ mod rnea;
 mod spatial_inertia;
 
 pub use aba::{ArticulatedBody, forward_dynamics};
+pub(crate) use articulated_inertia::ArticulatedInertia;
 pub use crba::{CompositeBody, degrees_of_freedom, mass_matrix};
 pub use reflected::{OuterJoints, ReflectedInertia, reflected_inertia};
 pub use resolved_acceleration::{Resolved, resolved_acceleration};
 pub use rnea::{BodyMotion, inverse_dynamics};
-pub(crate) use spatial_inertia::SpatialInertia;

@@ -1,6 +1,6 @@
 //! Resolved acceleration: joint accelerations that give every body the acceleration it should have in the world.
 
-use super::SpatialInertia;
+use super::articulated_inertia::ArticulatedInertia;
 use super::least_constraint::{Demand, Freedoms};
 use crate::body_weight::BodyWeights;
 use crate::joint::JointKind;
@@ -67,7 +67,8 @@ pub fn resolved_acceleration<const N: usize>(
     for ((weight, wanted), Resolved(demand)) in
         weights.as_slice().iter().zip(accelerations.iter()).zip(scratch.iter_mut())
     {
-        let inertia = SpatialInertia::round(weight.rotation_m * weight.rotation_m, weight.position);
+        let inertia =
+            ArticulatedInertia::round(weight.rotation_m * weight.rotation_m, weight.position);
         *demand = Demand { inertia, wrench: inertia.wrench(*wanted) };
     }
 

@@ -21,9 +21,6 @@ pub(crate) struct SpatialInertia {
 }
 
 impl SpatialInertia {
-    pub(crate) const ZERO: Self =
-        Self { angular: Mat3::ZERO, coupling: Mat3::ZERO, linear: Mat3::ZERO };
-
     /// Of a body, in its axes.
     pub(crate) fn of(inertia: &Inertia) -> Self {
         let i = &inertia.rotational_kg_m2;
@@ -38,15 +35,6 @@ impl SpatialInertia {
             angular: about_center - coupling * arm,
             coupling,
             linear: Mat3::from_diagonal(Vec3::splat(inertia.mass_kg)),
-        }
-    }
-
-    /// Of a point mass in a ball, both at the origin: it resists motion alike in every direction.
-    pub(crate) fn round(angular: f32, linear: f32) -> Self {
-        Self {
-            angular: Mat3::from_diagonal(Vec3::splat(angular)),
-            coupling: Mat3::ZERO,
-            linear: Mat3::from_diagonal(Vec3::splat(linear)),
         }
     }
 
@@ -83,7 +71,7 @@ impl SpatialInertia {
 
     /// What is left if a freedom gives way, from its wrench per acceleration, and the acceleration along it
     /// per force along it.
-    pub(crate) fn without_one(&self, wrench: Wrench, share: f32) -> Self {
+    fn without_one(&self, wrench: Wrench, share: f32) -> Self {
         let (moment, force) = (wrench.moment_nm * share, wrench.force_n * share);
         Self {
             angular: self.angular - outer(moment, wrench.moment_nm),

@@ -36,7 +36,7 @@ impl Joint {
     };
 
     /// Takes the pose that is off the new desired one by what the last solution was, as far as the joint can.
-    pub(super) fn start(&mut self, body: &Body, range: JointRange, desired: &Transform) {
+    pub(super) fn start(&mut self, body: &Body, range: &JointRange, desired: &Transform) {
         let start = *desired * self.deviation;
         match body.joint {
             JointKind::Free => self.pose = if start.is_finite() { start } else { *desired },
@@ -46,7 +46,7 @@ impl Joint {
             }
             JointKind::Revolute { axis } => {
                 let in_joint = body.placement.rotation.conjugate() * start.rotation;
-                let twist = if range == JointRange::Any {
+                let twist = if *range == JointRange::Any {
                     math::twist_about(axis, in_joint)
                 } else {
                     self.along = range.clamp([math::turn_about(axis, in_joint), 0.0]);
@@ -65,6 +65,11 @@ impl Joint {
                 self.go_along(body);
             }
         }
+    }
+
+    /// Whether it gives way to any turn, and to nothing else.
+    pub(super) fn is_free_ball(&self, body: &Body) -> bool {
+        matches!(body.joint, JointKind::Spherical) && !self.is_pressed()
     }
 
     /// How the joint gives way, in world axes, its body at `pose` there.
@@ -119,48 +124,53 @@ impl Joint {
     pub(super) fn step(
         &mut self,
         body: &Body,
-        range: JointRange,
+        range: &JointRange,
         desired: &Transform,
         pose: &Transform,
         response: &Response,
         carried: Twist,
     ) -> Twist {
         match body.joint {
-            JointKind::Free | JointKind::Spherical => {
+            JointKind::Spherical => {
+                let angular = match response {
+                    Response::Ball(ball) => ball.turn(carried.linear),
+                    response => response.motion(carried, |_, step| step).angular,
+                };
+                let turn = within(angular - carried.angular, LONGEST_STEP);
+                if !math::is_finite(turn) {
+                    return carried;
+                }
+                self.turn_by(desired, pose, turn);
+                let kept = self.keep_turn_within(body, range, desired);
+                self.pressed = u8::from(kept.is_some());
+                let angular = match kept {
+                    // What is left of the step.
+                    Some(back) => carried.angular + (turn + pose.rotation * back),
+                    None => carried.angular + turn,
+                };
+                Twist { angular, ..carried }
+            }
+            JointKind::Free => {
                 let motion = response.motion(carried, |_, step| step);
                 let turn = within(motion.angular - carried.angular, LONGEST_STEP);
-                // A spherical joint's body is where the parent carries it; a free one's, where it is best.
                 let way = within(motion.linear - carried.linear, LONGEST_STEP);
-                if !(turn.is_finite() && way.is_finite()) {
+                if !(math::is_finite(turn) && math::is_finite(way)) {
                     return carried;
                 }
                 let to_desired = self.deviation.rotation * pose.rotation.conjugate();
-                self.deviation.rotation = math::unit(
-                    self.deviation.rotation * math::exp(pose.rotation.conjugate() * turn),
-                );
-                self.pose.rotation = desired.rotation * self.deviation.rotation;
-                if matches!(body.joint, JointKind::Free) {
-                    self.deviation.translation_m += to_desired * way;
-                    let translation_m = desired.transform_point(self.deviation.translation_m);
-                    if translation_m.is_finite() {
-                        self.pose.translation_m = translation_m;
-                    }
-                    return carried + Twist::new(turn, way);
+                self.turn_by(desired, pose, turn);
+                self.deviation.translation_m += to_desired * way;
+                let translation_m = desired.transform_point(self.deviation.translation_m);
+                if math::is_finite(translation_m) {
+                    self.pose.translation_m = translation_m;
                 }
-                let kept = self.keep_turn_within(body, range, desired);
-                self.pressed = u8::from(kept.is_some());
-                let turn = match kept {
-                    // What is left of the step.
-                    Some(back) => turn + pose.rotation * back,
-                    None => turn,
-                };
-                carried + Twist::new(turn, Vec3::ZERO)
+                carried + Twist::new(turn, way)
             }
             JointKind::Revolute { axis } => {
                 self.pressed = 0;
                 let mut turn = 0.0;
                 let motion = response.motion(carried, |_, step| {
-                    turn = if range == JointRange::Any && step.is_finite() {
+                    turn = if *range == JointRange::Any && step.is_finite() {
                         step.clamp(-LONGEST_STEP, LONGEST_STEP)
                     } else {
                         self.step_along(0, range, step)
@@ -191,9 +201,17 @@ impl Joint {
         }
     }
 
+    /// Turns a body at `pose` in the world, as seen from its desired pose; `turn` in world axes.
+    #[inline]
+    fn turn_by(&mut self, desired: &Transform, pose: &Transform, turn: Vec3) {
+        let in_body = math::rotate(pose.rotation.conjugate(), turn);
+        self.deviation.rotation = math::unit(self.deviation.rotation * math::exp(in_body));
+        self.pose.rotation = desired.rotation * self.deviation.rotation;
+    }
+
     /// Goes a step along one of its axes, as far as the range lets it; returns how far. A step that is no number is
     /// none.
-    fn step_along(&mut self, index: usize, range: JointRange, step: f32) -> f32 {
+    fn step_along(&mut self, index: usize, range: &JointRange, step: f32) -> f32 {
         let Some(now) = self.along.get_mut(index).filter(|_| step.is_finite()) else { return 0.0 };
         let wanted = *now + step.clamp(-LONGEST_STEP, LONGEST_STEP);
         let [least, most] = range.ends(index);
@@ -216,10 +234,10 @@ impl Joint {
     fn keep_turn_within(
         &mut self,
         body: &Body,
-        range: JointRange,
+        range: &JointRange,
         desired: &Transform,
     ) -> Option<Vec3> {
-        let JointRange::Turn(most_rad) = range else { return None };
+        let JointRange::Turn(most_rad) = *range else { return None };
         let from_zero = math::log(body.placement.rotation.conjugate() * self.pose.rotation);
         let angle = math::length(from_zero);
         if angle <= most_rad {

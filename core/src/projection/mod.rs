@@ -5,14 +5,14 @@ mod range;
 
 use core::fmt;
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use joint::Joint;
 pub use range::JointRange;
 
 pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
-use crate::dynamics::SpatialInertia;
+use crate::dynamics::ArticulatedInertia;
 use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
 use crate::fixed;
 use crate::joint::JointKind;
@@ -161,7 +161,9 @@ impl<const N: usize> ManifoldProjection<N> {
                 return Err(ProjectionError::Count { expected: self.ranges.len(), found });
             }
         }
-        let usable = |pose: &Transform| pose.is_finite() && math::is_unit(pose.rotation);
+        // A rotation that is unit is finite.
+        let usable =
+            |pose: &Transform| math::is_finite(pose.translation_m) && math::is_unit(pose.rotation);
         let bad = desired.iter().position(|pose| !usable(pose));
         if let Some(joint) = bad {
             return Err(ProjectionError::InvalidPose { joint });
@@ -169,7 +171,11 @@ impl<const N: usize> ManifoldProjection<N> {
         workspace.start(self, bodies, desired);
         let sweeps = if workspace.started { self.sweeps } else { FIRST_SWEEPS.max(self.sweeps) };
         workspace.started = true;
-        for _ in 0..sweeps {
+        for sweep in 0..sweeps {
+            // The first one's demands are there from the start.
+            if sweep > 0 {
+                workspace.ask(self, bodies);
+            }
             workspace.inward(self, bodies);
             workspace.outward(self, bodies, desired);
         }
@@ -184,8 +190,8 @@ impl<const N: usize> ManifoldProjection<N> {
         matches!(body.joint, JointKind::Fixed) || (body.parent.is_none() && self.root_held)
     }
 
-    fn range(&self, index: usize) -> JointRange {
-        self.ranges.get(index).copied().unwrap_or_default()
+    fn range(&self, index: usize) -> &JointRange {
+        self.ranges.get(index).unwrap_or(&JointRange::Any)
     }
 }
 
@@ -235,72 +241,77 @@ impl<const N: usize> ProjectionWorkspace<N> {
         self.started = false;
     }
 
-    /// The desired world poses, and the last solution's joints carried over to them.
+    /// The desired world poses, the last solution's joints carried over to them, and what the bodies then want.
     fn start(
         &mut self,
         projection: &ManifoldProjection<N>,
         bodies: &[Body],
         desired: &[Transform],
     ) {
-        for (index, (body, desired)) in bodies.iter().zip(desired).enumerate() {
-            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.desired);
-            let (Some(joint), Some(solved)) =
-                (self.joints.get_mut(index), self.bodies.get_mut(index))
-            else {
-                return;
-            };
-            solved.desired = parent * *desired;
+        for (index, (((body, desired), joint), weight)) in bodies
+            .iter()
+            .zip(desired)
+            .zip(&mut self.joints)
+            .zip(projection.weights.as_slice())
+            .enumerate()
+        {
             if projection.is_rigid(body) {
                 joint.pose = if body.parent.is_none() { *desired } else { body.placement };
             } else {
                 joint.start(body, projection.range(index), desired);
             }
+            let Some((inner, [solved, ..])) = self.bodies.split_at_mut_checked(index) else {
+                return;
+            };
+            let parent = body.parent.and_then(|parent| inner.get(parent));
+            solved.desired = parent.map_or(*desired, |parent| parent.desired * *desired);
+            solved.ask(parent, joint, *weight);
+        }
+    }
+
+    /// What the bodies want where the joints are now.
+    fn ask(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
+        for (index, ((body, joint), weight)) in
+            bodies.iter().zip(&self.joints).zip(projection.weights.as_slice()).enumerate()
+        {
+            let Some((inner, [solved, ..])) = self.bodies.split_at_mut_checked(index) else {
+                return;
+            };
+            solved.ask(body.parent.and_then(|parent| inner.get(parent)), joint, *weight);
         }
     }
 
     /// From the leaves to the root: what every joint should do, whatever its parent does.
     fn inward(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
-        for (index, (body, weight)) in bodies.iter().zip(projection.weights.as_slice()).enumerate()
-        {
-            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
-            let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
-            else {
-                return;
-            };
-            solved.pose = parent * joint.pose;
-            let turn = math::log(turn_between(solved.pose.rotation, solved.desired.rotation));
-            let way = solved.desired.translation_m - solved.pose.translation_m;
-            solved.pull = way * weight.position;
-            let angular = weight.rotation_m * weight.rotation_m;
-            solved.demand = Demand {
-                inertia: SpatialInertia::round(angular, weight.position),
-                wrench: Wrench::new(turn * angular, way * weight.position),
-            };
-        }
         let pressed = self.joints.iter().take(bodies.len()).any(Joint::is_pressed);
         let damping = if pressed { PRESSED_DAMPING } else { 0.0 };
         for (index, body) in bodies.iter().enumerate().rev() {
-            let parent = self.body(body.parent).map_or(Transform::IDENTITY, |body| body.pose);
-            let (Some(joint), Some(solved)) = (self.joints.get(index), self.bodies.get_mut(index))
+            let (Some(joint), Some((inner, [solved, ..]))) =
+                (self.joints.get(index), self.bodies.split_at_mut_checked(index))
             else {
                 return;
             };
+            let parent = body.parent.and_then(|parent| inner.get_mut(parent));
+            if !projection.is_rigid(body) && joint.is_free_ball(body) {
+                let response = solved.demand.eliminate_turn(damping);
+                solved.response = Response::Ball(response);
+                if let Some(parent) = parent {
+                    let arm = solved.pose.translation_m - parent.pose.translation_m;
+                    parent.demand.add_ball(&solved.demand, arm);
+                    parent.carry(solved.pull, arm);
+                }
+                continue;
+            }
             let freedoms = if projection.is_rigid(body) {
                 Freedoms::Axes(Vec::new())
             } else {
                 joint.freedoms(body, &solved.pose)
             };
             solved.response = solved.demand.eliminate(&freedoms, damping);
-            let pull = solved.pull;
-            let (passed_on, arm) =
-                (solved.demand, solved.pose.translation_m - parent.translation_m);
-            if let Some(parent) = body.parent.and_then(|parent| self.bodies.get_mut(parent)) {
-                parent.demand.add_child(&passed_on, arm);
-                // A turn takes the arm's end off its tangent, against a pull outwards: the cost's own curvature there,
-                // which Gauss and Newton leave out, and without which a rig too short for its goals overshoots.
-                let stiffening = pull.dot(arm).max(0.0);
-                parent.demand.inertia.angular += Mat3::from_diagonal(Vec3::splat(stiffening));
-                parent.pull += pull;
+            if let Some(parent) = parent {
+                let arm = solved.pose.translation_m - parent.pose.translation_m;
+                parent.demand.add_child(&solved.demand, arm);
+                parent.carry(solved.pull, arm);
             }
         }
     }
@@ -313,19 +324,17 @@ impl<const N: usize> ProjectionWorkspace<N> {
         desired: &[Transform],
     ) {
         for (index, (body, desired)) in bodies.iter().zip(desired).enumerate() {
-            let (parent_pose, parent_motion) = self
-                .body(body.parent)
-                .map_or((Transform::IDENTITY, Twist::ZERO), |body| (body.pose, body.motion));
-            let (Some(joint), Some(solved)) =
-                (self.joints.get_mut(index), self.bodies.get_mut(index))
+            let (Some(joint), Some((inner, [solved, ..]))) =
+                (self.joints.get_mut(index), self.bodies.split_at_mut_checked(index))
             else {
                 return;
             };
-            let arm = solved.pose.translation_m - parent_pose.translation_m;
-            let carried = Twist {
-                angular: parent_motion.angular,
-                linear: parent_motion.linear + parent_motion.angular.cross(arm),
-            };
+            let carried =
+                body.parent.and_then(|parent| inner.get(parent)).map_or(Twist::ZERO, |parent| {
+                    let arm = solved.pose.translation_m - parent.pose.translation_m;
+                    let Twist { angular, linear } = parent.motion;
+                    Twist { angular, linear: math::plus_cross(linear, angular, arm) }
+                });
             solved.motion = if projection.is_rigid(body) {
                 carried
             } else {
@@ -334,9 +343,33 @@ impl<const N: usize> ProjectionWorkspace<N> {
             };
         }
     }
+}
 
-    fn body(&self, index: Option<usize>) -> Option<&Solved> {
-        self.bodies.get(index?)
+impl Solved {
+    /// What the body wants by itself, `joint` away from its parent.
+    #[inline]
+    fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: BodyWeight) {
+        self.pose = parent.map_or(joint.pose, |parent| parent.pose * joint.pose);
+        let turn = math::log(turn_between(self.pose.rotation, self.desired.rotation));
+        let way = self.desired.translation_m - self.pose.translation_m;
+        self.pull = way * weight.position;
+        let angular = weight.rotation_m * weight.rotation_m;
+        self.demand = Demand {
+            inertia: ArticulatedInertia::round(angular, weight.position),
+            wrench: Wrench::new(turn * angular, self.pull),
+        };
+    }
+
+    /// Takes over what a child at the end of an arm is pulled by.
+    #[inline]
+    fn carry(&mut self, pull: Vec3, arm_m: Vec3) {
+        // A turn takes the arm's end off its tangent, against a pull outwards: the cost's own curvature there,
+        // which Gauss and Newton leave out, and without which a rig too short for its goals overshoots.
+        let stiffening = pull.dot(arm_m);
+        if stiffening > 0.0 {
+            self.demand.inertia.angular.add_diagonal(stiffening);
+        }
+        self.pull += pull;
     }
 }
 
