@@ -491,7 +491,12 @@ fn filled<T: Clone, const K: usize>(count: usize, of: T) -> Vec<T, K> {
     all
 }
 
-fn check_budget(
+/// That a tick has time for a bus with all its servos switched, and for what it takes the board, µs. The one check: of
+/// a controller, and of a rig before a board stores it. O(1).
+///
+/// # Errors
+/// [`ControllerError::Budget`] names all three times.
+pub fn check_budget(
     compute_us: u32,
     schedule: &Schedule,
     servos: usize,

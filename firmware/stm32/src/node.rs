@@ -12,7 +12,7 @@ use embassy_stm32::{interrupt, pac, peripherals, rcc};
 use heapless::Vec;
 use sinew_bus::{Schedule, Timing, dynamixel};
 use sinew_firmware::controller::{
-    Controller, ControllerError, ControllerSettings, ServoSetup, Start,
+    Controller, ControllerError, ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
 };
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, start,
@@ -138,7 +138,8 @@ struct Loop {
     ports: Ports,
     pins: Pins,
     mail: &'static OwnMail,
-    tick_us: u32,
+    /// For so long from its beginning a tick asks servos for more: the rest is for what it computes, and for the desk.
+    asks_us: u32,
 }
 
 /// The loop, once there is one: from then on its interrupt alone has it.
@@ -146,14 +147,16 @@ static LOOP: AtomicPtr<Loop> = AtomicPtr::new(ptr::null_mut());
 /// The first fault that is latched, by number; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);
 static STACK_FREE: AtomicU32 = AtomicU32::new(0);
+/// The processor's clock, Hz.
+static CORE_HZ: AtomicU32 = AtomicU32::new(0);
 
 #[embassy_stm32::interrupt]
 fn TIM3() {
     pac::TIM3.sr().modify(|w| w.set_uif(false));
     // SAFETY: it is a static, and nobody else has it since it was put there.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
-    let Loop { control, lines, ports, pins, mail, tick_us } = own;
-    let until_us = clock::now_us().saturating_add(u64::from(*tick_us));
+    let Loop { control, lines, ports, pins, mail, asks_us } = own;
+    let until_us = clock::now_us().saturating_add(u64::from(*asks_us));
     let mut wire = Exchange { ports, lines, until_us };
     // What was not whole has not fed the watchdog, and the report says why.
     let _ = control.tick(pins, *mail, &mut AllLines(lines), &mut wire, &mut []);
@@ -205,13 +208,16 @@ fn without_rig() -> NodeSettings {
     NodeSettings::new(ControllerSettings::default(), schedule.expect("one servo at 100 Hz"))
 }
 
-/// The board's settings for a wiring that it can drive.
+/// The board's settings for a wiring that it can drive: in the time of a tick, too. What its processor takes is known
+/// here alone. A loop that took longer than its tick would begin the next at once, and the link would starve.
 #[inline(never)]
 fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     let wiring = OwnWiring::decode(behind).ok()?;
     places(&wiring)?;
-    let built = wiring.build().ok()?;
-    Some(NodeSettings::new(built.settings, built.schedule))
+    let Built { mut settings, servos, schedule, .. } = wiring.build().ok()?;
+    settings.compute_us = estimated_us(servos.len(), CORE_HZ.load(Ordering::Relaxed));
+    check_budget(settings.compute_us, &schedule, servos.len()).ok()?;
+    Some(NodeSettings::new(settings, schedule))
 }
 
 /// What a start has found, but the rig's wiring.
@@ -267,6 +273,7 @@ pub fn run(mut core: cortex_m::Peripherals, hardware: Hardware) -> ! {
         table,
         core_hz,
     } = hardware;
+    CORE_HZ.store(core_hz, Ordering::Relaxed);
     // Whatever was before: at the rate that most servos have, and again at theirs as soon as it is known.
     servos.torque_off();
 
@@ -422,7 +429,8 @@ fn with_rig(
 
     let Unwatched { outputs, stop, core_hz } = pins;
     let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
-    let own = OWN.init(Loop { control, lines, ports, pins, mail, tick_us });
+    let asks_us = tick_us.saturating_sub(settings.controller.compute_us);
+    let own = OWN.init(Loop { control, lines, ports, pins, mail, asks_us });
     LOOP.store(own, Ordering::Release);
     // SAFETY: the loop's value is there, and the priority is set before the interrupt comes.
     unsafe {
