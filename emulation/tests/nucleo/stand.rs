@@ -22,7 +22,7 @@ pub(crate) const SECOND: Duration = Duration::from_secs(1);
 /// Of an XL330.
 const TORQUE_ENABLE: u16 = 64;
 /// What USART1's clock of 90 MHz divides to exactly.
-const BAUD: u32 = 1_000_000;
+const BAUD: u32 = 2_000_000;
 
 pub(crate) type Emulated = EmulatedBoard<Branch<'static, RigPlant>>;
 
