@@ -78,41 +78,77 @@ impl<const N: usize> Controller<N> {
     /// # Errors
     /// [`ControllerError`] if the tree is empty or the method was made for another tree.
     pub fn new(tree: Tree<N>, gains: Gains, method: Method<N>) -> Result<Self, ControllerError> {
+        let mut controller = Self::of_nothing();
+        controller.set_up(&tree, gains, method)?;
+        Ok(controller)
+    }
+
+    /// Becomes a new one, in its place; on an error nothing is changed.
+    #[inline(never)]
+    pub(crate) fn set_up(
+        &mut self,
+        tree: &Tree<N>,
+        gains: Gains,
+        method: Method<N>,
+    ) -> Result<(), ControllerError> {
         if tree.is_empty() {
             return Err(ControllerError::EmptyTree);
         }
         match &method {
             Method::Local | Method::World => {}
             Method::Accumulated(references) => {
-                References::new(&tree, references.as_slice())
+                References::new(tree, references.as_slice())
                     .map_err(ControllerError::References)?;
             }
             Method::LinearCompensation { aims, settings } => {
                 if !settings.beta.is_finite() {
                     return Err(ControllerError::NonFinite("beta"));
                 }
-                Aims::new(&tree, aims.as_slice()).map_err(ControllerError::Aims)?;
+                Aims::new(tree, aims.as_slice()).map_err(ControllerError::Aims)?;
             }
             Method::ResolvedAcceleration { weights } => {
-                BodyWeights::new(&tree, weights.as_slice()).map_err(ControllerError::Weights)?;
+                BodyWeights::new(tree, weights.as_slice()).map_err(ControllerError::Weights)?;
             }
         }
-        let gains = fixed::collect(tree.bodies().iter().map(|_| gains));
-        let limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
-        let (law, inertias) = (ControlLaw::default(), Vec::new());
-        Ok(Self { tree, gains, method, law, gravity_m_s2: GRAVITY_M_S2, limits, inertias })
+        self.tree.clone_from(tree);
+        self.gains = fixed::collect(tree.bodies().iter().map(|_| gains));
+        self.limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
+        self.method = method;
+        (self.law, self.gravity_m_s2) = (ControlLaw::default(), GRAVITY_M_S2);
+        self.inertias.clear();
+        Ok(())
+    }
+
+    /// Of no bodies: it asks for nothing.
+    pub(crate) fn of_nothing() -> Self {
+        Self {
+            tree: Tree::new(),
+            gains: Vec::new(),
+            method: Method::Local,
+            law: ControlLaw::default(),
+            gravity_m_s2: GRAVITY_M_S2,
+            limits: Vec::new(),
+            inertias: Vec::new(),
+        }
     }
 
     /// The same controller with another control law.
     ///
     /// # Errors
     /// [`ControllerError::Law`] if the method needs inverse dynamics.
-    pub fn with_law(self, law: ControlLaw) -> Result<Self, ControllerError> {
+    pub fn with_law(mut self, law: ControlLaw) -> Result<Self, ControllerError> {
+        self.set_law(law)?;
+        Ok(self)
+    }
+
+    /// The same in its place.
+    pub(crate) fn set_law(&mut self, law: ControlLaw) -> Result<(), ControllerError> {
         let resolved = matches!(self.method, Method::ResolvedAcceleration { .. });
         if resolved && law != ControlLaw::InverseDynamics {
             return Err(ControllerError::Law);
         }
-        Ok(Self { law, ..self })
+        self.law = law;
+        Ok(())
     }
 
     /// The same controller in another field of gravity, world axes.
@@ -212,9 +248,18 @@ impl<const N: usize> Controller<N> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_pd_of_inertia(
-        self,
+        mut self,
         inertias: &[ReflectedInertia],
     ) -> Result<Self, ControllerError> {
+        self.set_pd_of_inertia(inertias)?;
+        Ok(self)
+    }
+
+    /// The same in its place.
+    pub(crate) fn set_pd_of_inertia(
+        &mut self,
+        inertias: &[ReflectedInertia],
+    ) -> Result<(), ControllerError> {
         if inertias.len() != self.tree.len() {
             let (expected, found) = (self.tree.len(), inertias.len());
             return Err(ControllerError::InertiaCount { expected, found });
@@ -222,8 +267,8 @@ impl<const N: usize> Controller<N> {
         if !inertias.iter().all(ReflectedInertia::is_finite) {
             return Err(ControllerError::NonFinite("inertia"));
         }
-        let inertias = fixed::collect(inertias.iter().copied());
-        Self { inertias, ..self }.with_law(ControlLaw::ProportionalDerivative)
+        self.inertias = fixed::collect(inertias.iter().copied());
+        self.set_law(ControlLaw::ProportionalDerivative)
     }
 
     /// The rig.
@@ -628,7 +673,11 @@ impl<const N: usize> Workspace<N, N> {
 }
 
 impl<const N: usize, const R: usize> Workspace<N, R> {
-    fn with_room() -> Self {
+    /// With `R` bodies' room for resolved acceleration.
+    // Here and in other functions that make large values: not within the caller, so that it is made where the caller
+    // wants it, not on the stack.
+    #[inline(never)]
+    pub(crate) fn with_room() -> Self {
         Self {
             measured: [BodyState::WORLD; N],
             aim_status: [AimStatus::Leaf; N],

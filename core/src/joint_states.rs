@@ -45,6 +45,11 @@ impl<const N: usize> JointStates<N> {
         Self { states }
     }
 
+    /// Of no joints.
+    pub(crate) fn of_nothing() -> Self {
+        Self { states: Vec::new() }
+    }
+
     /// Sets the state of one joint.
     ///
     /// # Errors

@@ -52,6 +52,11 @@ impl<const N: usize> JointTargets<N> {
         Self { states, accelerations, bodies, known_for: None }
     }
 
+    /// For no joints.
+    pub(crate) fn of_nothing() -> Self {
+        Self { states: Vec::new(), accelerations: Vec::new(), bodies: Vec::new(), known_for: None }
+    }
+
     /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
     /// body axes: its angular part the derivative of the components of the angular velocity, its linear
     /// part the second derivative of the position in the parent's frame, turned to body axes.

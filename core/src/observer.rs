@@ -36,6 +36,16 @@ pub struct ObserverSettings {
 }
 
 impl ObserverSettings {
+    /// Of an observer of no joints.
+    const NOTHING: Self = Self {
+        dt_s: 0.0,
+        pose_gain: 0.0,
+        velocity_gain_per_s: 0.0,
+        disturbance_gain_per_s2: 0.0,
+        most_rad_s2: 0.0,
+        most_m_s2: 0.0,
+    };
+
     /// No filter and no disturbance: poses as measured, velocities as their backward differences. Only the look ahead
     /// over a delay is used.
     ///
@@ -161,6 +171,10 @@ struct Command {
     limited: bool,
 }
 
+impl Command {
+    const NONE: Self = Self { acceleration: Twist::ZERO, limited: false };
+}
+
 impl<const N: usize, const D: usize> Observer<N, D> {
     /// An observer of a rig in this state, whose commands act `delay` ticks after the measurement that they answer.
     ///
@@ -171,19 +185,40 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         state: &JointStates<N>,
         delay: usize,
     ) -> Result<Self, ObserverError> {
+        let mut observer = Self::empty();
+        observer.set_up(settings, state, delay)?;
+        Ok(observer)
+    }
+
+    /// Of no joints.
+    #[inline(never)]
+    pub(crate) fn empty() -> Self {
+        Self {
+            settings: ObserverSettings::NOTHING,
+            delay: 0,
+            estimates: JointStates::of_nothing(),
+            disturbances: [Twist::ZERO; N],
+            sent: [[Command::NONE; N]; D],
+            any_sent: false,
+            ahead: JointStates::of_nothing(),
+        }
+    }
+
+    /// Becomes a new one, in its place; on an error nothing is changed.
+    #[inline(never)]
+    pub(crate) fn set_up(
+        &mut self,
+        settings: ObserverSettings,
+        state: &JointStates<N>,
+        delay: usize,
+    ) -> Result<(), ObserverError> {
         if delay >= D {
             return Err(ObserverError::Delay { ticks: delay, most: D.saturating_sub(1) });
         }
-        let none = Command { acceleration: Twist::ZERO, limited: false };
-        Ok(Self {
-            settings,
-            delay,
-            estimates: state.clone(),
-            disturbances: [Twist::ZERO; N],
-            sent: [[none; N]; D],
-            any_sent: false,
-            ahead: state.clone(),
-        })
+        (self.settings, self.delay) = (settings, delay);
+        self.reset(state);
+        self.sent.iter_mut().for_each(|tick| tick.fill(Command::NONE));
+        Ok(())
     }
 
     /// Begins from a state as a new one would: the disturbances are forgotten.
@@ -299,8 +334,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             .unwrap_or_default()
             .iter()
             .filter_map(|tick| tick.get(joint).copied());
-        let none = Command { acceleration: Twist::ZERO, limited: false };
-        let made = commands.next().unwrap_or(none);
+        let made = commands.next().unwrap_or(Command::NONE);
 
         let mut state = match body.joint {
             JointKind::Revolute { axis } => {

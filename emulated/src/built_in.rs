@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sinew_bus::Schedule;
 use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
-use sinew_wiring::{Built, Bus, LINES, Lines as AnyLines, Wiring};
+use sinew_wiring::{Bus, LINES, Lines as AnyLines, Wiring};
 
 pub use sinew_wiring::{Dynamixel, Line, OnLine, Protocol, Servo};
 
@@ -67,10 +67,10 @@ impl Said {
                 let Rig { rate_hz, latest, tracker, .. } = *rig;
                 let (lines, servos) = (lines.clone(), servos.clone());
                 let wiring = Wiring { rate_hz, latest, tracker, lines, servos };
-                let Built { settings, servos, schedule, buses } =
-                    wiring.build().expect("the host has it");
-                let lines = Lines::new(buses, wiring.line_of());
-                Parts { settings, servos, schedule, lines }
+                let mut lines = Lines::new([], []);
+                wiring.connect(&mut lines).expect("the host has it");
+                let schedule = wiring.schedule().expect("the host has it");
+                Parts { settings: wiring.settings(), servos: wiring.setups(), schedule, lines }
             }
         }
     }

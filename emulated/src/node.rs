@@ -2,6 +2,7 @@
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
+use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use sinew_firmware::controller::Controller;
@@ -174,25 +175,26 @@ fn until_restart<B: Bytes<Error = Infallible>>(
         Said::Arm(_) => (TABLE, ABOUT),
         Said::Rig { .. } => (OF_RIGS, ABOUT_RIGS),
     };
+    let mut slot = MaybeUninit::uninit();
     let found = start::<_, CAPACITY, CAPACITY, CAPACITY>(
         chip,
         table,
         |_| defaults,
         causes,
         &mut [0; RIG_ROOM],
+        &mut slot,
     );
     let Found { store, disarmed, settings, rig, is_bad, start } = found.expect("flash is RAM");
-    let rig = rig.as_ref().map(|(rig, crc)| (rig, *crc));
     let lines = RefCell::new(parts.lines);
     let mut control = rig.and_then(|(rig, _)| {
-        let controller = Controller::<CAPACITY, CAPACITY, CAPACITY, COORDINATES>::new(
+        Control::<CAPACITY, CAPACITY, CAPACITY, COORDINATES>::new(
             rig,
-            &settings.controller,
+            &settings,
             &parts.servos,
             &parts.schedule,
             start,
-        );
-        Control::new(rig, controller.ok()?, settings.live()).ok()
+        )
+        .ok()
     });
     let tick_s = 1e-6 * parts.schedule.tick_us() as f32;
     let rig = rig.filter(|_| control.is_some());

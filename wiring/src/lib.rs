@@ -4,7 +4,6 @@
 //! That is its wiring, and a host sends it behind the rig, as one item ([`Wiring::append`]).
 //!
 //! - [`Wiring`]: the lines, the servos, and the rate of the loop, as bytes;
-//! - [`Built`]: what a controller is made of by it;
 //! - [`Bus`]: the bus of one line; [`Lines`] and [`AllLines`]: those of all lines, servos in the rig's order.
 
 #![no_std]
@@ -28,4 +27,4 @@ mod wiring;
 pub use bus::Bus;
 pub use line::{Dynamixel, Line, OnLine, Protocol, Pulses, Servo};
 pub use lines::{AllLines, Lines};
-pub use wiring::{Built, LINES, Wiring, WiringError};
+pub use wiring::{LINES, Wiring, WiringError};

@@ -26,18 +26,21 @@ impl<B: ServoBus, const L: usize, const S: usize> Lines<B, L, S> {
         lines: impl IntoIterator<Item = B>,
         line_of: impl IntoIterator<Item = usize>,
     ) -> Self {
-        let mut own = Self {
-            buses: lines.into_iter().take(L).collect(),
-            places: Vec::new(),
-            compared: None,
-            failed: None,
-        };
-        for line in line_of {
-            let place = own.places.iter().filter(|(other, _)| *other == line).count();
-            // As many as there is room for.
-            let _ = own.places.push((line, place));
-        }
+        let mut own = Self { buses: Vec::new(), places: Vec::new(), compared: None, failed: None };
+        lines.into_iter().for_each(|line| own.add(line));
+        line_of.into_iter().for_each(|line| own.place(line));
         own
+    }
+
+    /// One more line, if there is room.
+    pub(crate) fn add(&mut self, line: B) {
+        let _ = self.buses.push(line);
+    }
+
+    /// One more servo, if there is room: the next one on its line.
+    pub(crate) fn place(&mut self, line: usize) {
+        let place = self.places.iter().filter(|(other, _)| *other == line).count();
+        let _ = self.places.push((line, place));
     }
 
     /// How many lines there are.

@@ -7,7 +7,7 @@ use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::join_rig;
 use thiserror::Error;
 
-use crate::{Bus, Line, Servo};
+use crate::{Bus, Line, Lines, Servo};
 
 /// Lines that a rig is told with at most; boards hold fewer.
 pub const LINES: usize = 4;
@@ -68,18 +68,6 @@ pub enum WiringError {
     Setup(SetupError),
 }
 
-/// What a controller is made of, beside the rig.
-pub struct Built<const L: usize, const S: usize> {
-    /// Of the controller.
-    pub settings: ControllerSettings,
-    /// Of each servo.
-    pub servos: Vec<ServoSetup, S>,
-    /// The line's that the controller goes by.
-    pub schedule: Schedule,
-    /// The bus of each line.
-    pub buses: Vec<Bus<S>, L>,
-}
-
 impl<const L: usize, const S: usize> Wiring<L, S> {
     /// Writes it behind the `len` bytes of a rig's compact form that `item` begins with, and says how long the whole
     /// item is. None if there is no room.
@@ -119,34 +107,59 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
         if bytes.is_empty() { Ok(wiring) } else { Err(WiringError::Bytes) }
     }
 
-    /// The line of each servo, for [`Lines::new`](crate::Lines::new).
-    pub fn line_of(&self) -> impl Iterator<Item = usize> {
-        self.servos.iter().map(|servo| servo.line)
+    /// Settings of a controller by it.
+    pub fn settings(&self) -> ControllerSettings {
+        ControllerSettings { tracker: self.tracker, ..ControllerSettings::default() }
     }
 
-    /// What a controller is made of by it.
+    /// What a controller knows of each servo.
+    pub fn setups(&self) -> Vec<ServoSetup, S> {
+        self.servos.iter().map(|servo| servo.setup).collect()
+    }
+
+    /// The schedule of the line that the controller goes by.
     ///
     /// # Errors
-    /// [`WiringError`] names what cannot be.
-    pub fn build(&self) -> Result<Built<L, S>, WiringError> {
-        let count = self.lines.len();
-        if self.servos.iter().any(|servo| servo.line >= count) {
+    /// [`WiringError`] if there is no such line, or it is too slow.
+    pub fn schedule(&self) -> Result<Schedule, WiringError> {
+        self.lines.get(self.latest).ok_or(WiringError::Line)?.schedule(self.rate_hz)
+    }
+
+    /// The bus of a line.
+    ///
+    /// # Errors
+    /// [`WiringError`] names what cannot be on it.
+    // Not within its caller: a bus is large, and where several are made, one is on the stack at a time.
+    #[inline(never)]
+    pub fn bus(&self, line: usize) -> Result<Bus<S>, WiringError> {
+        let own = self.servos.iter().filter(|servo| servo.line == line);
+        let of_line = self.lines.get(line).ok_or(WiringError::Line)?;
+        of_line.bus(own.map(|servo| servo.on_line), self.rate_hz)
+    }
+
+    /// That a controller can be made by it.
+    ///
+    /// # Errors
+    /// As [`Self::bus`] and [`Self::schedule`], or that a servo is on a line that there is not.
+    pub fn check(&self) -> Result<(), WiringError> {
+        if self.servos.iter().any(|servo| servo.line >= self.lines.len()) {
             return Err(WiringError::Line);
         }
-        let latest = self.lines.get(self.latest).ok_or(WiringError::Line)?;
-        let mut buses = Vec::<_, L>::new();
-        for (index, line) in self.lines.iter().enumerate() {
-            let own = self.servos.iter().filter(|servo| servo.line == index);
-            let bus = line.bus(own.map(|servo| servo.on_line), self.rate_hz)?;
-            // There is as much room.
-            let _ = buses.push(bus);
+        self.schedule()?;
+        (0..self.lines.len()).try_for_each(|line| self.bus(line).map(drop))
+    }
+
+    /// Puts the buses of all lines, and their servos, into lines that have none.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn connect(&self, lines: &mut Lines<Bus<S>, L, S>) -> Result<(), WiringError> {
+        self.check()?;
+        for line in 0..self.lines.len() {
+            lines.add(self.bus(line)?);
         }
-        Ok(Built {
-            settings: ControllerSettings { tracker: self.tracker, ..ControllerSettings::default() },
-            servos: self.servos.iter().map(|servo| servo.setup).collect(),
-            schedule: latest.schedule(self.rate_hz)?,
-            buses,
-        })
+        self.servos.iter().for_each(|servo| lines.place(servo.line));
+        Ok(())
     }
 }
 

@@ -2,10 +2,11 @@
 
 use core::cell::Cell;
 use core::hint::black_box;
+use core::mem::MaybeUninit;
 use core::ops::Range;
 
 use sinew_bus::{Schedule, pca9685};
-use sinew_firmware::controller::{Controller, ControllerSettings, ServoSetup};
+use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, Spread, causes,
     join_rig, link_version, start,
@@ -88,12 +89,14 @@ pub(crate) fn nodes() {
     black_box(black_box(Spread::default()).jitter());
     let why = causes(black_box(true), black_box(true), black_box(true));
     let flash: Flash<4> = Flash;
+    let mut slot = MaybeUninit::uninit();
     let found = start::<_, BODIES, FREEDOMS, SERVOS>(
         flash,
         black_box(board),
         |_| defaults,
         why,
         slice_mut(),
+        &mut slot,
     );
     let Ok(Found { store, disarmed, settings, is_bad, start, .. }) = found else { return };
     black_box((settings.get(black_box(1)), settings.bytes(), settings.live()));
@@ -106,21 +109,27 @@ pub(crate) fn nodes() {
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     let Some(ToHost::Welcome(Welcome { about, .. })) = black_box(None) else { return };
     let servos = slice::<ServoSetup>();
-    let controller = Controller::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
+    let made = Control::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
+        rig, &settings, servos, &schedule, start,
+    );
+    black_box(made.is_ok());
+    let of_loop = settings.clone();
+    Control::<BODIES, FREEDOMS, SERVOS, COORDINATES>::with(
         rig,
-        &settings.controller,
+        &of_loop,
         servos,
         &schedule,
         start,
+        |control| {
+            let Ok(control) = control else { return };
+            let mail = Locked(Cell::new(Some(Mail::new(disarmed))));
+            let (rig, tick_s, line_bps) = (Some((rig, black_box(1))), black_box(1.0), black_box(1));
+            let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
+            let mut desk = Desk::new(store, setup, black_box(1));
+            let ended = control.tick(&mut Board, &mail, &mut bus, &mut Anything, slice_mut());
+            black_box((ended.is_ok(), control.controller().report()));
+            black_box(desk.step(&mut Board, &mail) == Next::Restart);
+            black_box(desk.store().condition());
+        },
     );
-    let Ok(controller) = controller else { return };
-    let Ok(mut control) = Control::new(rig, controller, settings.live()) else { return };
-    let mail = Locked(Cell::new(Some(Mail::new(disarmed))));
-    let (rig, tick_s, line_bps) = (Some((rig, black_box(1))), black_box(1.0), black_box(1));
-    let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
-    let mut desk = Desk::new(store, setup, black_box(1));
-    let ended = control.tick(&mut Board, &mail, &mut bus, &mut Anything, slice_mut());
-    black_box((ended.is_ok(), control.controller().report()));
-    black_box(desk.step(&mut Board, &mail) == Next::Restart);
-    black_box(desk.store().condition());
 }

@@ -211,6 +211,7 @@ struct Solved {
 
 impl<const N: usize> ProjectionWorkspace<N> {
     /// A workspace for trees of capacity `N`: the first frame starts from the desired pose.
+    #[inline(never)]
     pub fn new() -> Self {
         let solved = Solved {
             desired: Transform::IDENTITY,

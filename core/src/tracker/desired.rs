@@ -30,7 +30,8 @@ pub(super) struct Desired<const N: usize> {
     dt_s: f32,
     /// How many frames the targets are ahead of the tick: at the state that its torques meet.
     latency: i32,
-    projection: Option<(ManifoldProjection<N>, ProjectionWorkspace<N>)>,
+    projection: Option<ManifoldProjection<N>>,
+    projected: ProjectionWorkspace<N>,
     /// Remembers frames by itself, and is used alone where the velocities are those of bodies.
     of_bodies: ForwardDifferences<N>,
     /// The joints' poses in the last three frames, from the slot `oldest` on.
@@ -44,26 +45,40 @@ pub(super) struct Desired<const N: usize> {
 }
 
 impl<const N: usize> Desired<N> {
-    pub(super) fn new(
-        tree: &Tree<N>,
-        dt_s: f32,
-        latency: i32,
-        (differences, velocity): (Differences, DesiredVelocity),
-        projection: Option<ManifoldProjection<N>>,
-    ) -> Self {
+    /// Of no bodies.
+    #[inline(never)]
+    pub(super) fn empty() -> Self {
         Self {
-            differences,
-            velocity,
-            dt_s,
-            latency,
-            projection: projection.map(|projection| (projection, ProjectionWorkspace::new())),
+            differences: Differences::Forward,
+            velocity: DesiredVelocity::Bodies,
+            dt_s: 0.0,
+            latency: 0,
+            projection: None,
             of_bodies: ForwardDifferences::new(),
             window: [[Transform::IDENTITY; N]; 3],
             oldest: 0,
             kind: None,
             newest: None,
-            targets: JointTargets::rest(tree),
+            targets: JointTargets::of_nothing(),
+            projected: ProjectionWorkspace::new(),
         }
+    }
+
+    /// Of a rig, before the beginning.
+    #[inline(never)]
+    pub(super) fn set_up(
+        &mut self,
+        tree: &Tree<N>,
+        dt_s: f32,
+        latency: i32,
+        (differences, velocity): (Differences, DesiredVelocity),
+        projection: Option<ManifoldProjection<N>>,
+    ) {
+        (self.differences, self.velocity) = (differences, velocity);
+        (self.dt_s, self.latency) = (dt_s, latency);
+        self.projection = projection;
+        self.kind = None;
+        self.targets = JointTargets::rest(tree);
     }
 
     pub(super) fn targets(&self) -> &JointTargets<N> {
@@ -79,7 +94,7 @@ impl<const N: usize> Desired<N> {
         &mut self,
         replace: impl FnOnce(&ManifoldProjection<N>) -> Result<ManifoldProjection<N>, ProjectionError>,
     ) -> Result<(), TrackerError> {
-        let (projection, _) = self.projection.as_mut().ok_or(TrackerError::NoProjection)?;
+        let projection = self.projection.as_mut().ok_or(TrackerError::NoProjection)?;
         *projection = replace(projection)?;
         Ok(())
     }
@@ -106,9 +121,7 @@ impl<const N: usize> Desired<N> {
         frames: &mut impl FrameSource,
         index: i32,
     ) -> Result<(), InputError> {
-        if let Some((_, workspace)) = &mut self.projection {
-            workspace.reset();
-        }
+        self.projected.reset();
         self.newest = None;
         match frames.frame(self.met_by(index)) {
             Frame::Poses(_) => {
@@ -138,7 +151,7 @@ impl<const N: usize> Desired<N> {
             let frame = frames.frame(newest.saturating_sub(back));
             if self.differences_bodies() {
                 let [slot, ..] = &mut self.window;
-                let joints = performed(&mut self.projection, tree, frame, slot)?;
+                let joints = performed((&self.projection, &mut self.projected), tree, frame, slot)?;
                 match back {
                     2 => self.of_bodies.restart(tree, dt_s, joints)?,
                     1 => self.of_bodies.advance(tree, joints, &mut self.targets)?,
@@ -175,7 +188,7 @@ impl<const N: usize> Desired<N> {
         let frame = frames.frame(newest);
         if self.differences_bodies() {
             let [slot, ..] = &mut self.window;
-            let joints = performed(&mut self.projection, tree, frame, slot)?;
+            let joints = performed((&self.projection, &mut self.projected), tree, frame, slot)?;
             self.of_bodies.advance(tree, joints, &mut self.targets)?;
         } else if self.differences == Differences::Forward
             && matches!(self.velocity, DesiredVelocity::Zero | DesiredVelocity::Backward)
@@ -265,9 +278,9 @@ impl<const N: usize> Desired<N> {
             1 => (b, 2),
             _ => (c, 0),
         };
-        match &mut self.projection {
+        match &self.projection {
             Some(_) => {
-                performed(&mut self.projection, tree, frame, slot)?;
+                performed((&self.projection, &mut self.projected), tree, frame, slot)?;
             }
             None => fixed::copy(joints_of(frame, tree)?, slot),
         }
@@ -297,13 +310,13 @@ fn joints_of<'f, const N: usize>(
 
 /// A frame as the rig can perform it: itself, or projected on the rig's own poses in `slot`.
 fn performed<'f, const N: usize>(
-    projection: &mut Option<(ManifoldProjection<N>, ProjectionWorkspace<N>)>,
+    (projection, workspace): (&Option<ManifoldProjection<N>>, &mut ProjectionWorkspace<N>),
     tree: &Tree<N>,
     frame: Frame<'f>,
     slot: &'f mut [Transform; N],
 ) -> Result<&'f [Transform], InputError> {
     let joints = joints_of(frame, tree)?;
-    let Some((projection, workspace)) = projection else { return Ok(joints) };
+    let Some(projection) = projection else { return Ok(joints) };
     let nearest = slot.get_mut(..tree.len()).unwrap_or_default();
     projection.project(tree, joints, workspace, nearest)?;
     Ok(nearest)

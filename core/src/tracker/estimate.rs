@@ -19,26 +19,47 @@ pub(super) struct Estimate<const N: usize, const D: usize> {
     differenced: JointStates<N>,
     /// Ticks since the last reading that was accepted; zero before any was.
     age_ticks: u16,
-    observer: Option<Observer<N, D>>,
-    /// Whether the observer knows the last reading, and the command that followed.
+    observer: Observer<N, D>,
+    /// Whether the observer is used at all.
+    observes: bool,
+    /// Whether the observer is used, and knows the last reading and the command that followed.
     observing: bool,
     cancel: bool,
 }
 
 impl<const N: usize, const D: usize> Estimate<N, D> {
-    pub(super) fn new(
+    /// Of no bodies.
+    pub(super) fn empty() -> Self {
+        Self {
+            dt_s: 0.0,
+            differenced: JointStates::of_nothing(),
+            age_ticks: 0,
+            observer: Observer::empty(),
+            observes: false,
+            observing: false,
+            cancel: false,
+        }
+    }
+
+    /// Of a rig, before any reading; on an error nothing is changed.
+    #[inline(never)]
+    pub(super) fn set_up(
+        &mut self,
         tree: &Tree<N>,
         dt_s: f32,
         settings: Option<ObserverSettings>,
         cancel: bool,
         latency_ticks: usize,
-    ) -> Result<Self, ObserverError> {
+    ) -> Result<(), ObserverError> {
         let differenced = JointStates::rest(tree);
-        let observer = match settings {
-            Some(settings) => Some(Observer::new(settings, &differenced, latency_ticks)?),
-            None => None,
-        };
-        Ok(Self { dt_s, differenced, age_ticks: 0, observer, observing: false, cancel })
+        if let Some(settings) = settings {
+            self.observer.set_up(settings, &differenced, latency_ticks)?;
+        }
+        self.observes = settings.is_some();
+        (self.dt_s, self.cancel) = (dt_s, cancel);
+        self.differenced = differenced;
+        (self.age_ticks, self.observing) = (0, false);
+        Ok(())
     }
 
     /// Takes a reading, one tick before the next; of a rig at rest, if it has no speeds. Nothing is left of what was
@@ -59,8 +80,8 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         }
         self.age_ticks = 1;
         self.observing = false;
-        if let Some(observer) = &mut self.observer {
-            observer.reset(&self.differenced);
+        if self.observes {
+            self.observer.reset(&self.differenced);
         }
         Ok(())
     }
@@ -107,21 +128,17 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         poses: &[Transform],
         age_ticks: u16,
     ) -> Result<(), StateInputError> {
-        match &mut self.observer {
-            Some(observer) if self.observing && age_ticks == 1 => {
-                observer.observe(tree, poses)?;
-                // In case that the next reading is refused.
-                self.differenced.set_at_rest(poses)?;
-            }
-            // Commands in between are not known: after a gap the observer begins anew from differences.
-            _ => {
-                match age_ticks {
-                    0 => self.differenced.set_at_rest(poses)?,
-                    _ => self.differenced.update_poses(poses, self.elapsed_s(age_ticks))?,
-                }
-                self.restart();
-            }
+        if self.observing && age_ticks == 1 {
+            self.observer.observe(tree, poses)?;
+            // In case that the next reading is refused.
+            return self.differenced.set_at_rest(poses);
         }
+        // Commands in between are not known: after a gap the observer begins anew from differences.
+        match age_ticks {
+            0 => self.differenced.set_at_rest(poses)?,
+            _ => self.differenced.update_poses(poses, self.elapsed_s(age_ticks))?,
+        }
+        self.restart();
         Ok(())
     }
 
@@ -140,23 +157,22 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
             (None, 0) => self.differenced.set_coordinates_at_rest(tree, q)?,
             (None, _) => self.differenced.update_coordinates(tree, q, elapsed_s)?,
         }
-        match &mut self.observer {
-            Some(observer) if self.observing && age_ticks == 1 => {
-                let mut poses = [Transform::IDENTITY; N];
-                for (pose, state) in poses.iter_mut().zip(self.differenced.as_slice()) {
-                    *pose = state.pose;
-                }
-                observer.observe(tree, poses.get(..tree.len()).unwrap_or_default())?;
+        if self.observing && age_ticks == 1 {
+            let mut poses = [Transform::IDENTITY; N];
+            for (pose, state) in poses.iter_mut().zip(self.differenced.as_slice()) {
+                *pose = state.pose;
             }
-            _ => self.restart(),
+            self.observer.observe(tree, poses.get(..tree.len()).unwrap_or_default())?;
+        } else {
+            self.restart();
         }
         Ok(())
     }
 
     /// Lets the observer, if there is one, begin anew from what was read.
     fn restart(&mut self) {
-        if let Some(observer) = &mut self.observer {
-            observer.restart(&self.differenced);
+        if self.observes {
+            self.observer.restart(&self.differenced);
             self.observing = true;
         }
     }
@@ -168,20 +184,20 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
 
     /// The state that torques of this tick meet, as far as it is known.
     pub(super) fn states(&self) -> &JointStates<N> {
-        self.observer.as_ref().map_or(&self.differenced, Observer::states)
+        if self.observes { self.observer.states() } else { &self.differenced }
     }
 
     /// Takes off the targets what the observer has learnt of disturbances, if it is to.
     pub(super) fn compensate(&self, targets: &mut JointTargets<N>) {
-        if let Some(observer) = self.observer.as_ref().filter(|_| self.cancel) {
-            observer.compensate(targets);
+        if self.observes && self.cancel {
+            self.observer.compensate(targets);
         }
     }
 
     /// Notes what the joints were commanded.
     pub(super) fn commanded(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
-        if let Some(observer) = &mut self.observer {
-            observer.record_commands(commands, torques);
+        if self.observes {
+            self.observer.record_commands(commands, torques);
         }
     }
 }

@@ -111,37 +111,60 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     ///
     /// # Errors
     /// As [`Tracker::new`].
+    #[expect(clippy::needless_pass_by_value, reason = "a tracker has its own rig and workspace")]
     pub fn with_workspace(
         tree: Tree<N>,
         settings: &Settings,
         timing: Timing,
         workspace: Workspace<N, R>,
     ) -> Result<Self, TrackerError> {
+        let mut tracker = Self { workspace, ..Self::empty() };
+        tracker.set_up(&tree, settings, timing)?;
+        Ok(tracker)
+    }
+
+    /// A tracker of no bodies, which asks for nothing, to be [set up](Self::set_up) where it lies. It is large: made
+    /// elsewhere, it would take its size of stack for each move.
+    #[inline(never)]
+    pub fn empty() -> Self {
+        Self {
+            controller: Controller::of_nothing(),
+            desired: Desired::empty(),
+            estimate: Estimate::empty(),
+            supply: None,
+            sharing: Sharing::Alike,
+            workspace: Workspace::with_room(),
+        }
+    }
+
+    /// Becomes what [`Tracker::new`] gives, in its place.
+    ///
+    /// # Errors
+    /// As [`Tracker::new`]: it must be set up anew then.
+    #[inline(never)]
+    pub fn set_up(
+        &mut self,
+        tree: &Tree<N>,
+        settings: &Settings,
+        timing: Timing,
+    ) -> Result<(), TrackerError> {
         let Timing { dt_s, latency_ticks } = timing;
         timing.check()?;
         if settings.method == MethodName::Recommended {
             timing.check_recommended()?;
         }
-        let controller = settings.controller(tree, dt_s)?;
-        let (tree, effective) = (controller.tree(), settings.effective(dt_s));
+        settings.set_controller(&mut self.controller, tree, dt_s)?;
+        let effective = settings.effective(dt_s);
         // Who does not look ahead acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
         let differences = (effective.differences, effective.desired_velocity);
-        Ok(Self {
-            desired: Desired::new(tree, dt_s, ahead, differences, effective.projection(tree)?),
-            estimate: Estimate::new(
-                tree,
-                dt_s,
-                effective.observer(dt_s)?,
-                effective.observer.cancel,
-                latency_ticks,
-            )?,
-            supply: None,
-            sharing: effective.sharing,
-            controller,
-            workspace,
-        })
+        let projection = effective.projection(tree)?;
+        let (observer, cancel) = (effective.observer(dt_s)?, effective.observer.cancel);
+        self.estimate.set_up(tree, dt_s, observer, cancel, latency_ticks)?;
+        self.desired.set_up(tree, dt_s, ahead, differences, projection);
+        (self.supply, self.sharing) = (None, effective.sharing);
+        Ok(())
     }
 
     /// The same with a torque limit for each joint.

@@ -351,28 +351,43 @@ impl Settings {
     ///
     /// # Errors
     /// [`TrackerError`] if a setting cannot be, or not on this rig.
+    #[expect(clippy::needless_pass_by_value, reason = "a controller has its own rig")]
     pub fn controller<const N: usize>(
         &self,
         tree: Tree<N>,
         dt_s: f32,
     ) -> Result<Controller<N>, TrackerError> {
+        let mut controller = Controller::of_nothing();
+        self.set_controller(&mut controller, &tree, dt_s)?;
+        Ok(controller)
+    }
+
+    /// The same in its place.
+    // Not within its caller: what it takes of the stack is then free again before the rest.
+    #[inline(never)]
+    pub(super) fn set_controller<const N: usize>(
+        &self,
+        controller: &mut Controller<N>,
+        tree: &Tree<N>,
+        dt_s: f32,
+    ) -> Result<(), TrackerError> {
         self.check()?;
         let settings = self.effective(dt_s);
-        let method = settings.state_error(&tree)?;
+        let method = settings.state_error(tree)?;
         let outer = match settings.gains {
             GainsName::Uniform => None,
             GainsName::CompositeInertia => Some(OuterJoints::Locked),
             GainsName::ArticulatedInertia => Some(OuterJoints::Free),
         };
-        let inertias =
-            outer.map(|outer| reflected_inertia(&tree, &JointStates::rest(&tree), outer));
+        let inertias = outer.map(|outer| reflected_inertia(tree, &JointStates::rest(tree), outer));
         let gains = Gains::critically_damped(settings.kp)?;
         let gains = if settings.implicit { gains.implicit(dt_s)? } else { gains };
-        let controller = Controller::new(tree, gains, method)?;
-        Ok(match inertias {
-            Some(inertias) => controller.with_pd_of_inertia(&inertias)?,
-            None => controller.with_law(settings.law)?,
-        })
+        controller.set_up(tree, gains, method)?;
+        match inertias {
+            Some(inertias) => controller.set_pd_of_inertia(&inertias)?,
+            None => controller.set_law(settings.law)?,
+        }
+        Ok(())
     }
 
     /// The method of the state error, for a rig.
@@ -416,6 +431,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`TrackerError`] if the weights cannot be, or not on this rig.
+    #[inline(never)]
     pub fn projection<const N: usize>(
         &self,
         tree: &Tree<N>,

@@ -14,7 +14,7 @@ use super::path::Path;
 use super::performance::Performance;
 use super::pose::Pose;
 use super::registers::Comparison;
-use super::report::{FreedomReport, Report, ServoReport};
+use super::report::{FreedomReport, Report, filled};
 use super::settings::{ControllerSettings, ServoSetup, Start};
 use super::stop_test::StopTest;
 use super::watch::Watch;
@@ -89,6 +89,20 @@ struct Readings<const V: usize, const S: usize, const C: usize> {
     tracked: Pose<V, C>,
 }
 
+impl<const V: usize, const S: usize, const C: usize> Readings<V, S, C> {
+    /// Before any.
+    #[inline(never)]
+    fn new(freedoms: usize, pose: &Pose<V, C>) -> Self {
+        Self {
+            servos: Vec::new(),
+            conditions: Vec::new(),
+            freedoms: filled(freedoms, None),
+            pose: pose.clone(),
+            tracked: pose.clone(),
+        }
+    }
+}
+
 impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     Controller<'a, B, V, S, C>
 {
@@ -104,6 +118,51 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         schedule: &Schedule,
         start: Start,
     ) -> Result<Self, ControllerError> {
+        let mut controller = Self::blank(rig);
+        controller.set_up(settings, servos, schedule, start)?;
+        Ok(controller)
+    }
+
+    /// Of a rig, but without settings and servos.
+    #[inline(never)]
+    pub(crate) fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+        let mut supervisor = Supervisor::default();
+        // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
+        let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
+        let path = Path::blank();
+        Self {
+            rig,
+            rig_crc: 0,
+            dt_s: 0.0,
+            tick_us: 0,
+            supervisor,
+            watch: Watch::default(),
+            sources: Sources::new(path.now(), SoftStart::default()),
+            performance: Performance::blank(rig),
+            output: Output::default(),
+            stop_test: StopTest::default(),
+            comparison: Comparison::default(),
+            readings: Readings::new(0, path.now()),
+            path,
+            permission,
+            state,
+            is_there: false,
+            pending: FaultSet::EMPTY,
+            was_late: false,
+            report: Report::new(state, permission.source, 0, 0),
+        }
+    }
+
+    /// Makes a whole one of a blank one, in its place: it is large, and each move would take its size of stack.
+    #[inline(never)]
+    pub(crate) fn set_up(
+        &mut self,
+        settings: &ControllerSettings,
+        servos: &[ServoSetup],
+        schedule: &Schedule,
+        start: Start,
+    ) -> Result<(), ControllerError> {
+        let rig = self.rig;
         let (expected, found) = (rig.servos().len(), servos.len());
         if expected != found {
             return Err(ControllerError::Servos { expected, found });
@@ -111,55 +170,37 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         let dt_s = 1e-6 * schedule.tick_us() as f32;
         settings.check(schedule)?;
         check_budget(settings.compute_us, schedule, servos.len())?;
-        let found = rig.tree().coordinate_count();
-        let path = Path::new(rig, dt_s).ok_or(ControllerError::Capacity { found, holds: C })?;
         let groups = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
         let timing = Timing { dt_s, latency_ticks: groups };
-        let mut supervisor = Supervisor::new(settings.supervisor, start.count, start.log)?;
-        // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
-        let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
-        let report = Report {
-            state,
-            source: permission.source,
-            show: None,
-            answer: None,
-            present: FaultSet::EMPTY,
-            raised: FaultSet::EMPTY,
-            latched: FaultSet::EMPTY,
-            registers: Registers::Unread,
-            moving: None,
-            following: None,
-            freedoms: filled(rig.freedoms().len(), FreedomReport::default()),
-            servos: filled(servos.len(), ServoReport::NOTHING),
-            overruns: 0,
-        };
-        Ok(Self {
-            watch: Watch::new(rig, settings, servos, dt_s)?,
-            performance: Performance::new(rig, settings, servos, timing)?,
-            output: Output::new(rig.servos(), servos, dt_s)?,
-            sources: Sources::new(path.now(), SoftStart::new(&settings.supervisor, dt_s)),
-            readings: Readings {
-                servos: Vec::new(),
-                conditions: Vec::new(),
-                freedoms: filled(rig.freedoms().len(), None),
-                pose: path.now().clone(),
-                tracked: path.now().clone(),
-            },
-            rig,
-            rig_crc: settings.rig_crc,
-            dt_s,
-            tick_us: schedule.tick_us(),
-            supervisor,
-            path,
-            stop_test: StopTest::default(),
-            comparison: Comparison::new(rig.servos(), servos),
-            permission,
-            state,
-            is_there: false,
-            pending: start.causes,
-            was_late: false,
-            report,
-        })
+        // By itself: it takes most of the stack that all of this takes.
+        self.performance.set_up(settings, servos, timing)?;
+        (self.rig_crc, self.dt_s, self.tick_us) = (settings.rig_crc, dt_s, schedule.tick_us());
+        self.set_up_others(settings, servos, start)
+    }
+
+    #[inline(never)]
+    fn set_up_others(
+        &mut self,
+        settings: &ControllerSettings,
+        servos: &[ServoSetup],
+        start: Start,
+    ) -> Result<(), ControllerError> {
+        let (rig, dt_s) = (self.rig, self.dt_s);
+        let found = rig.tree().coordinate_count();
+        self.path = Path::new(rig, dt_s).ok_or(ControllerError::Capacity { found, holds: C })?;
+        self.supervisor = Supervisor::new(settings.supervisor, start.count, start.log)?;
+        let Outcome { state, permission, .. } = self.supervisor.step(&Supervised::default());
+        (self.state, self.permission) = (state, permission);
+        self.report =
+            Report::new(state, permission.source, rig.freedoms().len(), rig.servos().len());
+        self.watch = Watch::new(rig, settings, servos, dt_s)?;
+        self.output = Output::new(rig.servos(), servos, dt_s)?;
+        let soft = SoftStart::new(&settings.supervisor, dt_s);
+        self.sources = Sources::new(self.path.now(), soft);
+        self.readings = Readings::new(rig.freedoms().len(), self.path.now());
+        self.comparison = Comparison::new(rig.servos(), servos);
+        self.pending = start.causes;
+        Ok(())
     }
 
     /// The same with another rest pose than the rig's home.
@@ -481,14 +522,6 @@ fn read_pose<const V: usize, const C: usize>(
         }
     }
     path.coordinates(&at, q);
-}
-
-/// So many of one thing; what does not fit is left out.
-fn filled<T: Clone, const K: usize>(count: usize, of: T) -> Vec<T, K> {
-    let mut all = Vec::new();
-    // Held to the capacity: there is room.
-    let _ = all.resize(count.min(K), of);
-    all
 }
 
 /// That a tick has time for a bus with all its servos switched, and for what it takes the board, µs. The one check: of

@@ -22,6 +22,13 @@ impl LiveSource for () {
     }
 }
 
+/// Perhaps a stream.
+impl<L: LiveSource> LiveSource for Option<L> {
+    fn target(&mut self, now_us: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool {
+        self.as_mut().is_some_and(|stream| stream.target(now_us, q, qd, qdd))
+    }
+}
+
 /// A joint that somebody moves, as long as it comes in every tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -33,7 +40,7 @@ pub struct Jog {
 }
 
 /// How a show begins that is faster than a rig may be from standing still.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SoftStart {
     /// The fastest joint from standing still, rad/s.
     rad_s: f32,
@@ -73,6 +80,7 @@ pub(super) struct Sources<'a, const V: usize, const C: usize> {
 }
 
 impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
+    #[inline(never)]
     pub(super) fn new(rest: &Pose<V, C>, soft: SoftStart) -> Self {
         Self {
             show: None,

@@ -11,12 +11,13 @@ use crate::supervisor::{Guard, GuardReason, GuardSettings, Permission};
 use sinew_rig::board::BoardServo;
 
 /// The guards of all servos.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Output<const S: usize> {
     guards: Vec<Guard, S>,
 }
 
 impl<const S: usize> Output<S> {
+    #[inline(never)]
     pub(super) fn new(
         servos: &[BoardServo],
         setups: &[ServoSetup],

@@ -44,7 +44,20 @@ struct Axis {
 }
 
 impl<const V: usize, const C: usize> Path<V, C> {
+    /// Of no freedoms.
+    pub(super) fn blank() -> Self {
+        let nowhere = Pose::new(0, 0);
+        Self {
+            parts: Vec::new(),
+            freedoms: Vec::new(),
+            dt_s: 0.0,
+            from: nowhere.clone(),
+            now: nowhere,
+        }
+    }
+
     /// At the rig's home; none if it has more coordinates than there is room for.
+    #[inline(never)]
     pub(super) fn new<const B: usize, const S: usize>(
         rig: &BoardRig<B, V, S>,
         dt_s: f32,

@@ -34,16 +34,31 @@ pub(super) struct Performance<'a, const B: usize, const V: usize, const S: usize
 }
 
 impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S> {
-    pub(super) fn new(
-        rig: &'a BoardRig<B, V, S>,
+    /// Of a rig, but of no servos yet.
+    #[inline(never)]
+    pub(super) fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+        Self {
+            rig,
+            tracker: Tracker::empty(),
+            drives: Drives::blank(rig),
+            corrects: Vec::new(),
+            commands: Vec::new(),
+            out: Vec::new(),
+        }
+    }
+
+    /// Makes a whole one of a blank one, in its place.
+    #[inline(never)]
+    pub(super) fn set_up(
+        &mut self,
         settings: &ControllerSettings,
         servos: &[ServoSetup],
         timing: Timing,
-    ) -> Result<Self, ControllerError> {
+    ) -> Result<(), ControllerError> {
+        let Self { rig, tracker, drives, corrects, commands, out } = self;
         let mut of_drives: Vec<_, S> = Vec::new();
         of_drives.extend(servos.iter().map(|servo| servo.drive).take(S));
-        let drives = Drives::new(rig, &of_drives, timing).map_err(ControllerError::Drives)?;
-        let (mut commands, mut out, mut corrects) = (Vec::new(), Vec::new(), Vec::new());
+        drives.set_up(&of_drives, timing).map_err(ControllerError::Drives)?;
         // Freedoms and servos of a rig are counted: there is room.
         let _ = commands.resize(rig.freedoms().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
@@ -56,16 +71,7 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
                 }
             }
         }
-        // In its place at once: it is most of a controller, and each move would take its size of stack.
-        let tracker = Tracker::new(rig.tree().clone(), &settings.tracker, timing);
-        Ok(Self {
-            tracker: tracker.map_err(ControllerError::Tracker)?,
-            rig,
-            drives,
-            corrects,
-            commands,
-            out,
-        })
+        tracker.set_up(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)
     }
 
     /// Whether the servos of a freedom take what the tracker makes of an error.
@@ -128,6 +134,8 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
 
     /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
     /// servos: it holds the rig where a hand has left it. O(freedoms).
+    // Not within its caller, whose frame on the stack every other tick would pay for.
+    #[inline(never)]
     pub(super) fn carry<const C: usize>(
         &mut self,
         led: &Path<V, C>,

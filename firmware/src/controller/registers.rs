@@ -10,7 +10,7 @@ use crate::supervisor::{RegisterDiffers, Registers};
 
 /// Compares servo after servo, again and again, as long as torque is off. When torque was on, and when a servo was
 /// silent, nothing is known any more: it may have started anew.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Comparison<const S: usize> {
     servos: Vec<Servo, S>,
     /// Which one the bus compares, or will.
@@ -28,6 +28,7 @@ struct Servo {
 }
 
 impl<const S: usize> Comparison<S> {
+    #[inline(never)]
     pub(super) fn new(servos: &[BoardServo], setups: &[ServoSetup]) -> Self {
         let demands = servos.iter().zip(setups).map(|(servo, setup)| setup.demand(&servo.servo));
         // Servos of a rig are counted: there is room.

@@ -38,6 +38,28 @@ pub struct Report<const V: usize, const S: usize> {
     pub overruns: u32,
 }
 
+impl<const V: usize, const S: usize> Report<V, S> {
+    /// Before the first tick.
+    #[inline(never)]
+    pub(super) fn new(state: State, source: Source, freedoms: usize, servos: usize) -> Self {
+        Self {
+            state,
+            source,
+            show: None,
+            answer: None,
+            present: FaultSet::EMPTY,
+            raised: FaultSet::EMPTY,
+            latched: FaultSet::EMPTY,
+            registers: Registers::Unread,
+            moving: None,
+            following: None,
+            freedoms: filled(freedoms, FreedomReport::default()),
+            servos: filled(servos, ServoReport::NOTHING),
+            overruns: 0,
+        }
+    }
+}
+
 /// How far measured freedoms are from what was commanded in the tick before, rad; of slides, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -92,7 +114,7 @@ pub struct ServoReport {
 
 impl ServoReport {
     /// Of a servo that was never read.
-    pub(super) const NOTHING: Self = Self {
+    const NOTHING: Self = Self {
         limit: None,
         guard: None,
         share: 1.0,
@@ -104,4 +126,12 @@ impl ServoReport {
         not_believed: 0,
         last_error: 0,
     };
+}
+
+/// So many of one thing; what does not fit is left out.
+pub(super) fn filled<T: Clone, const K: usize>(count: usize, of: T) -> Vec<T, K> {
+    let mut all = Vec::new();
+    // Held to the capacity: there is room.
+    let _ = all.resize(count.min(K), of);
+    all
 }

@@ -15,7 +15,7 @@ use crate::supervisor::detect::{Derated, Following, Heat, Overrun, Silence, Supp
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
 /// Looks at every servo and freedom, once a tick.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Watch<const V: usize, const S: usize> {
     servos: Vec<Servo, S>,
     freedoms: Vec<(Following, u16), V>,
@@ -40,6 +40,7 @@ struct Servo {
 }
 
 impl<const V: usize, const S: usize> Watch<V, S> {
+    #[inline(never)]
     pub(super) fn new<const B: usize>(
         rig: &BoardRig<B, V, S>,
         settings: &ControllerSettings,

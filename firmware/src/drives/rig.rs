@@ -33,22 +33,38 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
         settings: &[DriveSettings],
         timing: Timing,
     ) -> Result<Self, SetupError> {
-        let (expected, found) = (rig.servos().len(), settings.len());
+        let mut drives = Self::blank(rig);
+        drives.set_up(settings, timing)?;
+        Ok(drives)
+    }
+
+    /// Without settings: no servos.
+    pub(crate) fn blank(rig: &'r BoardRig<B, V, S>) -> Self {
+        Self { rig, servos: Vec::new(), turns: Vec::new() }
+    }
+
+    /// Makes new ones of blank ones, in their place.
+    #[inline(never)]
+    pub(crate) fn set_up(
+        &mut self,
+        settings: &[DriveSettings],
+        timing: Timing,
+    ) -> Result<(), SetupError> {
+        let (expected, found) = (self.rig.servos().len(), settings.len());
         let count = SetupError::Count { expected, found };
         if expected != found {
             return Err(count);
         }
-        let mut servos = Vec::new();
-        for (index, (on_board, settings)) in rig.servos().iter().zip(settings).enumerate() {
+        for (index, (on_board, settings)) in self.rig.servos().iter().zip(settings).enumerate() {
             let refused = |why| SetupError::Servo { servo: index, why };
             let drive = ServoDrive::new(&on_board.servo, settings, timing).map_err(refused)?;
             drive.check_address(on_board.address).map_err(refused)?;
-            servos.push(drive).map_err(|_| count)?;
+            self.servos.push(drive).map_err(|_| count)?;
         }
-        let mut drives = Self { rig, servos, turns: turn::turns(rig) };
-        drives.check_classes()?;
-        drives.begin(&[]);
-        Ok(drives)
+        self.turns = turn::turns(self.rig);
+        self.check_classes()?;
+        self.begin(&[]);
+        Ok(())
     }
 
     /// Servos of two classes on one drive would work against each other.

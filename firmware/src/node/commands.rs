@@ -25,6 +25,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     Desk<'a, F, B, V, S, C>
 {
     /// Carries a command out, or gives it to the loop: then its answer comes later.
+    #[inline(never)]
     pub(super) fn execute(
         &mut self,
         command: Command,
@@ -42,17 +43,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             {
                 Err(Refusal::Busy)
             }
-            Command::LoadShow { slot } => match self.open(slot.into(), port) {
-                Ok(show) => {
-                    return self.give(
-                        Order::Show(Some(show)),
-                        ticket,
-                        Wait::Load { slot: slot.into() },
-                        mail,
-                    );
-                }
-                Err(refusal) => Err(refusal),
-            },
+            Command::LoadShow { slot } => return self.load(slot.into(), ticket, port, mail),
             Command::DeleteShow { slot } if self.lent == Some(slot.into()) => {
                 let state = mail.with(|mail| mail.state);
                 if !state.is_on() {
@@ -83,6 +74,21 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             _ => Err(Refusal::Unsupported),
         };
         Some(outcome(result))
+    }
+
+    /// A show for the loop. Apart: shows take much of the stack.
+    #[inline(never)]
+    fn load(
+        &mut self,
+        slot: usize,
+        ticket: Ticket,
+        port: &mut impl Port<'a>,
+        mail: &impl Shared<Mail<'a, V, S, C>>,
+    ) -> Option<Outcome> {
+        match self.open(slot, port) {
+            Ok(show) => self.give(Order::Show(Some(show)), ticket, Wait::Load { slot }, mail),
+            Err(refusal) => Some(Outcome::Refused(refusal)),
+        }
     }
 
     /// For the supervisor.

@@ -1,6 +1,8 @@
 //! Above: the loop with its orders, once a tick.
 
-use sinew_bus::ServoBus;
+use core::fmt;
+
+use sinew_bus::{Schedule, ServoBus};
 use sinew_link::{LiveSettings, LiveSetupError};
 use sinew_rig::board::BoardRig;
 use sinew_storage::Disarmed;
@@ -9,17 +11,42 @@ use super::board::Safety;
 use super::live::Live;
 use super::mail::{Mail, Order, Said, Shared, Tick, Ticket};
 use super::service::{Asked, Lowest};
+use super::settings::NodeSettings;
 use super::snapshot::{self, Times};
 use super::timing::Timing;
-use crate::controller::{Controller, Incomplete, Inputs, Jog, Wire, exchange};
+use crate::controller::{
+    Controller, ControllerError, Incomplete, Inputs, Jog, ServoSetup, Start, Wire, exchange,
+};
 use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
+
+/// Why there is no loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum ControlError {
+    /// The controller.
+    Controller(ControllerError),
+    /// A setting of the live stream cannot be.
+    Live(LiveSetupError),
+}
+
+impl fmt::Display for ControlError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Controller(why) => why.fmt(f),
+            Self::Live(why) => why.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ControlError {}
 
 /// The loop of a node. It has a context of its own, which nothing but the bus may interrupt.
 #[derive(Debug)]
 pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
     rig: &'a BoardRig<B, V, S>,
     pub(super) controller: Controller<'a, B, V, S, C>,
-    live: Live<C>,
+    /// None of a blank one.
+    live: Option<Live<C>>,
     /// Here while torque may be on.
     disarmed: Option<Disarmed>,
     /// The command that this tick carries out.
@@ -38,21 +65,46 @@ pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: 
 }
 
 impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control<'a, B, V, S, C> {
-    /// The loop of a controller of this rig.
+    /// The loop of a rig, with a [controller](Controller::new) of these settings, servos and schedule.
     ///
     /// # Errors
-    /// [`LiveSetupError`] if a setting of the live stream cannot be.
+    /// [`ControlError`] says in words what does not fit.
     pub fn new(
         rig: &'a BoardRig<B, V, S>,
-        controller: Controller<'a, B, V, S, C>,
-        live: LiveSettings,
-    ) -> Result<Self, LiveSetupError> {
-        let live = Live::new(rig, LiveSettings { tick_s: controller.dt_s(), ..live })?;
-        Ok(Self {
+        settings: &NodeSettings,
+        servos: &[ServoSetup],
+        schedule: &Schedule,
+        start: Start,
+    ) -> Result<Self, ControlError> {
+        let mut control = Self::blank(rig);
+        control.set_up(settings, servos, schedule, start)?;
+        Ok(control)
+    }
+
+    /// The same on the stack, where it stays while `act` has it. A loop is half of what a board has in RAM: one that is
+    /// handed up as a result is moved, and the board has no room for two.
+    pub fn with<R>(
+        rig: &'a BoardRig<B, V, S>,
+        settings: &NodeSettings,
+        servos: &[ServoSetup],
+        schedule: &Schedule,
+        start: Start,
+        act: impl FnOnce(Result<&mut Self, ControlError>) -> R,
+    ) -> R {
+        let mut control = Self::blank(rig);
+        let made = control.set_up(settings, servos, schedule, start);
+        act(made.map(|()| &mut control))
+    }
+
+    /// Of a rig, but without settings and servos. Nobody outside sees one.
+    // Not within its caller, as all that makes a large part: the compiler then makes it in its place.
+    #[inline(never)]
+    fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+        Self {
             rig,
-            told: *controller.supervisor().log(),
-            controller,
-            live,
+            told: FaultLog::default(),
+            controller: Controller::blank(rig),
+            live: None,
             disarmed: None,
             asked: None,
             busy: None,
@@ -63,7 +115,29 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
             times: Times::default(),
             timing: Timing::default(),
             wants_snapshot: false,
-        })
+        }
+    }
+
+    #[inline(never)]
+    fn set_up(
+        &mut self,
+        settings: &NodeSettings,
+        servos: &[ServoSetup],
+        schedule: &Schedule,
+        start: Start,
+    ) -> Result<(), ControlError> {
+        self.told = start.log;
+        self.controller
+            .set_up(&settings.controller, servos, schedule, start)
+            .map_err(ControlError::Controller)?;
+        self.set_live(settings.live())
+    }
+
+    #[inline(never)]
+    fn set_live(&mut self, live: LiveSettings) -> Result<(), ControlError> {
+        let live = LiveSettings { tick_s: self.controller.dt_s(), ..live };
+        self.live = Some(Live::new(self.rig, live).map_err(ControlError::Live)?);
+        Ok(())
     }
 
     /// The controller.
@@ -118,7 +192,9 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
 
     fn take(&mut self, mail: &mut Mail<'a, V, S, C>, now_us: u64) -> Inputs {
         while let Some(frame) = mail.live.pop_front() {
-            self.live.push(&frame, now_us);
+            if let Some(live) = &mut self.live {
+                live.push(&frame, now_us);
+            }
         }
         self.wants_snapshot |= core::mem::take(&mut mail.wants_snapshot);
         if let Some(jog) = mail.jog.take() {
@@ -180,7 +256,8 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         }
         let times = core::mem::take(&mut self.times);
         self.times = times.go_on();
-        let (stack_free, live_age_ms) = (board.stack_free(), self.live.age_ms());
+        let live_age_ms = self.live.as_ref().and_then(Live::age_ms);
+        let stack_free = board.stack_free();
         let more = snapshot::More { times, stack_free, live_age_ms, show_hz: self.show_hz };
         Some(snapshot::of(&self.controller, self.rig, &more))
     }

@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 use sinew_link::message::{
-    About, Command, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
+    About, Command, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
 };
 use sinew_link::{Decoder, Intake, Order as Sequence, Session};
 use sinew_rig::board::BoardRig;
@@ -131,6 +131,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
     }
 
+    #[inline(never)]
     fn take(
         &mut self,
         message: ToController,
@@ -138,15 +139,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         mail: &impl Shared<Mail<'a, V, S, C>>,
     ) {
         match message {
-            ToController::Hello(hello) => {
-                let busy = mail.with(|mail| mail.state.is_on());
-                let before = self.session.id();
-                let welcome = self.session.hello(hello, self.setup.about, busy);
-                if welcome.verdict != Err(Misfit::Busy) && self.session.id() != before {
-                    self.telemeter = Telemeter::new();
-                }
-                self.outbox.put(&ToHost::Welcome(welcome));
-            }
+            ToController::Hello(hello) => self.welcome(hello, mail),
             ToController::Command(command) => match self.session.command(&command) {
                 Intake::Answer(answer) => self.outbox.put(&ToHost::Answer(answer)),
                 Intake::Execute => {
@@ -164,7 +157,20 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         }
     }
 
+    // Apart, as all here that takes much of the stack: it is free again before the rest.
+    #[inline(never)]
+    fn welcome(&mut self, hello: Hello, mail: &impl Shared<Mail<'a, V, S, C>>) {
+        let busy = mail.with(|mail| mail.state.is_on());
+        let before = self.session.id();
+        let welcome = self.session.hello(hello, self.setup.about, busy);
+        if welcome.verdict != Err(Misfit::Busy) && self.session.id() != before {
+            self.telemeter = Telemeter::new();
+        }
+        self.outbox.put(&ToHost::Welcome(welcome));
+    }
+
     /// What counts only while it is fresh.
+    #[inline(never)]
     fn stream(&mut self, item: Numbered<Stream>, mail: &impl Shared<Mail<'a, V, S, C>>) {
         let Some(order) = self.session.stream(&item) else { return };
         let is_fresh = matches!(order, Sequence::Fresh { .. });

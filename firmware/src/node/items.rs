@@ -74,6 +74,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         Ok(Applied::Stored(None))
     }
 
+    #[inline(never)]
     pub(super) fn ask(&mut self, place: Place) -> Done {
         let item = match place {
             Place::Settings => self.store.settings(),
@@ -84,6 +85,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         Ok(Applied::Stored(item.map(|item| words::item(item.descriptor()))))
     }
 
+    #[inline(never)]
     pub(super) fn begin(&mut self, item: &Item, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
         let descriptor = words::descriptor(item).ok_or(Refusal::Value)?;
         let schema = match descriptor.kind {
@@ -116,6 +118,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// What cannot be used does not replace what can.
+    #[inline(never)]
     pub(super) fn end<P: Port<'a>>(
         &mut self,
         port: &mut P,
@@ -142,14 +145,12 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
             Kind::Rig => {
                 let (rig, behind) = split_rig(bytes);
-                BoardRig::<B, V, S>::decode(rig).map_err(|error| words::rig_error(&error))?;
+                check_rig::<B, V, S>(rig)?;
                 if P::drives(behind) { Ok(()) } else { Err(Refusal::Unsupported) }
             }
             Kind::Show => {
                 let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
-                open_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
-                    .map(|_| ())
-                    .map_err(|error| words::show_error(&error))
+                check_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
             }
         }
     }
@@ -160,6 +161,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// One setting, as all settings anew. It counts from the restart on.
+    #[inline(never)]
     pub(super) fn write_setting(
         &mut self,
         key: u16,
@@ -184,6 +186,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     }
 
     /// 0 is the first since faults were cleared, then from the latest back.
+    #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
         let faults = self.store.faults().map_err(|error| words::storage(&error))?;
         let all = faults.first.iter().chain(&faults.last);
@@ -195,6 +198,23 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let record = record.and_then(words::kept).map(|record| words::fault(&record));
         Ok(Applied::Fault(FaultReport { count, record }))
     }
+}
+
+#[inline(never)]
+fn check_show<const B: usize, const V: usize, const S: usize, const C: usize>(
+    rig: &BoardRig<B, V, S>,
+    crc: u32,
+    tick_s: f32,
+    bytes: &[u8],
+) -> Result<(), Refusal> {
+    let opened = open_show::<B, V, S, C>(rig, crc, tick_s, bytes);
+    opened.map(|_| ()).map_err(|error| words::show_error(&error))
+}
+
+// Apart, as all here that takes much of the stack: it is free again before the rest.
+#[inline(never)]
+fn check_rig<const B: usize, const V: usize, const S: usize>(bytes: &[u8]) -> Result<(), Refusal> {
+    BoardRig::<B, V, S>::decode(bytes).map(|_| ()).map_err(|error| words::rig_error(&error))
 }
 
 fn read_back<F: NorFlash>(

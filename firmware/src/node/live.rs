@@ -30,6 +30,7 @@ pub(super) struct Live<const C: usize> {
 
 impl<const C: usize> Live<C> {
     /// For the joints of a rig; one that floats cannot be streamed to, and counts as one that stands.
+    #[inline(never)]
     pub(super) fn new<const B: usize, const V: usize, const S: usize>(
         rig: &BoardRig<B, V, S>,
         settings: LiveSettings,

@@ -56,7 +56,7 @@ mod timing;
 mod words;
 
 pub use board::{Port, Safety, causes};
-pub use control::Control;
+pub use control::{Control, ControlError};
 pub use desk::{Desk, Next, Setup};
 pub use items::SHOW_SCHEMA;
 pub use mail::{Mail, Shared};

@@ -48,6 +48,7 @@ impl Lowest {
 impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_, B, V, S, C> {
     /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as servos are
     /// waited for, at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
+    #[inline(never)]
     pub(super) fn serve(
         &mut self,
         board: &impl Safety,

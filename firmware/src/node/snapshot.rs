@@ -48,6 +48,8 @@ pub(super) struct More {
 }
 
 /// The last tick. O(bodies).
+// Not within its caller: the loop would have its poses on the stack in every tick.
+#[inline(never)]
 pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>(
     controller: &Controller<'_, B, V, S, C>,
     rig: &BoardRig<B, V, S>,
@@ -103,6 +105,7 @@ pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>
 }
 
 /// How far the measured pose is from the commanded one: angles by freedom, distances of the joints in space.
+#[inline(never)]
 fn errors<const B: usize, const V: usize, const S: usize, const C: usize>(
     controller: &Controller<'_, B, V, S, C>,
     rig: &BoardRig<B, V, S>,

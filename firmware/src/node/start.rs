@@ -1,5 +1,7 @@
 //! At power-on: all that storage keeps is read back and checked.
 
+use core::mem::MaybeUninit;
+
 use embedded_storage::nor_flash::NorFlash;
 use sinew_rig::board::BoardRig;
 use sinew_storage::{BoardTable, Condition, Disarmed, Error, Hash, Kind, Store, Stored};
@@ -14,7 +16,7 @@ pub const RIG_SCHEMA: u16 = 1;
 
 /// What was found at power-on.
 #[derive(Debug)]
-pub struct Found<F, const B: usize, const V: usize, const S: usize> {
+pub struct Found<'r, F, const B: usize, const V: usize, const S: usize> {
     /// The store, in order.
     pub store: Store<F>,
     /// The one permission to erase, for [`Mail::new`](super::Mail::new).
@@ -22,7 +24,7 @@ pub struct Found<F, const B: usize, const V: usize, const S: usize> {
     /// The settings; where there are none, or bad ones, the board's.
     pub settings: NodeSettings,
     /// The rig, and the CRC that its form ends with. None if there is no good one: nothing can move then.
-    pub rig: Option<(BoardRig<B, V, S>, u32)>,
+    pub rig: Option<(&'r BoardRig<B, V, S>, u32)>,
     /// Whether the settings, or the rig, are not the newest that were stored: what is stored is bad.
     pub is_bad: bool,
     /// For the controller: why the board starts, and what is bad, as faults; and the faults before.
@@ -30,17 +32,19 @@ pub struct Found<F, const B: usize, const V: usize, const S: usize> {
 }
 
 /// Opens storage and reads it back. `defaults`: the board's own settings, by what was stored [behind the
-/// rig](split_rig). `causes`: why the board starts. `room`: for the longest item of a rig. O(log).
+/// rig](split_rig). `causes`: why the board starts. `room`: for the longest item of a rig; `slot`: where the rig is to
+/// lie. O(log).
 ///
 /// # Errors
 /// [`Error`] if the flash cannot be read, or the table does not fit it. Whatever is in the flash is no error.
-pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
+pub fn start<'r, F: NorFlash, const B: usize, const V: usize, const S: usize>(
     flash: F,
     table: BoardTable,
     defaults: impl FnOnce(&[u8]) -> NodeSettings,
     mut causes: FaultSet,
     room: &mut [u8],
-) -> Result<Found<F, B, V, S>, Error<F::Error>> {
+    slot: &'r mut MaybeUninit<BoardRig<B, V, S>>,
+) -> Result<Found<'r, F, B, V, S>, Error<F::Error>> {
     let (mut store, disarmed) = Store::open(flash, table)?;
     let was_lost = store.condition() == Condition::Lost;
     store.tidy(&disarmed)?;
@@ -55,7 +59,7 @@ pub fn start<F: NorFlash, const B: usize, const V: usize, const S: usize>(
         && let Some(content) = content(&mut store, &item, RIG_SCHEMA, room)?
     {
         let (bytes, more) = split_rig(content);
-        (rig, behind) = (read_rig(bytes), more);
+        (rig, behind) = (read_rig(slot, bytes), more);
     }
     is_bad |= rig.is_none();
     let defaults = defaults(behind);
@@ -122,11 +126,12 @@ fn content<'r, F: NorFlash>(
 }
 
 /// A rig, and the CRC that its form ends with.
-fn read_rig<const B: usize, const V: usize, const S: usize>(
+fn read_rig<'r, const B: usize, const V: usize, const S: usize>(
+    slot: &'r mut MaybeUninit<BoardRig<B, V, S>>,
     bytes: &[u8],
-) -> Option<(BoardRig<B, V, S>, u32)> {
+) -> Option<(&'r BoardRig<B, V, S>, u32)> {
     let crc = u32::from_le_bytes(*bytes.last_chunk()?);
-    BoardRig::decode(bytes).ok().map(|rig| (rig, crc))
+    BoardRig::decode_in(slot, bytes).ok().map(|rig| (&*rig, crc))
 }
 
 /// Faults that storage has kept, for the supervisor. Of one that was kept several times, as it came again, the newest

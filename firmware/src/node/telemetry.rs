@@ -27,6 +27,7 @@ impl<const V: usize, const S: usize, const C: usize> Telemeter<V, S, C> {
     }
 
     /// `damaged`, `lost`: frames of the host.
+    #[inline(never)]
     pub(super) fn step<'a>(
         &mut self,
         now_us: u64,

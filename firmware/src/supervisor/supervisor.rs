@@ -61,7 +61,7 @@ pub struct Outcome {
 
 /// May anything move, how fast, and what happens on a fault. Begins in [`State::Off`]; nothing but
 /// [`Command::Arm`] leads to torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Supervisor {
     settings: Settings,
     start: u32,
@@ -92,8 +92,7 @@ impl Supervisor {
         log: FaultLog<LOGGED>,
     ) -> Result<Self, SettingError> {
         settings.check()?;
-        let (mode, clocks) = (Mode::default(), Clocks::default());
-        Ok(Self { settings, start, mode, clocks, reacting: FaultSet::EMPTY, log })
+        Ok(Self { settings, start, log, ..Self::default() })
     }
 
     /// A tick. The same inputs give the same outcomes, whatever the machine. O(1).

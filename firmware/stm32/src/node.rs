@@ -12,7 +12,7 @@ use embassy_stm32::{interrupt, pac, peripherals, rcc};
 use heapless::Vec;
 use sinew_bus::{Schedule, Timing, dynamixel};
 use sinew_firmware::controller::{
-    Controller, ControllerError, ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
+    ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
 };
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, start,
@@ -22,16 +22,14 @@ use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_rig::board::BoardRig;
 use sinew_storage::{BoardTable, Capacity, Store};
-use sinew_wiring::{AllLines, Built, Line, Protocol, Wiring};
-use static_cell::{ConstStaticCell, StaticCell};
+use sinew_wiring::{AllLines, Line, Protocol, Wiring};
+use static_cell::StaticCell;
 
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold. What runs would have room for 20 in 128 kB: 66 kB, and 27 for what does not depend on
-/// it. But to make a controller takes some five times its size of stack, as its parts are moved into it: of six servos
-/// 100 kB, where 94 are left.
-pub const SERVOS: usize = 5;
+/// Servos that these boards hold. What is static and the deepest stack, of a start, fit in 128 kB with some 40 to spare.
+pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
 /// Degrees of freedom.
@@ -56,7 +54,6 @@ const LOOP_PRIORITY: u8 = 8 << 4;
 
 type Rig = BoardRig<BODIES, FREEDOMS, SERVOS>;
 type LoopControl = Control<'static, BODIES, FREEDOMS, SERVOS, COORDINATES>;
-type OwnController = Controller<'static, BODIES, FREEDOMS, SERVOS, COORDINATES>;
 type OwnMail = Locked<Mail<'static, FREEDOMS, SERVOS, COORDINATES>>;
 type OwnWiring = Wiring<LINES, SERVOS>;
 
@@ -132,8 +129,8 @@ impl Safety for Pins {
 }
 
 /// All that the loop has.
-struct Loop {
-    control: &'static mut LoopControl,
+struct Loop<'l> {
+    control: &'l mut LoopControl,
     lines: &'static RefCell<Lines>,
     ports: Ports,
     pins: Pins,
@@ -142,8 +139,9 @@ struct Loop {
     asks_us: u32,
 }
 
-/// The loop, once there is one: from then on its interrupt alone has it.
-static LOOP: AtomicPtr<Loop> = AtomicPtr::new(ptr::null_mut());
+/// The loop, once there is one: from then on its interrupt alone has it. It lies in the frame of [`node`], which is never
+/// left.
+static LOOP: AtomicPtr<Loop<'static>> = AtomicPtr::new(ptr::null_mut());
 /// The first fault that is latched, by number; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);
 static STACK_FREE: AtomicU32 = AtomicU32::new(0);
@@ -153,7 +151,7 @@ static CORE_HZ: AtomicU32 = AtomicU32::new(0);
 #[embassy_stm32::interrupt]
 fn TIM3() {
     pac::TIM3.sr().modify(|w| w.set_uif(false));
-    // SAFETY: it is a static, and nobody else has it since it was put there.
+    // SAFETY: the frame that it lies in is never left, and nobody else has it since it was told.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
     let Loop { control, lines, ports, pins, mail, asks_us } = own;
     let until_us = clock::now_us().saturating_add(u64::from(*asks_us));
@@ -214,81 +212,85 @@ fn without_rig() -> NodeSettings {
 fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     let wiring = OwnWiring::decode(behind).ok()?;
     places(&wiring)?;
-    let Built { mut settings, servos, schedule, .. } = wiring.build().ok()?;
-    settings.compute_us = estimated_us(servos.len(), CORE_HZ.load(Ordering::Relaxed));
-    check_budget(settings.compute_us, &schedule, servos.len()).ok()?;
+    wiring.check().ok()?;
+    let (mut settings, schedule) = (wiring.settings(), wiring.schedule().ok()?);
+    let servos = wiring.servos.len();
+    settings.compute_us = estimated_us(servos, CORE_HZ.load(Ordering::Relaxed));
+    check_budget(settings.compute_us, &schedule, servos).ok()?;
     Some(NodeSettings::new(settings, schedule))
 }
 
-/// What a start has found, but the rig's wiring.
+/// What a start has found.
 struct ReadBack {
     store: Store<Chip>,
     settings: NodeSettings,
     rig: Option<(&'static Rig, u32)>,
+    wired: Option<&'static Wired>,
     is_bad: bool,
     start: Start,
     mail: &'static OwnMail,
 }
 
 #[inline(never)]
-fn read_back(flash: Chip, table: BoardTable, room: &mut [u8]) -> (ReadBack, Range<usize>) {
+fn read_back(flash: Chip, table: BoardTable) -> ReadBack {
     static RIG: StaticCell<Rig> = StaticCell::new();
     static MAIL: StaticCell<OwnMail> = StaticCell::new();
-    let room_at = room.as_ptr() as usize;
-    let mut wiring = 0..0;
+    let mut room = [0; RIG_ROOM];
+    let mut wired = None;
     let defaults = |behind: &[u8]| {
-        let at = (behind.as_ptr() as usize).wrapping_sub(room_at);
-        if !behind.is_empty() {
-            wiring = at..at + behind.len();
-        }
-        of_wiring(behind).unwrap_or_else(without_rig)
+        let settings = of_wiring(behind);
+        wired = settings.as_ref().and_then(|_| wire(behind));
+        settings.unwrap_or_else(without_rig)
     };
-    let found = start::<_, BODIES, FREEDOMS, SERVOS>(flash, table, defaults, reset::why(), room);
+    let found = start(flash, table, defaults, reset::why(), &mut room, RIG.uninit());
     let Found { store, disarmed, settings, rig, is_bad, start } =
         found.expect("the table is of this flash");
-    let rig = rig.map(|(rig, crc)| (&*RIG.init(rig), crc));
     let mail: &'static OwnMail = MAIL.init(Locked(Mutex::new(RefCell::new(Mail::new(disarmed)))));
-    (ReadBack { store, settings, rig, is_bad, start, mail }, wiring)
+    ReadBack { store, settings, rig, wired, is_bad, start, mail }
+}
+
+/// The lines of a wiring, and what else the loop has of it.
+struct Wired {
+    lines: &'static RefCell<Lines>,
+    places: Vec<Place, LINES>,
+    servos: Vec<ServoSetup, SERVOS>,
+    schedule: Schedule,
+    of_lines: Vec<Line, LINES>,
+}
+
+#[inline(never)]
+fn wire(behind: &[u8]) -> Option<&'static Wired> {
+    static WIRED: StaticCell<Wired> = StaticCell::new();
+    static LINES_OF_ALL: StaticCell<RefCell<Lines>> = StaticCell::new();
+    let wiring = OwnWiring::decode(behind).ok()?;
+    let places = places(&wiring)?;
+    let lines = LINES_OF_ALL.uninit().write(no_lines());
+    wiring.connect(lines.get_mut()).ok()?;
+    let (servos, schedule) = (wiring.setups(), wiring.schedule().ok()?);
+    Some(WIRED.init(Wired { lines, places, servos, schedule, of_lines: wiring.lines }))
+}
+
+#[inline(never)]
+fn no_lines() -> RefCell<Lines> {
+    RefCell::new(Lines::new([], []))
 }
 
 /// The node, from here to the next reset.
 ///
-/// What is large is made in functions of its own, and put into statics there: their stack is free again before the
-/// next.
-pub fn run(mut core: cortex_m::Peripherals, hardware: Hardware) -> ! {
-    static ROOM: ConstStaticCell<[u8; RIG_ROOM]> = ConstStaticCell::new([0; RIG_ROOM]);
-
+/// The loop lies on the stack, above all that the desk takes: what is made there is made in its place. What else is
+/// large is made in functions of its own, whose stack is free again before the next.
+pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
     clock::start();
-    let Hardware {
-        link,
-        link_bps,
-        mut servos,
-        i2c,
-        outputs,
-        stop,
-        mut light,
-        flash,
-        table,
-        core_hz,
-    } = hardware;
-    CORE_HZ.store(core_hz, Ordering::Relaxed);
     // Whatever was before: at the rate that most servos have, and again at theirs as soon as it is known.
-    servos.torque_off();
+    hardware.servos.torque_off();
 
-    let room = ROOM.take();
-    let (found, wiring) = read_back(flash, table, room);
-    let ReadBack { store, settings, rig, is_bad, start, mail } = found;
+    let Hardware { link, link_bps, servos, i2c, outputs, stop, light, flash, table, core_hz } =
+        hardware;
+    CORE_HZ.store(core_hz, Ordering::Relaxed);
+    let ReadBack { store, settings, rig, wired, is_bad, start, mail } = read_back(flash, table);
     let first_session = u16::try_from(start.count % 0x1_0000).unwrap_or_default().wrapping_mul(100);
-    let behind = room.get(wiring).unwrap_or_default();
-    let of_loop = rig.and_then(|(rig, crc)| {
-        let pins = Unwatched { outputs, stop, core_hz };
-        let tick_us = with_rig(rig, behind, &settings, start, mail, (servos, i2c), pins)?;
-        Some((rig, crc, 1e-6 * tick_us as f32))
-    });
-    let tick_s = of_loop.map_or(0.01, |(_, _, tick_s)| tick_s);
-    let rig_of_loop = of_loop.map(|(rig, crc, _)| (rig, crc));
     let about = About {
         protocol: Version::CURRENT,
         firmware: RELEASE,
@@ -307,9 +309,118 @@ pub fn run(mut core: cortex_m::Peripherals, hardware: Hardware) -> ! {
                 .unwrap_or(0),
         },
     };
-    // A rig that is stored, and that this board cannot move: what is stored is bad.
-    let is_bad = is_bad || (rig.is_some() && rig_of_loop.is_none());
-    let setup = Setup { about, settings, is_bad, rig: rig_of_loop, tick_s, line_bps: link_bps };
+    // Without a loop nothing is told of a rig.
+    let setup = Setup { about, settings, is_bad, rig: None, tick_s: 0.01, line_bps: link_bps };
+    let mut desk = Below { store, setup, first_session, mail, link, light };
+    let Some((rig, wired)) = rig.zip(wired) else {
+        // A rig that is stored, and that this board cannot move: what is stored is bad.
+        desk.setup.is_bad |= rig.is_some();
+        below(desk)
+    };
+    let of_loop = desk.setup.settings.clone();
+    let pins = Unwatched { outputs, stop, core_hz };
+    let ports = Ports::new(servos, i2c, wired.places.clone());
+    Control::with(rig.0, &of_loop, &wired.servos, &wired.schedule, start, |control| {
+        node(control.ok(), rig, wired, ports, pins, desk)
+    })
+}
+/// Of the workspace.
+const RELEASE: Release = Release { major: 0, minor: 1, patch: 0 };
+
+/// Pins of a loop whose watchdog does not run yet.
+struct Unwatched {
+    outputs: Output<'static>,
+    stop: Input<'static>,
+    core_hz: u32,
+}
+
+/// Starts the loop of a rig, if there can be one, and goes on below it.
+#[inline(never)]
+fn node(
+    control: Option<&mut LoopControl>,
+    rig: (&'static Rig, u32),
+    wired: &'static Wired,
+    mut ports: Ports,
+    pins: Unwatched,
+    mut desk: Below,
+) -> ! {
+    let mut own = None;
+    let tick_us = wired.schedule.tick_us();
+    let reload = tick_us.checked_sub(1).and_then(|reload| u16::try_from(reload).ok());
+    if let (Some(control), Some(reload)) = (control, reload)
+        && is_started(&mut ports, &wired.of_lines)
+        && set_timer(reload)
+    {
+        let Unwatched { outputs, stop, core_hz } = pins;
+        let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
+        let asks_us = tick_us.saturating_sub(desk.setup.settings.controller.compute_us);
+        let own =
+            own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, asks_us });
+        LOOP.store(ptr::from_mut(own).cast(), Ordering::Release);
+        desk.setup.rig = Some(rig);
+        desk.setup.tick_s = 1e-6 * tick_us as f32;
+        start_timer();
+    } else {
+        // What is stored is of a rig that this board cannot move.
+        desk.setup.is_bad = true;
+    }
+    below(desk)
+}
+
+/// Whether all lines are as the wiring says; torque is off on them.
+fn is_started(ports: &mut Ports, lines: &[Line]) -> bool {
+    lines.iter().all(|line| {
+        if let Protocol::Pca9685(pulses) = &line.protocol {
+            // A chip that does not answer yet makes no pulses: OE is high until there is torque.
+            return pulses.prescale().is_ok_and(|prescale| {
+                let _ = pulses::start(&mut ports.i2c, &prescale);
+                true
+            });
+        }
+        let is_set = ports.serial.set_rate(line.timing.baud);
+        if is_set {
+            ports.serial.torque_off();
+        }
+        is_set
+    })
+}
+
+/// Sets the timer of the loop's ticks, in µs less one. False: its clock cannot be divided so.
+fn set_timer(reload: u16) -> bool {
+    rcc::enable_and_reset::<peripherals::TIM3>();
+    let ticks = rcc::frequency::<peripherals::TIM3>().0 / 1_000_000;
+    let Some(prescaler) = ticks.checked_sub(1).and_then(|by| u16::try_from(by).ok()) else {
+        return false;
+    };
+    pac::TIM3.psc().write_value(prescaler);
+    pac::TIM3.arr().write(|w| w.set_arr(reload));
+    pac::TIM3.egr().write(|w| w.set_ug(true));
+    pac::TIM3.sr().modify(|w| w.set_uif(false));
+    pac::TIM3.dier().modify(|w| w.set_uie(true));
+    true
+}
+
+fn start_timer() {
+    // SAFETY: the loop's value is there, and the priority is set before the interrupt comes.
+    unsafe {
+        cortex_m::Peripherals::steal().NVIC.set_priority(interrupt::TIM3, LOOP_PRIORITY);
+        NVIC::unmask(interrupt::TIM3);
+    }
+    pac::TIM3.cr1().modify(|w| w.set_cen(true));
+}
+
+/// What is below the loop.
+struct Below {
+    store: Store<Chip>,
+    setup: Setup<'static, BODIES, FREEDOMS, SERVOS>,
+    first_session: u16,
+    mail: &'static OwnMail,
+    link: Serial,
+    light: Light,
+}
+
+/// The desk and the light, until the next reset.
+fn below(Below { store, setup, first_session, mail, link, mut light }: Below) -> ! {
     let mut desk = Desk::new(store, setup, first_session);
     let mut port = Desktop { link };
     let mut stack_due_us = 0;
@@ -326,119 +437,6 @@ pub fn run(mut core: cortex_m::Peripherals, hardware: Hardware) -> ! {
             STACK_FREE.store(stack_free(), Ordering::Relaxed);
         }
     }
-}
-
-/// Of the workspace.
-const RELEASE: Release = Release { major: 0, minor: 1, patch: 0 };
-
-/// Pins of a loop whose watchdog does not run yet.
-struct Unwatched {
-    outputs: Output<'static>,
-    stop: Input<'static>,
-    core_hz: u32,
-}
-
-/// A controller, made where the caller wants it: what its parts took of the stack is free again.
-#[inline(never)]
-fn controller(
-    rig: &'static Rig,
-    settings: &NodeSettings,
-    (servos, schedule): (&[ServoSetup], &Schedule),
-    start: Start,
-) -> Result<OwnController, ControllerError> {
-    Controller::new(rig, &settings.controller, servos, schedule, start)
-}
-
-#[inline(never)]
-fn control(
-    rig: &'static Rig,
-    settings: &NodeSettings,
-    of_servos: (&[ServoSetup], &Schedule),
-    start: Start,
-) -> Option<&'static mut LoopControl> {
-    match controller(rig, settings, of_servos, start) {
-        Ok(controller) => own(rig, controller, settings),
-        Err(_) => None,
-    }
-}
-
-#[inline(never)]
-fn own(
-    rig: &'static Rig,
-    controller: OwnController,
-    settings: &NodeSettings,
-) -> Option<&'static mut LoopControl> {
-    static CONTROL: StaticCell<LoopControl> = StaticCell::new();
-    Some(CONTROL.init(Control::new(rig, controller, settings.live()).ok()?))
-}
-
-/// The lines of a wiring, and what else the loop has of it.
-struct Wired {
-    lines: &'static RefCell<Lines>,
-    places: Vec<Place, LINES>,
-    servos: Vec<ServoSetup, SERVOS>,
-    schedule: Schedule,
-    of_lines: Vec<Line, LINES>,
-}
-
-#[inline(never)]
-fn wired(behind: &[u8]) -> Option<Wired> {
-    static LINES_OF_ALL: StaticCell<RefCell<Lines>> = StaticCell::new();
-    let wiring = OwnWiring::decode(behind).ok()?;
-    let places = places(&wiring)?;
-    let Built { servos, schedule, buses, .. } = wiring.build().ok()?;
-    let lines = LINES_OF_ALL.init(RefCell::new(Lines::new(buses, wiring.line_of())));
-    Some(Wired { lines, places, servos, schedule, of_lines: wiring.lines })
-}
-
-/// Starts the loop of a rig: lines, watchdog, timer. The length of its tick, µs; none if it cannot be as the wiring
-/// says.
-#[inline(never)]
-fn with_rig(
-    rig: &'static Rig,
-    behind: &[u8],
-    settings: &NodeSettings,
-    start: Start,
-    mail: &'static OwnMail,
-    (serial, i2c): (ServoLine, pulses::Bus),
-    pins: Unwatched,
-) -> Option<u32> {
-    static OWN: StaticCell<Loop> = StaticCell::new();
-    let Wired { lines, places, servos, schedule, of_lines } = wired(behind)?;
-    let tick_us = schedule.tick_us();
-    let control = control(rig, settings, (&servos, &schedule), start)?;
-    let mut ports = Ports::new(serial, i2c, places);
-    for line in &of_lines {
-        match &line.protocol {
-            // A chip that does not answer yet makes no pulses: OE is high until there is torque.
-            Protocol::Pca9685(pulses) => {
-                let _ = pulses::start(&mut ports.i2c, &pulses.prescale().ok()?);
-            }
-            _ if !ports.serial.set_rate(line.timing.baud) => return None,
-            _ => ports.serial.torque_off(),
-        }
-    }
-    let reload = u16::try_from(tick_us.checked_sub(1)?).ok()?;
-    rcc::enable_and_reset::<peripherals::TIM3>();
-    let ticks = rcc::frequency::<peripherals::TIM3>().0 / 1_000_000;
-    pac::TIM3.psc().write_value(u16::try_from(ticks.checked_sub(1)?).ok()?);
-    pac::TIM3.arr().write(|w| w.set_arr(reload));
-    pac::TIM3.egr().write(|w| w.set_ug(true));
-    pac::TIM3.sr().modify(|w| w.set_uif(false));
-    pac::TIM3.dier().modify(|w| w.set_uie(true));
-
-    let Unwatched { outputs, stop, core_hz } = pins;
-    let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
-    let asks_us = tick_us.saturating_sub(settings.controller.compute_us);
-    let own = OWN.init(Loop { control, lines, ports, pins, mail, asks_us });
-    LOOP.store(own, Ordering::Release);
-    // SAFETY: the loop's value is there, and the priority is set before the interrupt comes.
-    unsafe {
-        cortex_m::Peripherals::steal().NVIC.set_priority(interrupt::TIM3, LOOP_PRIORITY);
-        NVIC::unmask(interrupt::TIM3);
-    }
-    pac::TIM3.cr1().modify(|w| w.set_cen(true));
-    Some(tick_us)
 }
 
 /// What the runtime has painted before anything ran.

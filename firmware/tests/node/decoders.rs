@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use sinew_firmware::controller::{Controller, Start};
+use sinew_firmware::controller::Start;
 use sinew_firmware::node::{Control, NodeSettings};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, Operator, Outcome, ToController};
@@ -33,10 +33,7 @@ pub(crate) fn settings(bytes: &[u8]) -> bool {
 /// A start with these settings, as `world::boot` has it.
 fn start(settings: &NodeSettings) {
     let (rig, parts, start) = (&figure(KIND).board, setup(KIND), Start::default());
-    let of_loop = &settings.controller;
-    let controller =
-        Controller::<8, 8, 8, 8>::new(rig, of_loop, &parts.servos, &parts.schedule, start);
-    let control = Control::new(rig, controller.expect("they were checked"), settings.live());
+    let control = Control::<8, 8, 8, 8>::new(rig, settings, &parts.servos, &parts.schedule, start);
     control.expect("they were checked");
 }
 

@@ -3,7 +3,6 @@
 use std::cell::RefCell;
 
 use sinew_emulated::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
-use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
@@ -60,14 +59,14 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option
     let parts = setup(kind);
     let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let mut room = vec![0; RIG_ROOM];
-    let found = start::<_, 8, 8, 8>(chip.clone(), TABLE, |_| defaults, causes, &mut room).ok()?;
-    let rig = found.rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
+    let slot = Box::leak(Box::new_uninit());
+    let chip = chip.clone();
+    let found = start::<_, 8, 8, 8>(chip, TABLE, |_| defaults, causes, &mut room, slot).ok()?;
+    let rig = found.rig;
     let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, LINE_BPS);
     let control = rig.and_then(|(rig, _)| {
-        let settings = &found.settings;
-        let controller =
-            Controller::new(rig, &settings.controller, &parts.servos, &parts.schedule, found.start);
-        let control = Control::new(rig, controller.ok()?, settings.live()).ok()?;
+        let (settings, start) = (&found.settings, found.start);
+        let control = Control::new(rig, settings, &parts.servos, &parts.schedule, start).ok()?;
         Some((control, parts.bus.into()))
     });
     let rig = rig.filter(|_| control.is_some());

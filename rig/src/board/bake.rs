@@ -45,7 +45,8 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
             servos: filled("servos", servos(rig, &actuation))?,
             drives: filled("drives", drives(rig, &actuation, &places))?,
         };
-        Ok(baked.checked()?)
+        baked.check()?;
+        Ok(baked)
     }
 }
 

@@ -7,8 +7,8 @@ use super::{BoardDrive, BoardRig, BoardRigError};
 use crate::drive::Drive;
 
 impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
-    /// The rig, if its parts fit each other.
-    pub(super) fn checked(self) -> Result<Self, BoardRigError> {
+    /// That its parts fit each other.
+    pub(super) fn check(&self) -> Result<(), BoardRigError> {
         if self.tree.is_empty() {
             return Err(BoardRigError::Count { what: "bodies", expected: 1, found: 0 });
         }
@@ -26,7 +26,7 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
                 return Err(BoardRigError::Shared { what: "address of servo", index });
             }
         }
-        Ok(self)
+        Ok(())
     }
 
     fn check_freedoms(&self) -> Result<(), BoardRigError> {

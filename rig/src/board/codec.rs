@@ -1,5 +1,7 @@
 //! A rig to bytes and back, see the format in [`super`].
 
+use core::mem::MaybeUninit;
+
 use heapless::Vec;
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
@@ -62,6 +64,41 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     /// # Errors
     /// [`BoardRigError`] names what is wrong, and what of the rig this capacity does not hold.
     pub fn decode(bytes: &[u8]) -> Result<Self, BoardRigError> {
+        let mut rig = Self::empty();
+        rig.fill(bytes)?;
+        Ok(rig)
+    }
+
+    /// The same where it is to lie: a rig that is moved there takes its size of stack for each move.
+    ///
+    /// # Errors
+    /// As [`Self::decode`].
+    // Not within its caller: the compiler then knows that nobody else has the slot, and makes the rig there.
+    #[inline(never)]
+    pub fn decode_in<'s>(
+        slot: &'s mut MaybeUninit<Self>,
+        bytes: &[u8],
+    ) -> Result<&'s mut Self, BoardRigError> {
+        let rig = slot.write(Self::empty());
+        rig.fill(bytes)?;
+        Ok(rig)
+    }
+
+    // Not within its caller: then it is made in its place.
+    #[inline(never)]
+    fn empty() -> Self {
+        Self {
+            tree: Tree::new(),
+            freedoms: Vec::new(),
+            limits: Vec::new(),
+            drives: Vec::new(),
+            servos: Vec::new(),
+        }
+    }
+
+    /// Reads an empty one.
+    #[inline(never)]
+    fn fill(&mut self, bytes: &[u8]) -> Result<(), BoardRigError> {
         let mut from = Reader::new(bytes);
         let magic = from.magic()?;
         if magic != MAGIC {
@@ -85,39 +122,44 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
         let limits = count("linked limits", V)?;
         let drives = count("drives", S)?;
         let servos = count("servos", S)?;
-        let mut tree = Tree::new();
         for index in 0..bodies {
-            tree.push(read_body(&mut from, index)?).map_err(BoardRigError::Tree)?;
+            self.tree.push(read_body(&mut from, index)?).map_err(BoardRigError::Tree)?;
         }
-        let rig = Self {
-            tree,
-            freedoms: items(freedoms, |_| {
-                let [least, most, home, speed, acceleration, effort] = from.numbers()?;
-                Ok(Freedom { range: [least, most], home, speed, acceleration, effort })
-            })?,
-            limits: items(limits, |_| {
-                let (freedom, other) = (from.u16()?, from.u16()?);
-                let [factor, other_factor, least, most] = from.numbers()?;
-                Ok(LinkedLimit { freedom, other, factor, other_factor, range: [least, most] })
-            })?,
-            drives: items(drives, |index| read_drive(&mut from, index))?,
-            servos: items(servos, |index| read_servo(&mut from, index))?,
-        };
+        items_in(&mut self.freedoms, freedoms, |_| {
+            let [least, most, home, speed, acceleration, effort] = from.numbers()?;
+            Ok(Freedom { range: [least, most], home, speed, acceleration, effort })
+        })?;
+        items_in(&mut self.limits, limits, |_| {
+            let (freedom, other) = (from.u16()?, from.u16()?);
+            let [factor, other_factor, least, most] = from.numbers()?;
+            Ok(LinkedLimit { freedom, other, factor, other_factor, range: [least, most] })
+        })?;
+        items_in(&mut self.drives, drives, |index| read_drive(&mut from, index))?;
+        items_in(&mut self.servos, servos, |index| read_servo(&mut from, index))?;
         from.check_end()?;
-        rig.checked()
+        self.check()
     }
 }
 
-/// As many items as were counted, for which there is room.
-fn items<T, const N: usize>(
+/// As many items as were counted, for which there is room, into a list that is empty.
+fn items_in<T, const N: usize>(
+    all: &mut Vec<T, N>,
     count: usize,
     mut read: impl FnMut(usize) -> Result<T, BoardRigError>,
-) -> Result<Vec<T, N>, BoardRigError> {
-    let mut all = Vec::new();
+) -> Result<(), BoardRigError> {
     for index in 0..count {
         let full = BoardRigError::Capacity { what: "items", found: count, holds: N };
         all.push(read(index)?).map_err(|_| full)?;
     }
+    Ok(())
+}
+
+fn items<T, const N: usize>(
+    count: usize,
+    read: impl FnMut(usize) -> Result<T, BoardRigError>,
+) -> Result<Vec<T, N>, BoardRigError> {
+    let mut all = Vec::new();
+    items_in(&mut all, count, read)?;
     Ok(all)
 }
 

@@ -22,7 +22,7 @@ impl Default for OverrunSettings {
 
 /// Counts ticks that took too long: a bucket that each of them fills, and that leaks `most` in a `window`. It is a
 /// fault where more than `most` at once are in it, or for long more come than leak. O(1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrun {
     settings: OverrunSettings,

@@ -4,7 +4,6 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use sinew_firmware::controller::Controller;
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, NodeSettings, Port, Safety, Setup, Shared, start,
 };
@@ -52,17 +51,16 @@ impl Node {
             |_| defaults,
             FaultSet::EMPTY,
             &mut vec![0; RIG_ROOM],
+            // As long as the program: a board starts a few times at most.
+            Box::leak(Box::new_uninit()),
         );
         let Found { store, disarmed, settings, rig, is_bad, start } =
             found.map_err(|error| BoardError::Flash(format!("{error:?}")))?;
-        // As long as the program: a board starts a few times at most.
-        let rig = rig.map(|(rig, crc)| (&*Box::leak(Box::new(rig)), crc));
         // Another number at each start.
         let first_session = u16::try_from(start.count % 655).unwrap_or(0) * 100;
         let control = rig.and_then(|(rig, _)| {
-            let of_loop = &settings.controller;
-            let made = Controller::new(rig, of_loop, &parts.setups, &parts.schedule, start);
-            Control::new(rig, made.ok()?, settings.live()).ok().map(Box::new)
+            let made = Control::new(rig, &settings, &parts.setups, &parts.schedule, start);
+            made.ok().map(Box::new)
         });
         let rig = rig.filter(|_| control.is_some());
         let tick_s = 1e-6 * parts.tick_us() as f32;
