@@ -9,6 +9,8 @@ use crate::machine::{Heard, Machine, MachineError, Port};
 
 /// So far off its rate a port still talks with one of that rate, parts per thousand.
 const RATE_PERMILLE: u32 = 20;
+/// The longest burst of a board takes less, ns.
+const BURST_NS: u64 = 50_000_000;
 /// Room for what servos say at once.
 const IN_LEN: usize = 1024;
 
@@ -97,13 +99,20 @@ impl<W: Wired> OnServos<W> {
     /// Servos say what is due: the machine hears it from now on.
     fn answer(&mut self, happened: &mut Happened) -> Result<(), MachineError> {
         let now_ns = self.at_ns - self.began_ns;
-        self.line.run_until(now_ns);
-        // What a servo begins to say is heard to its end here, and told to the machine with its beginning.
-        let Some(end_ns) = self.line.speaks_until_ns() else { return Ok(()) };
-        let mut said = [0; IN_LEN];
-        self.line.run_until(end_ns);
-        let len = self.line.take(&mut said);
-        if len > 0 {
+        // What the board says now is heard when all of it has left, and begins before: until then servos stay behind.
+        self.line.run_until(now_ns.saturating_sub(BURST_NS));
+        while let Some(next_ns) = self.line.next_ns().filter(|next_ns| *next_ns <= now_ns) {
+            self.line.run_until(next_ns);
+        }
+        // What a servo begins to say is heard to its end here, and told to the machine with its beginning; so is what
+        // the next one says right behind it.
+        while let Some(end_ns) = self.line.speaks_until_ns() {
+            let mut said = [0; IN_LEN];
+            self.line.run_until(end_ns);
+            let len = self.line.take(&mut said);
+            if len == 0 {
+                break;
+            }
             let bytes = &said[..len];
             let from_ns = end_ns.saturating_sub(self.line.servos.wire_ns(len)) + self.began_ns;
             self.machine.say(Port::Bus, from_ns, bytes)?;

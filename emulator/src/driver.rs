@@ -28,6 +28,8 @@ pub struct Lockstep<I, O> {
     /// How far the host lets it run.
     goal_ns: u64,
     resets: usize,
+    /// Levels on pins from outside, which a reset does not change.
+    pins: Vec<((usize, u8), bool)>,
     light: Level,
     /// Whether it was told that the core reaches for what is not there.
     is_stray_told: bool,
@@ -40,7 +42,8 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         let (eraser, light) = (Eraser::default(), Level::Low);
         let (goal_ns, resets, is_stray_told, told) = (0, 0, false, Vec::new());
         let flash = Some(flash);
-        Self { input, output, flash, eraser, goal_ns, resets, light, is_stray_told, told }
+        let pins = Vec::new();
+        Self { input, output, flash, eraser, goal_ns, resets, pins, light, is_stray_told, told }
     }
 
     /// What the firmware has sent since the last stop.
@@ -88,17 +91,29 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
                 Ok(Command::Say(port, from_ns, bytes)) => {
                     session.board_mut().wire(port).say(from_ns.max(now_ns), bytes);
                 }
-                Ok(Command::Pin(port, pin, level)) => drive(session, stop.at, (port, pin), level),
+                Ok(Command::Pin(port, pin, level)) => {
+                    self.pins.retain(|(of, _)| *of != (port, pin));
+                    self.pins.push(((port, pin), level));
+                    drive(session, stop.at, (port, pin), level);
+                }
                 Ok(Command::Reset) => {
                     self.eraser.cut(host);
                     session.reset_by_pin(stop.at, stop.instruction_count, host);
                     self.resets = session.resets().len();
+                    self.drive_pins(session, stop.at);
                 }
                 Ok(Command::Flash) => {
                     writeln!(self.output, "flash {}", hex(&flash::read(host))).ok()?;
                 }
                 Err(why) => writeln!(self.output, "error {why}").ok()?,
             }
+        }
+    }
+
+    /// The models of pins forget at a reset what drives them.
+    fn drive_pins(&self, session: &mut Session<Nucleo>, at: VirtualNanos) {
+        for (pin, level) in &self.pins {
+            drive(session, at, *pin, *level);
         }
     }
 
@@ -122,6 +137,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
             }
             self.resets = resets;
             self.eraser.cut(host);
+            self.drive_pins(session, stop.at);
             self.goal_ns = now_ns;
         }
         let board = session.board_mut();

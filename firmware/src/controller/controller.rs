@@ -524,7 +524,12 @@ fn read_pose<const V: usize, const C: usize>(
     path.coordinates(&at, q);
 }
 
-fn check_budget(
+/// That a tick has time for a bus with all its servos switched, and for what it takes the board, µs. The one check: of
+/// a controller, and of a rig before a board stores it. O(1).
+///
+/// # Errors
+/// [`ControllerError::Budget`] names all three times.
+pub fn check_budget(
     compute_us: u32,
     schedule: &Schedule,
     servos: usize,

@@ -60,7 +60,7 @@ mod stop_test;
 mod watch;
 mod wire;
 
-pub use controller::{Begun, Controller, Inputs};
+pub use controller::{Begun, Controller, Inputs, check_budget};
 pub use error::{ControllerError, Incomplete};
 pub use estimate::{TICK_CYCLES, estimated_us};
 pub use feed::{Jog, LiveSource, open_show};

@@ -51,7 +51,7 @@ impl Ports {
 pub(crate) struct Exchange<'l> {
     pub(crate) ports: &'l mut Ports,
     pub(crate) lines: &'l RefCell<Lines>,
-    /// When the next tick begins, µs.
+    /// Until when servos are asked for more, µs.
     pub(crate) until_us: u64,
 }
 

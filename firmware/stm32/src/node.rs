@@ -11,7 +11,9 @@ use embassy_stm32::gpio::{Input, Output};
 use embassy_stm32::{interrupt, pac, peripherals, rcc};
 use heapless::Vec;
 use sinew_bus::{Schedule, Timing, dynamixel};
-use sinew_firmware::controller::{ControllerSettings, ServoSetup, Start};
+use sinew_firmware::controller::{
+    ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
+};
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, start,
 };
@@ -133,7 +135,8 @@ struct Loop<'l> {
     ports: Ports,
     pins: Pins,
     mail: &'static OwnMail,
-    tick_us: u32,
+    /// For so long from its beginning a tick asks servos for more: the rest is for what it computes, and for the desk.
+    asks_us: u32,
 }
 
 /// The loop, once there is one: from then on its interrupt alone has it. It lies in the frame of [`node`], which is never
@@ -142,14 +145,16 @@ static LOOP: AtomicPtr<Loop<'static>> = AtomicPtr::new(ptr::null_mut());
 /// The first fault that is latched, by number; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);
 static STACK_FREE: AtomicU32 = AtomicU32::new(0);
+/// The processor's clock, Hz.
+static CORE_HZ: AtomicU32 = AtomicU32::new(0);
 
 #[embassy_stm32::interrupt]
 fn TIM3() {
     pac::TIM3.sr().modify(|w| w.set_uif(false));
     // SAFETY: the frame that it lies in is never left, and nobody else has it since it was told.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
-    let Loop { control, lines, ports, pins, mail, tick_us } = own;
-    let until_us = clock::now_us().saturating_add(u64::from(*tick_us));
+    let Loop { control, lines, ports, pins, mail, asks_us } = own;
+    let until_us = clock::now_us().saturating_add(u64::from(*asks_us));
     let mut wire = Exchange { ports, lines, until_us };
     // What was not whole has not fed the watchdog, and the report says why.
     let _ = control.tick(pins, *mail, &mut AllLines(lines), &mut wire, &mut []);
@@ -201,13 +206,18 @@ fn without_rig() -> NodeSettings {
     NodeSettings::new(ControllerSettings::default(), schedule.expect("one servo at 100 Hz"))
 }
 
-/// The board's settings for a wiring that it can drive.
+/// The board's settings for a wiring that it can drive: in the time of a tick, too. What its processor takes is known
+/// here alone. A loop that took longer than its tick would begin the next at once, and the link would starve.
 #[inline(never)]
 fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     let wiring = OwnWiring::decode(behind).ok()?;
     places(&wiring)?;
     wiring.check().ok()?;
-    Some(NodeSettings::new(wiring.settings(), wiring.schedule().ok()?))
+    let (mut settings, schedule) = (wiring.settings(), wiring.schedule().ok()?);
+    let servos = wiring.servos.len();
+    settings.compute_us = estimated_us(servos, CORE_HZ.load(Ordering::Relaxed));
+    check_budget(settings.compute_us, &schedule, servos).ok()?;
+    Some(NodeSettings::new(settings, schedule))
 }
 
 /// What a start has found.
@@ -278,6 +288,7 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
 
     let Hardware { link, link_bps, servos, i2c, outputs, stop, light, flash, table, core_hz } =
         hardware;
+    CORE_HZ.store(core_hz, Ordering::Relaxed);
     let ReadBack { store, settings, rig, wired, is_bad, start, mail } = read_back(flash, table);
     let first_session = u16::try_from(start.count % 0x1_0000).unwrap_or_default().wrapping_mul(100);
     let about = About {
@@ -342,8 +353,9 @@ fn node(
     {
         let Unwatched { outputs, stop, core_hz } = pins;
         let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
+        let asks_us = tick_us.saturating_sub(desk.setup.settings.controller.compute_us);
         let own =
-            own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, tick_us });
+            own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, asks_us });
         LOOP.store(ptr::from_mut(own).cast(), Ordering::Release);
         desk.setup.rig = Some(rig);
         desk.setup.tick_s = 1e-6 * tick_us as f32;

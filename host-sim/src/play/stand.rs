@@ -283,6 +283,21 @@ impl<'a, P: Plant> Stand<'a, P> {
     }
 }
 
+impl Parts {
+    /// The lines of a rig with simulated servos, each where the rig's home has it, set up as `sinew servo apply` would.
+    /// `memories`: one for each servo; `plant`: what they move, line after line.
+    ///
+    /// # Errors
+    /// [`StandError`] names the servo.
+    pub fn simulated<'a, P: Plant>(
+        &self,
+        memories: &'a mut [Memory],
+        plant: P,
+    ) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
+        lines(self, memories, plant)
+    }
+}
+
 /// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
 pub(super) fn lines<'a, P: Plant>(
     parts: &Parts,

@@ -1,0 +1,62 @@
+//! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
+
+mod stand;
+
+use sinew_emulation::Heard;
+use sinew_link::message::{Command, Feed, State};
+
+use stand::{Rig, SECOND, arm_it, connected, ready, servos_on, until};
+
+/// Torque off to all, as servos of two makers know it.
+const TORQUE_OFF: [&[u8]; 2] = [
+    &[0xFF, 0xFF, 0xFD, 0, 0xFE, 6, 0, 3, 0x40, 0, 0, 0x2E, 0x16],
+    &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
+];
+
+#[test]
+#[ignore = "needs the emulator: `cargo xtask emulate`"]
+fn emulated_nucleo_boots_says_torque_off_and_greets() {
+    let mut board = connected(Rig::new(1).power_on(None));
+    assert_eq!(board.about().rig, 0, "its flash is blank");
+    let line = board.line_mut();
+    let stray = line.other.iter().find(|heard| matches!(heard, Heard::Stray(..)));
+    assert_eq!(stray, None, "its stack has run over, or an address is none");
+    // Twice, whole, and before anything else.
+    let said: Vec<&[u8]> = line.bus.iter().map(|burst| burst.bytes.as_slice()).collect();
+    assert_eq!(said, [TORQUE_OFF, TORQUE_OFF].concat());
+}
+
+/// The least that a host can tell of a link that is served: how long an answer takes.
+#[test]
+#[ignore = "needs the emulator: `cargo xtask emulate`"]
+fn emulated_nucleo_answers_while_its_servos_are_silent() {
+    let rig = Rig::new(5);
+    let mut board = connected(rig.power_on(None));
+    let bench = &mut board.line_mut().servos.line.servos;
+    bench.bench_mut().servos_mut().iter_mut().for_each(|servo| servo.set_baud(57_600).unwrap());
+    board.upload(&rig.item(), &rig.bytes, &mut |_| ()).unwrap();
+    for _ in 0..10 {
+        let asked = board.now();
+        board.ask(Command::ReadFault { index: 0 }).unwrap();
+        let took = board.now() - asked;
+        assert!(took < SECOND / 20, "an answer took {took:?}");
+    }
+}
+
+#[test]
+#[ignore = "needs the emulator: `cargo xtask emulate`"]
+fn emulated_nucleo_takes_a_rig_and_a_show_and_performs_it() {
+    let rig = Rig::new(3);
+    let mut board = ready(&rig);
+    assert_eq!(board.about().rig, rig.parts.rig_crc());
+    arm_it(&mut board);
+    assert_eq!(servos_on(board.line_mut()), 3);
+    board.ask(Command::Play(Feed::Show)).unwrap();
+    until(&mut board, State::Playing, 1);
+    until(&mut board, State::Holding, 10);
+    board.ask(Command::Stop).unwrap();
+    until(&mut board, State::Limp, 20);
+    assert_eq!(servos_on(board.line_mut()), 0);
+    assert!(board.seen.faults.is_empty(), "{:?}", board.seen.faults);
+    println!("{:?} at {:?}", board.seen.summary, board.now());
+}
