@@ -77,6 +77,7 @@ impl<const N: usize> Controller<N> {
     ///
     /// # Errors
     /// [`ControllerError`] if the tree is empty or the method was made for another tree.
+    #[expect(clippy::needless_pass_by_value, reason = "a controller has its own rig")]
     pub fn new(tree: Tree<N>, gains: Gains, method: Method<N>) -> Result<Self, ControllerError> {
         let mut controller = Self::of_nothing();
         controller.set_up(&tree, gains, method)?;
