@@ -28,7 +28,8 @@ use static_cell::StaticCell;
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold. What is static and the deepest stack, of a start, fit in 128 kB with some 40 to spare.
+/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, and 56 the loop, on the stack. What
+/// else may lie there at once leaves some kB of 128: ARCHITECTURE.md has why it is made in its place.
 pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
@@ -187,7 +188,7 @@ impl Port<'static> for Desktop {
         flash::memory(range)
     }
     fn drives(behind: &[u8]) -> bool {
-        of_wiring(behind).is_some()
+        is_driven(behind)
     }
 }
 
@@ -206,17 +207,29 @@ fn without_rig() -> NodeSettings {
     NodeSettings::new(ControllerSettings::default(), schedule.expect("one servo at 100 Hz"))
 }
 
-/// The board's settings for a wiring that it can drive: in the time of a tick, too. What its processor takes is known
-/// here alone. A loop that took longer than its tick would begin the next at once, and the link would starve.
-#[inline(never)]
-fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
-    let wiring = OwnWiring::decode(behind).ok()?;
-    places(&wiring)?;
+/// What a wiring says, with what its processor takes, which is known here alone; none if that is not within a tick. A
+/// loop that took longer than its tick would begin the next at once, and the link would starve.
+fn in_time(wiring: &OwnWiring) -> Option<(ControllerSettings, Schedule)> {
     wiring.check().ok()?;
     let (mut settings, schedule) = (wiring.settings(), wiring.schedule().ok()?);
     let servos = wiring.servos.len();
     settings.compute_us = estimated_us(servos, CORE_HZ.load(Ordering::Relaxed));
     check_budget(settings.compute_us, &schedule, servos).ok()?;
+    Some((settings, schedule))
+}
+
+/// Whether it can drive a wiring.
+#[inline(never)]
+fn is_driven(behind: &[u8]) -> bool {
+    let wiring = OwnWiring::decode(behind);
+    wiring.is_ok_and(|wiring| places(&wiring).is_some() && in_time(&wiring).is_some())
+}
+
+/// The board's settings for a wiring that it can drive.
+#[inline(never)]
+fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
+    let wiring = OwnWiring::decode(behind).ok()?;
+    let (settings, schedule) = in_time(&wiring)?;
     Some(NodeSettings::new(settings, schedule))
 }
 
@@ -238,7 +251,7 @@ fn read_back(flash: Chip, table: BoardTable) -> ReadBack {
     let mut room = [0; RIG_ROOM];
     let mut wired = None;
     let defaults = |behind: &[u8]| {
-        let settings = of_wiring(behind);
+        let settings = is_driven(behind).then(|| of_wiring(behind)).flatten();
         wired = settings.as_ref().and_then(|_| wire(behind));
         settings.unwrap_or_else(without_rig)
     };
