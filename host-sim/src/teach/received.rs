@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_lost_pose_is_bridged_and_ticks_may_begin_at_0_again() {
         let last = u32::MAX - 4;
-        let mut poses = [pose(last, 0.0), pose(last + 5, 0.5), pose(5, 1.5)];
+        let mut poses = [pose(last, 0.0), pose(last.wrapping_add(5), 0.5), pose(5, 1.5)];
         // The other quaternion of the same rotation.
         poses[1].q[4] = -1.0;
         let motion = rows(&rig(), &poses, 0.002, 0.005).unwrap();
