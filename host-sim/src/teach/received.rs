@@ -124,9 +124,10 @@ mod tests {
 
     #[test]
     fn what_nobody_knows_is_refused() {
+        const TICK_S: f64 = 1.0 / 64.0;
         let cut = TimedPose { tick: 1, q: vec![0.0] };
-        assert_eq!(rows(&rig(), &[pose(0, 0.0), cut], 0.002, 0.01), Err(ReceivedError::Few(1)));
-        let gap = rows(&rig(), &[pose(0, 0.0), pose(10, 0.1), pose(60, 1.0)], 0.002, 0.01);
-        assert_eq!(gap, Err(ReceivedError::Gap { gap_s: 0.1, at_s: 0.02 }));
+        assert_eq!(rows(&rig(), &[pose(0, 0.0), cut], TICK_S, 0.01), Err(ReceivedError::Few(1)));
+        let gap = rows(&rig(), &[pose(0, 0.0), pose(2, 0.1), pose(10, 1.0)], TICK_S, 0.01);
+        assert_eq!(gap, Err(ReceivedError::Gap { gap_s: 0.125, at_s: 0.03125 }));
     }
 }
