@@ -161,7 +161,7 @@ impl Symmetric {
         Inverse::Pseudo { inverse: inverse * scale, null }
     }
 
-    /// The inverse by its cofactors; zero if it is not definite, and no numbers if its determinant is too large for f32:
+    /// The inverse by its cofactors; zero if it is not definite, no numbers if its determinant is too large for f32:
     /// that must not look like a body that nothing moves.
     #[inline]
     pub(crate) fn inverse_if_definite(&self) -> Self {

@@ -40,7 +40,7 @@ const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// How far a stored quaternion's squared length may be from 1: it was unit in f32 when it was baked.
 const UNIT_TOLERANCE: f32 = 1e-3;
 
-/// The farthest that a body may be from its parent, and the root from the origin, in m. The tracker takes differences of
+/// The farthest that a body may be from its parent, and the root from the origin, m. The tracker takes differences of
 /// positions up to 1e6 m. Frames before the first go on as the first step did: hundreds of them stay within that.
 const FARTHEST_M: f32 = 1e3;
 

@@ -4,7 +4,7 @@
 /// `budget.toml` has of 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: by current, `recommended`, all read
 /// in every tick), which a test of `xtask` compares: instructions by the manual's cycles, without wait states of the
 /// flash.
-pub const TICK_CYCLES: [u32; 2] = [23_000, 17_100];
+pub const TICK_CYCLES: [u32; 2] = [22_400, 16_500];
 
 /// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] at the clock of its processor, Hz. O(1).
 ///

@@ -28,7 +28,7 @@ use static_cell::StaticCell;
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, and 56 the loop, on the stack. What
+/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, 56 the loop, on the stack. What
 /// else may lie there at once leaves some kB of 128: ARCHITECTURE.md has why it is made in its place.
 pub const SERVOS: usize = 20;
 /// Bodies.
@@ -140,8 +140,8 @@ struct Loop<'l> {
     asks_us: u32,
 }
 
-/// The loop, once there is one: from then on its interrupt alone has it. It lies in the frame of [`node`], which is never
-/// left.
+/// The loop, once there is one: from then on its interrupt alone has it. It lies in the frame of [`node`], which is
+/// never left.
 static LOOP: AtomicPtr<Loop<'static>> = AtomicPtr::new(ptr::null_mut());
 /// The first fault that is latched, by number; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);
