@@ -31,6 +31,7 @@ impl Format for ShowError {
             Self::JointKind { body, found } => {
                 write!(f, "JointKind {{ body: {}, found: {} }}", body, found);
             }
+            Self::Place { body } => write!(f, "Place {{ body: {} }}", body),
             Self::Pose { frame, body } => write!(f, "Pose {{ frame: {}, body: {} }}", frame, body),
             Self::Rig(error) => write!(f, "Rig({})", error),
         }
