@@ -220,10 +220,10 @@ pub fn bake_within(
             }
             fits += 1;
             tight = tight.tightened(&report);
-            let before = fitted;
+            let before = fitted.into_progress();
             fitted = refit(mechanism, &tight, given, &before, settings)?;
             // Of the same motion the show would be the same.
-            if fitted.motion != before.motion {
+            if fitted.progress != before {
                 break;
             }
         }

@@ -79,12 +79,12 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
     let settings = FitSettings::default();
     let first = fit(&arm, &limits, &motion, settings).unwrap();
     // To the same limits there is nothing to do.
-    assert_eq!(refit(&arm, &limits, &motion, &first, settings).as_ref(), Ok(&first));
+    assert_eq!(refit(&arm, &limits, &motion, &first.progress, settings).as_ref(), Ok(&first));
     let mut tight = limits.clone();
     tight.freedoms[0].speed *= 0.8;
     let [anew, again] = [
         fit(&arm, &tight, &motion, settings).unwrap(),
-        refit(&arm, &tight, &motion, &first, settings).unwrap(),
+        refit(&arm, &tight, &motion, &first.progress, settings).unwrap(),
     ];
     exceeds_nothing(&arm, &tight, &again.motion);
     // As slow as it must be, and hardly slower than without the fit before.

@@ -39,9 +39,9 @@ pub(super) enum Round {
     Hopeless,
 }
 
-/// What was done for a fit, for another one of the same motion to go on from.
+/// What was done for a fit, for another one of the same motion to go on from: as much, and the fit is the same.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Progress {
+pub struct Progress {
     widest: Vec<Option<(f64, f64)>>,
     ended: Vec<bool>,
     pace: Vec<f64>,
@@ -77,8 +77,8 @@ pub(super) struct Fitting<'a> {
     /// Joints that no wider one may change.
     ended: Vec<bool>,
     efforts: Efforts,
-    /// The curve in given time, as long as neither rows nor shares change.
-    still: Option<Curve>,
+    /// The rows of the motion in given time, as long as neither those above nor shares change.
+    still: Option<Rows>,
     /// Freedoms that were too fast or too strong in any round.
     fast: Vec<bool>,
 }
@@ -237,8 +237,17 @@ impl<'a> Fitting<'a> {
     /// One round: looks where the motion as it is now exceeds a limit, and slows or lowers it there.
     pub(super) fn round(&mut self) -> Result<Round, FitError> {
         let given_s = self.course.given_s();
-        let still = self.still_curve();
-        let paced = given_s.as_deref().map(|given_s| self.paced(&still, given_s));
+        let mut still = self.still_rows();
+        // Of a motion as long as the clip there are only so many curves at a time.
+        let curve = match &given_s {
+            Some(given_s) => {
+                let curve = Curve::through(&self.joints, still, self.dt_s);
+                let paced = curve.rows_at(given_s.iter().copied());
+                still = curve.into_rows();
+                Curve::through(&self.joints, paced, self.dt_s)
+            }
+            None => Curve::through(&self.joints, still.clone(), self.dt_s),
+        };
         let looking = Looking {
             mechanism: self.mechanism,
             limits: self.limits,
@@ -248,8 +257,8 @@ impl<'a> Fitting<'a> {
             dt_s: self.dt_s,
             rows: self.rows.count,
         };
-        let look = looking.at(paced.as_ref().unwrap_or(&still), given_s.as_deref())?;
-        drop((paced, given_s));
+        let look = looking.at(&curve, given_s.as_deref())?;
+        drop((curve, given_s));
         let Look { report, pace, mut share } = look;
         if report.excesses.is_empty() {
             self.still = Some(still);
@@ -268,8 +277,9 @@ impl<'a> Fitting<'a> {
         self.course.slow_down(0, &pace);
         let is_lowered = self.lower(&share);
         if !self.widen(&report) && !is_lowered {
-            self.slow_down_along(&still, &pace)?;
-            self.still = Some(still);
+            let curve = Curve::through(&self.joints, still, self.dt_s);
+            self.slow_down_along(&curve, &pace)?;
+            self.still = Some(curve.into_rows());
         }
         let least = self.course.pace.iter().chain(self.share.iter().flatten());
         let is_hopeless = least.copied().fold(1.0, f64::min) < LEAST_SHARE;
@@ -325,8 +335,8 @@ impl<'a> Fitting<'a> {
         is_crowded
     }
 
-    /// The curve of the motion as it is now, in given time.
-    fn still_curve(&mut self) -> Curve {
+    /// The rows of the motion as it is now, in given time.
+    fn still_rows(&mut self) -> Rows {
         if let Some(still) = self.still.take() {
             return still;
         }
@@ -338,17 +348,13 @@ impl<'a> Fitting<'a> {
         }
         // A joint that was changed alone may have left its ties.
         rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
-        Curve::through(&self.joints, rows, self.dt_s)
-    }
-
-    /// The curve in its own time: its rows are at these given times, s.
-    fn paced(&self, still: &Curve, given_s: &[f64]) -> Curve {
-        Curve::through(&self.joints, still.rows_at(given_s.iter().copied()), self.dt_s)
+        rows
     }
 
     /// The motion as it is now, in its own time, and the given time of each of its rows, s.
     fn motion(&mut self) -> (Rows, Vec<f64>) {
-        let still = self.still_curve();
+        let still = self.still_rows();
+        let still = Curve::through(&self.joints, still, self.dt_s);
         if let Some(given_s) = self.course.given_s() {
             (still.rows_at(given_s.iter().copied()), given_s)
         } else {

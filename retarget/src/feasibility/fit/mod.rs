@@ -20,7 +20,8 @@ use super::check::{CheckError, Excess, Kind, Report, check};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
 use super::motion::{MotionError, RigMotion};
-use fitting::{Fitting, Progress, Round};
+pub use fitting::Progress;
+use fitting::{Fitting, Round};
 use rest::Rest;
 use within::Within;
 
@@ -68,8 +69,8 @@ pub struct Fit {
     pub lightened: Vec<(String, f64)>,
     /// The most that any angle or way was brought back into its range, by joint; only those that were.
     pub clamped: Vec<(String, f64)>,
-    /// For [`refit`].
-    progress: Progress,
+    /// What was done, for [`refit`].
+    pub progress: Progress,
 }
 
 /// A low-passed joint.
@@ -145,6 +146,12 @@ pub enum FitError {
 }
 
 impl Fit {
+    /// What was done; the motion, which may be long, is dropped.
+    #[must_use]
+    pub fn into_progress(self) -> Progress {
+        self.progress
+    }
+
     /// The time in the given motion, s, at a time of the new one.
     pub fn given_time_s(&self, time_s: f64) -> f64 {
         interpolated(&self.given_s, time_s / self.motion.dt_s)
@@ -182,7 +189,7 @@ pub fn fit(
 }
 
 /// [`fit`](fit()) of the same motion to limits that are tighter than those of a fit before: it goes on from there, in a
-/// part of the time.
+/// part of the time. Of that fit it needs no more than its [`Fit::progress`].
 ///
 /// # Errors
 /// As [`fit`](fit()).
@@ -190,10 +197,10 @@ pub fn refit(
     mechanism: &Mechanism,
     limits: &Limits,
     motion: &RigMotion,
-    before: &Fit,
+    before: &Progress,
     settings: FitSettings,
 ) -> Result<Fit, FitError> {
-    go_on(mechanism, limits, motion, Some(&before.progress), settings)
+    go_on(mechanism, limits, motion, Some(before), settings)
         // What was done before may be in the way.
         .or_else(|_| go_on(mechanism, limits, motion, None, settings))
 }
