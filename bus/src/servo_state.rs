@@ -68,6 +68,29 @@ pub(crate) fn servos_of<Setup: Copy, Servo, const S: usize>(
     servo_of: impl Fn(Setup) -> Result<Servo, SetupError>,
 ) -> Result<Vec<Servo, S>, SetupError> {
     let mut servos = Vec::new();
+    each_servo(setups, id_of, most_id, |setup| {
+        servos.push(servo_of(setup)?).map_err(|_| SetupError::Capacity { holds: S })
+    })?;
+    Ok(servos)
+}
+
+/// That [`servos_of`] makes servos of them, without room for all of them at once.
+pub(crate) fn check_servos<Setup: Copy, Servo, const S: usize>(
+    setups: &[Setup],
+    id_of: impl Fn(&Setup) -> u8,
+    most_id: u8,
+    servo_of: impl Fn(Setup) -> Result<Servo, SetupError>,
+) -> Result<(), SetupError> {
+    each_servo(setups, id_of, most_id, |setup| servo_of(setup).map(drop))?;
+    if setups.len() > S { Err(SetupError::Capacity { holds: S }) } else { Ok(()) }
+}
+
+fn each_servo<Setup: Copy>(
+    setups: &[Setup],
+    id_of: impl Fn(&Setup) -> u8,
+    most_id: u8,
+    mut take: impl FnMut(Setup) -> Result<(), SetupError>,
+) -> Result<(), SetupError> {
     for (index, setup) in setups.iter().enumerate() {
         let id = id_of(setup);
         if id > most_id {
@@ -76,9 +99,9 @@ pub(crate) fn servos_of<Setup: Copy, Servo, const S: usize>(
         if setups.iter().take(index).any(|other| id_of(other) == id) {
             return Err(SetupError::Shared(id));
         }
-        servos.push(servo_of(*setup)?).map_err(|_| SetupError::Capacity { holds: S })?;
+        take(*setup)?;
     }
-    Ok(servos)
+    Ok(())
 }
 
 /// How many counts a servo can turn from one tick to the next, with a margin of two and two counts of noise either way.

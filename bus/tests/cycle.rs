@@ -289,9 +289,13 @@ fn reads_are_spread_where_a_tick_is_too_short() {
 fn setups_that_cannot_be_are_refused() {
     let schedule = Schedule::new(TIMING, &dynamixel::traffic(2, 4, false), 100).unwrap();
     let settings = Settings { fast: false, retries: 0 };
-    let refused =
-        |setups: &[ServoSetup]| dynamixel::Bus::<2>::new(setups, schedule, settings).unwrap_err();
+    let refused = |setups: &[ServoSetup]| {
+        let checked = dynamixel::Bus::<2>::check(setups, &schedule).unwrap_err();
+        assert_eq!(dynamixel::Bus::<2>::new(setups, schedule, settings).unwrap_err(), checked);
+        checked
+    };
     let ok = setup(1, Mode::Position);
+    assert_eq!(dynamixel::Bus::<2>::check(&[ok, setup(2, Mode::Position)], &schedule), Ok(()));
     assert_eq!(refused(&[ok, ok]), SetupError::Shared(1));
     assert_eq!(refused(&[ServoSetup { id: 253, ..ok }]), SetupError::Id(253));
     assert_eq!(

@@ -119,30 +119,64 @@ impl Line {
     ) -> Result<Bus<S>, WiringError> {
         match self.protocol {
             Protocol::Dynamixel(settings) => {
-                let setups: Vec<_, S> = all(servos.map(|servo| match servo {
-                    OnLine::Dynamixel(own) => own.setup(),
-                    _ => Err(WiringError::Protocol),
-                }))?;
+                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
                 let bus = dynamixel::Bus::new(&setups, self.schedule(rate_hz)?, settings);
                 bus.map(Bus::Dynamixel).map_err(WiringError::Setup)
             }
             Protocol::Feetech(settings) => {
-                let setups: Vec<_, S> = all(servos.map(|servo| match servo {
-                    OnLine::Feetech(own) => Ok(own),
-                    _ => Err(WiringError::Protocol),
-                }))?;
+                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
                 let bus = feetech::Bus::new(&setups, self.schedule(rate_hz)?, settings);
                 bus.map(Bus::Feetech).map_err(WiringError::Setup)
             }
             Protocol::Pca9685(pulses) => {
-                let setups: Vec<_, S> = all(servos.map(|servo| match servo {
-                    OnLine::Channel(own) => Ok(own),
-                    _ => Err(WiringError::Protocol),
-                }))?;
+                let setups = all::<_, S>(servos.map(OnLine::channel))?;
                 let bus = pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud);
                 bus.map(Bus::Pca9685).map_err(WiringError::Setup)
             }
         }
+    }
+
+    /// That [`Self::bus`] makes a bus. A board checks a wiring where its stack is deepest, and a bus is large.
+    ///
+    /// # Errors
+    /// As [`Self::bus`].
+    pub fn check<const S: usize>(
+        &self,
+        servos: impl Iterator<Item = OnLine>,
+        rate_hz: u32,
+    ) -> Result<(), WiringError> {
+        let checked = match self.protocol {
+            Protocol::Dynamixel(_) => {
+                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
+                dynamixel::Bus::<S>::check(&setups, &self.schedule(rate_hz)?)
+            }
+            Protocol::Feetech(settings) => {
+                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
+                feetech::Bus::<S>::check(&setups, &self.schedule(rate_hz)?, settings)
+            }
+            Protocol::Pca9685(pulses) => {
+                let setups = all::<_, S>(servos.map(OnLine::channel))?;
+                pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud).map(drop)
+            }
+        };
+        checked.map_err(WiringError::Setup)
+    }
+}
+
+impl OnLine {
+    fn dynamixel(self) -> Result<dynamixel::ServoSetup, WiringError> {
+        let Self::Dynamixel(own) = self else { return Err(WiringError::Protocol) };
+        own.setup()
+    }
+
+    fn feetech(self) -> Result<feetech::ServoSetup, WiringError> {
+        let Self::Feetech(own) = self else { return Err(WiringError::Protocol) };
+        Ok(own)
+    }
+
+    fn channel(self) -> Result<ChannelSetup, WiringError> {
+        let Self::Channel(own) = self else { return Err(WiringError::Protocol) };
+        Ok(own)
     }
 }
 

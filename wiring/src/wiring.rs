@@ -7,7 +7,7 @@ use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::join_rig;
 use thiserror::Error;
 
-use crate::{Bus, Line, Lines, Servo};
+use crate::{Bus, Line, Lines, OnLine, Servo};
 
 /// Lines that a rig is told with at most; boards hold fewer.
 pub const LINES: usize = 4;
@@ -132,9 +132,13 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
     // Not within its caller: a bus is large, and where several are made, one is on the stack at a time.
     #[inline(never)]
     pub fn bus(&self, line: usize) -> Result<Bus<S>, WiringError> {
-        let own = self.servos.iter().filter(|servo| servo.line == line);
-        let of_line = self.lines.get(line).ok_or(WiringError::Line)?;
-        of_line.bus(own.map(|servo| servo.on_line), self.rate_hz)
+        self.lines.get(line).ok_or(WiringError::Line)?.bus(self.on_line(line), self.rate_hz)
+    }
+
+    /// The servos of a line.
+    fn on_line(&self, line: usize) -> impl Iterator<Item = OnLine> {
+        let own = self.servos.iter().filter(move |servo| servo.line == line);
+        own.map(|servo| servo.on_line)
     }
 
     /// That a controller can be made by it.
@@ -146,7 +150,8 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
             return Err(WiringError::Line);
         }
         self.schedule()?;
-        (0..self.lines.len()).try_for_each(|line| self.bus(line).map(drop))
+        let mut lines = self.lines.iter().enumerate();
+        lines.try_for_each(|(index, line)| line.check::<S>(self.on_line(index), self.rate_hz))
     }
 
     /// Puts the buses of all lines, and their servos, into lines that have none.

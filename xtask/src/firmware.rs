@@ -33,7 +33,11 @@ pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
     for &board in BOARDS {
         let show_bytes =
             show_of(board).map_or(Ok(0), |show| fs::metadata(show).map(|it| it.len()))?;
-        figures.extend(budget::size(board.name, &Image::of(board).path(), show_bytes)?);
+        let image = Image::of(board).path();
+        figures.extend(budget::size(board.name, &image, show_bytes)?);
+        if board.baked.is_none() {
+            figures.extend(budget::node(board.name, &image)?);
+        }
     }
     for &board in BOARDS.iter().filter(|board| board.qemu_machine.is_some()) {
         let Some(show) = show_of(board) else { continue };

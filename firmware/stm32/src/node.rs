@@ -28,8 +28,9 @@ use static_cell::StaticCell;
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, 56 the loop, on the stack. What
-/// else may lie there at once leaves some kB of 128: ARCHITECTURE.md has why it is made in its place.
+/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, 56 the loop, on the stack. With
+/// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: ARCHITECTURE.md has why it is
+/// made in its place.
 pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;

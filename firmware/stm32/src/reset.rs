@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use embassy_stm32::pac;
 use sinew_firmware::node::causes;
 use sinew_firmware::supervisor::FaultSet;
@@ -26,7 +26,8 @@ static mut KEPT: MaybeUninit<Record> = MaybeUninit::uninit();
 
 impl Record {
     fn own_crc(&self) -> u32 {
-        let crc = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+        // A table of 1 kB would be made on the stack, where a panic may have little of it.
+        let crc = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
         let mut digest = crc.digest();
         digest.update(&self.magic.to_le_bytes());
         digest.update(&self.line.to_le_bytes());

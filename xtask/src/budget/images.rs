@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use object::{Object, ObjectSection, ObjectSegment};
 
 use super::figures::{Figures, Place};
+use super::stack;
 use crate::elf::Elf;
 use crate::image::Image;
 use crate::step;
@@ -90,6 +91,8 @@ fn reachable_bytes(image: &Path, function: &str) -> Result<u64> {
     Ok(code.sum::<u64>() + constants)
 }
 
+const STATIC_RAM: &str = "static_ram";
+
 /// Where the Cortex-M architecture has SRAM.
 const SRAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
 
@@ -112,6 +115,16 @@ pub(crate) fn size(
     let flash_bytes = stored_bytes
         .checked_sub(show_bytes)
         .with_context(|| format!("{} is smaller than its show", image.display()))?;
-    let columns = [("flash", flash_bytes), ("static_ram", static_ram_bytes)];
+    let columns = [("flash", flash_bytes), (STATIC_RAM, static_ram_bytes)];
     Ok(columns.map(|(column, bytes)| (Place::new(SECTION, name, column), bytes)).into_iter())
+}
+
+/// What RAM the image of a board that runs the node takes: the deepest that its stack can be, and all together with
+/// what is static.
+pub(crate) fn node(name: &str, image: &Path) -> Result<[(Place, u64); 2]> {
+    let of_stack = stack::of_image(image)?;
+    let is_static = |(place, _): &(Place, u64)| place.column == STATIC_RAM;
+    let (_, of_statics) = size(name, image, 0)?.find(is_static).context("it has no RAM")?;
+    Ok([("stack", of_stack), ("ram", of_statics + of_stack)]
+        .map(|(column, bytes)| (Place::new(SECTION, name, column), bytes)))
 }

@@ -21,7 +21,7 @@ use trace::Mix;
 
 pub(crate) use figures::{Figures, Place};
 pub(crate) use file::{Budget, FILE};
-pub(crate) use images::{IMAGES, size};
+pub(crate) use images::{IMAGES, node, size};
 pub(crate) use kernels::{field, number};
 pub(crate) use tables::{aligned, section};
 pub(crate) use trace::qemu;

@@ -98,53 +98,91 @@ fn immediate(operands: &str) -> Option<u64> {
 /// # Errors
 /// If something on the way recurs or calls through a pointer: there is then no bound.
 pub(crate) fn deepest(elf: &Elf, frames: &Frames, root: usize) -> Result<Depth> {
-    let mut known = BTreeMap::new();
-    depth(elf, frames, root, &mut Vec::new(), &mut known)
+    Search { elf, frames, pointers: &[], known: BTreeMap::new() }.depth(root, &mut Vec::new())
 }
 
-fn depth(
-    elf: &Elf,
-    frames: &Frames,
-    at: usize,
-    above: &mut Vec<usize>,
-    known: &mut BTreeMap<usize, Depth>,
-) -> Result<Depth> {
-    if let Some(depth) = known.get(&at) {
-        return Ok(depth.clone());
-    }
-    let function = &elf.functions()[at];
-    if above.contains(&at) {
-        bail!("{} calls itself: its stack has no bound", function.name);
-    }
-    above.push(at);
-    let own = frames.of(function);
-    let mut deepest = Depth { bytes: own, path: vec![(at, own)] };
-    for call in &function.calls {
-        let Target::Function(to) = call.to else {
-            bail!(
-                "{} calls {:?} at {:#x}: its stack has no bound",
-                function.name,
-                call.to,
-                call.at
-            );
-        };
-        let below = depth(elf, frames, to, above, known)?;
-        let frame = if call.is_tail { 0 } else { own };
-        if frame + below.bytes > deepest.bytes {
-            let mut path = vec![(at, frame)];
-            path.extend(below.path);
-            deepest = Depth { bytes: frame + below.bytes, path };
+/// The deepest stack of a whole image: that of its program, and on it those of the two deepest interrupts, one of
+/// which may come amid the other.
+///
+/// # Errors
+/// If something recurs by name. What is called by a pointer is any function that data names; that none of them comes
+/// to call itself is not looked at.
+pub(crate) fn of_image(image: &Path) -> Result<u64> {
+    let elf = Elf::load(image)?;
+    let mut search = Search {
+        elf: &elf,
+        frames: &Frames(BTreeMap::new()),
+        pointers: elf.named_by_data(),
+        known: BTreeMap::new(),
+    };
+    let main = elf.named("main").context("the image has no `main`")?;
+    let program = search.depth(main, &mut Vec::new())?;
+    let is_reset = |handler: &usize| elf.functions()[*handler].names().any(|name| name == "Reset");
+    let handlers = elf.handlers().iter().filter(|handler| !is_reset(handler));
+    let mut interrupts = handlers
+        .map(|handler| Ok(search.depth(*handler, &mut Vec::new())?.bytes))
+        .collect::<Result<Vec<_>>>()?;
+    interrupts.sort_unstable_by(|a, b| b.cmp(a));
+    let of_interrupts: u64 = interrupts.iter().take(2).map(|bytes| bytes + EXCEPTION_BYTES).sum();
+    Ok(program.bytes + of_interrupts)
+}
+
+/// What the processor stacks for an exception, with the registers of its FPU and where it aligns (ARMv7-M, B1.5.7).
+const EXCEPTION_BYTES: u64 = 26 * 4 + 4;
+
+struct Search<'a> {
+    elf: &'a Elf,
+    frames: &'a Frames,
+    /// What a pointer may be to; none: it may be to anything.
+    pointers: &'a [usize],
+    known: BTreeMap<usize, Depth>,
+}
+
+impl Search<'_> {
+    fn depth(&mut self, at: usize, above: &mut Vec<usize>) -> Result<Depth> {
+        if let Some(depth) = self.known.get(&at) {
+            return Ok(depth.clone());
         }
+        let function = &self.elf.functions()[at];
+        if above.contains(&at) {
+            bail!("{} calls itself: its stack has no bound", function.name);
+        }
+        above.push(at);
+        let own = self.frames.of(function);
+        let mut deepest = Depth { bytes: own, path: vec![(at, own)] };
+        for call in &function.calls {
+            let targets = match call.to {
+                Target::Function(to) => vec![to],
+                Target::Indirect if !self.pointers.is_empty() => {
+                    self.pointers.iter().copied().filter(|to| !above.contains(to)).collect()
+                }
+                Target::Indirect | Target::Nowhere(_) => bail!(
+                    "{} calls {:?} at {:#x}: its stack has no bound",
+                    function.name,
+                    call.to,
+                    call.at
+                ),
+            };
+            let frame = if call.is_tail { 0 } else { own };
+            for to in targets {
+                let below = self.depth(to, above)?;
+                if frame + below.bytes > deepest.bytes {
+                    let mut path = vec![(at, frame)];
+                    path.extend(below.path);
+                    deepest = Depth { bytes: frame + below.bytes, path };
+                }
+            }
+        }
+        above.pop();
+        self.known.insert(at, deepest.clone());
+        Ok(deepest)
     }
-    above.pop();
-    known.insert(at, deepest.clone());
-    Ok(deepest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elf::by_hand::{branch, object};
+    use crate::elf::by_hand::{BLX_R3, NOP, branch, object};
 
     const PUSH_R4_LR: u16 = 0xb510;
     const POP_R4_PC: u16 = 0xbd10;
@@ -193,5 +231,32 @@ mod tests {
         let elf = Elf::parse(&object(&[(0, "again")], &halves)).unwrap();
         let error = deepest(&elf, &Frames(BTreeMap::new()), 0).unwrap_err();
         assert_eq!(error.to_string(), "again calls itself: its stack has no bound");
+    }
+
+    /// What loads `r3` from the word behind the next two instructions.
+    const LDR_R3_PC: u16 = 0x4b00;
+
+    #[test]
+    fn a_pointer_from_amid_the_code_is_a_name() {
+        // outer: what `r3` is loaded with is `inner`.
+        let halves = [PUSH_R4_LR, NOP, LDR_R3_PC, BLX_R3, 12 | 1, 0, PUSH_R4_LR, POP_R4_PC];
+        let symbols = [(0, "$t"), (0, "outer"), (8, "$d"), (12, "$t"), (12, "inner")];
+        let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
+        let depth = deepest(&elf, &Frames(BTreeMap::new()), 0).unwrap();
+        assert_eq!(depth, Depth { bytes: 16, path: vec![(0, 8), (1, 8)] });
+    }
+
+    #[test]
+    fn any_other_pointer_is_to_what_data_names() {
+        // outer calls what its caller gave; a word behind `inner` names that.
+        let halves = [PUSH_R4_LR, BLX_R3, POP_R4_PC, NOP, PUSH_R4_LR, SUB_SP_16, 8 | 1, 0];
+        let symbols = [(0, "$t"), (0, "outer"), (8, "inner"), (12, "$d")];
+        let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
+        assert_eq!(elf.named_by_data(), [1]);
+        let frames = Frames(BTreeMap::new());
+        assert!(deepest(&elf, &frames, 0).is_err());
+        let mut search =
+            Search { elf: &elf, frames: &frames, pointers: &[1], known: BTreeMap::new() };
+        assert_eq!(search.depth(0, &mut Vec::new()).unwrap().bytes, 8 + 24);
     }
 }

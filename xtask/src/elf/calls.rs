@@ -34,24 +34,37 @@ impl Target {
     }
 }
 
-/// All calls of a function. `all` is in the order of addresses.
-pub(super) fn of(function: &Function, all: &[Function]) -> Vec<Call> {
-    let target_at = |address: u64| {
-        let behind = all.partition_point(|function| function.address <= address);
-        let index = behind.checked_sub(1).filter(|index| {
-            let Function { address: start, size, .. } = all[*index];
-            address < start + size
-        });
-        index.map_or(Target::Nowhere(address), Target::Function)
-    };
+/// Where an address lies among all functions, in the order of theirs.
+fn target_at(all: &[Function], address: u64) -> Target {
+    let behind = all.partition_point(|function| function.address <= address);
+    let index = behind.checked_sub(1).filter(|index| {
+        let Function { address: start, size, .. } = all[*index];
+        address < start + size
+    });
+    index.map_or(Target::Nowhere(address), Target::Function)
+}
+
+/// All calls of a function. `all` is in the order of addresses; `word`: what lies at an address.
+pub(super) fn of(
+    function: &Function,
+    all: &[Function],
+    word: &impl Fn(u64) -> Option<u32>,
+) -> Vec<Call> {
+    let target_at = |address: u64| target_at(all, address);
     let is_within =
         |address: u64| (function.address..function.address + function.size).contains(&address);
-    function
-        .instructions
-        .iter()
-        .filter_map(|instruction| {
+    let by_register = |index: usize| {
+        let address = held(function, index, &function.instructions[index].operands, word)?;
+        Some(target_at(address))
+    };
+    let instructions = function.instructions.iter().enumerate();
+    instructions
+        .filter_map(|(index, instruction)| {
             let (to, is_tail) = match instruction.operation.as_str() {
-                "bl" | "blx" => (instruction.branch_target().map(target_at), false),
+                "bl" | "blx" => {
+                    let direct = instruction.branch_target().map(target_at);
+                    (direct.or_else(|| by_register(index)), false)
+                }
                 "b" => {
                     let target = instruction.branch_target()?;
                     // A loop or a branch, or self-recursion that was made one.
@@ -60,12 +73,69 @@ pub(super) fn of(function: &Function, all: &[Function]) -> Vec<Call> {
                     }
                     (Some(target_at(target)), true)
                 }
-                _ if jumps_to_a_register(instruction) => (None, true),
+                _ if jumps_to_a_register(instruction) => (by_register(index), true),
                 _ => return None,
             };
             Some(Call { at: instruction.address, to: to.unwrap_or(Target::Indirect), is_tail })
         })
         .collect()
+}
+
+/// The address of code that a register holds before an instruction, if the nearest one before that writes it reads it
+/// from among the instructions: so compilers call what they call often, when code is to be small.
+fn held(
+    function: &Function,
+    before: usize,
+    register: &str,
+    word: &impl Fn(u64) -> Option<u32>,
+) -> Option<u64> {
+    let names = |instruction: &&Instruction| {
+        let mut words = instruction.operands.split(|letter: char| !letter.is_alphanumeric());
+        words.any(|word| word == register)
+    };
+    let writes = |instruction: &&Instruction| {
+        let writes_two = ["ldrd", "ldm", "pop", "umull", "smull", "umlal", "smlal"];
+        let reads = ["str", "cmp", "cmn", "tst", "teq", "cbz", "cbnz", "bl", "bx", "push", "stm"];
+        let operation = instruction.operation.as_str();
+        let is_first = instruction.operands.split(',').next() == Some(register);
+        let is_read = reads.iter().any(|read| operation.starts_with(read));
+        writes_two.iter().any(|write| operation.starts_with(write)) || is_first && !is_read
+    };
+    let mut earlier = function.instructions[..before].iter().rev().filter(names);
+    let Instruction { address, operation, operands, .. } = earlier.find(writes)?;
+    let offset = operands.strip_prefix(register)?.strip_prefix(", [pc, #")?.strip_suffix(']')?;
+    let offset = match offset.strip_prefix("0x") {
+        Some(hexadecimal) => u64::from_str_radix(hexadecimal, 16).ok()?,
+        None => offset.parse().ok()?,
+    };
+    // The program counter is four bytes on, and on a word.
+    let found = word(((address + 4) & !3) + offset).filter(|_| operation == "ldr")?;
+    // The lowest bit says that it is Thumb code.
+    (found & 1 == 1).then_some(u64::from(found & !1))
+}
+
+/// What the register of a jump holds that is the caller's: outlined ends of functions have such. `None`: not of all
+/// callers is it known.
+pub(super) fn of_callers(
+    to: usize,
+    call: &Call,
+    all: &[Function],
+    word: &impl Fn(u64) -> Option<u32>,
+) -> Option<Vec<Call>> {
+    let own = &all[to].instructions;
+    let index = own.iter().position(|instruction| instruction.address == call.at)?;
+    let register = &own[index].operands;
+    let mut found = Vec::new();
+    for caller in all {
+        for site in caller.calls.iter().filter(|site| site.to == Target::Function(to)) {
+            let at = caller.instructions.iter().position(|found| found.address == site.at)?;
+            let target = target_at(all, held(caller, at, register, word)?);
+            found.push(Call { to: target, ..*call });
+        }
+    }
+    found.sort_unstable_by_key(|call| call.to.function());
+    found.dedup();
+    (!found.is_empty()).then_some(found)
 }
 
 /// Whether it goes where a register says, and this is neither a return nor a jump table.

@@ -4,8 +4,9 @@ mod calls;
 mod disassembly;
 mod lines;
 mod symbols;
+mod words;
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
 use std::path::Path;
 
@@ -17,11 +18,14 @@ pub(crate) use disassembly::Instruction;
 pub(crate) use lines::{Lines, Place};
 
 use disassembly::Disassembler;
+use words::Words;
 
 /// A linked image, read once. Functions are known by their index, which rises with their address.
 #[derive(Debug)]
 pub(crate) struct Elf {
     functions: Vec<Function>,
+    named_by_data: Vec<usize>,
+    handlers: Vec<usize>,
 }
 
 /// A function as it lies in flash.
@@ -83,12 +87,44 @@ impl Elf {
             })
             .collect::<Result<Vec<_>>>()?;
         ensure!(!functions.is_empty(), "it has no symbols of functions");
+        let words = Words::of(&file)?;
+        let word = |address| words.at(address);
         let calls: Vec<_> =
-            functions.iter().map(|function| calls::of(function, &functions)).collect();
+            functions.iter().map(|function| calls::of(function, &functions, &word)).collect();
         for (function, calls) in functions.iter_mut().zip(calls) {
             function.calls = calls;
         }
-        Ok(Self { functions })
+        let resolve = |(index, function): (usize, &Function)| -> Vec<Call> {
+            let mut calls = Vec::new();
+            for call in &function.calls {
+                let open = call.is_tail && call.to == Target::Indirect;
+                let known = open.then(|| calls::of_callers(index, call, &functions, &word));
+                calls.extend(known.flatten().unwrap_or_else(|| vec![*call]));
+            }
+            calls
+        };
+        let resolved: Vec<_> = functions.iter().enumerate().map(resolve).collect();
+        for (function, calls) in functions.iter_mut().zip(resolved) {
+            function.calls = calls;
+        }
+        let starts: BTreeMap<u64, usize> =
+            functions.iter().enumerate().map(|(index, found)| (found.address | 1, index)).collect();
+        let among = |is_table: bool| -> Vec<usize> {
+            let named = words.all(is_table).filter_map(|word| starts.get(&u64::from(word)));
+            named.copied().collect::<BTreeSet<_>>().into_iter().collect()
+        };
+        let (named_by_data, handlers) = (among(false), among(true));
+        Ok(Self { functions, named_by_data, handlers })
+    }
+
+    /// Functions whose address some data holds, what lies amid code too: a pointer can be to no other one.
+    pub(crate) fn named_by_data(&self) -> &[usize] {
+        &self.named_by_data
+    }
+
+    /// Functions of the vector table: what resets, exceptions and interrupts begin with.
+    pub(crate) fn handlers(&self) -> &[usize] {
+        &self.handlers
     }
 
     /// All functions, in the order of their addresses.

@@ -13,7 +13,7 @@ use super::instruction::Instruction;
 use super::parser::Parser;
 use super::table::{Table, address};
 use crate::compare::{Comparison, patient_us};
-use crate::servo_state::servos_of;
+use crate::servo_state::{check_servos, servos_of};
 use crate::settings::{self, DYNAMIXEL_WATCHDOG, Demand, Setting};
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::{Goals, Servo};
@@ -99,6 +99,15 @@ impl<const S: usize> Bus<S> {
             watched: 0,
             slow_waits: false,
         })
+    }
+
+    /// That [`Self::new`] makes a bus of these servos; it takes less room on the stack.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn check(setups: &[ServoSetup], schedule: &Schedule) -> Result<(), SetupError> {
+        let servo_of = |setup| Servo::new(setup, schedule);
+        check_servos::<_, _, S>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
     /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.

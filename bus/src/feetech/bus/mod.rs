@@ -11,7 +11,7 @@ use super::instruction::{Instruction, SyncWriter};
 use super::parser::Parser;
 use super::table::address;
 use crate::compare::{Comparison, patient_us};
-use crate::servo_state::servos_of;
+use crate::servo_state::{check_servos, servos_of};
 use crate::settings;
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::Servo;
@@ -79,6 +79,19 @@ impl<const S: usize> Bus<S> {
             retries_left: 0,
             registers: Registers::default(),
         })
+    }
+
+    /// That [`Self::new`] makes a bus of these servos; it takes less room on the stack.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn check(
+        setups: &[ServoSetup],
+        schedule: &Schedule,
+        settings: Settings,
+    ) -> Result<(), SetupError> {
+        let servo_of = |setup| Servo::new(setup, settings.family, schedule);
+        check_servos::<_, _, S>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
     /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
