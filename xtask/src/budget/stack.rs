@@ -236,10 +236,15 @@ mod tests {
     /// What loads `r3` from the word behind the next two instructions.
     const LDR_R3_PC: u16 = 0x4b00;
 
+    /// The pointer to a function at `address`: bit 0 says that it is Thumb code.
+    const fn thumb(address: u16) -> u16 {
+        address | 1
+    }
+
     #[test]
     fn a_pointer_from_amid_the_code_is_a_name() {
         // outer: what `r3` is loaded with is `inner`.
-        let halves = [PUSH_R4_LR, NOP, LDR_R3_PC, BLX_R3, 12 | 1, 0, PUSH_R4_LR, POP_R4_PC];
+        let halves = [PUSH_R4_LR, NOP, LDR_R3_PC, BLX_R3, thumb(12), 0, PUSH_R4_LR, POP_R4_PC];
         let symbols = [(0, "$t"), (0, "outer"), (8, "$d"), (12, "$t"), (12, "inner")];
         let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
         let depth = deepest(&elf, &Frames(BTreeMap::new()), 0).unwrap();
@@ -249,7 +254,7 @@ mod tests {
     #[test]
     fn any_other_pointer_is_to_what_data_names() {
         // outer calls what its caller gave; a word behind `inner` names that.
-        let halves = [PUSH_R4_LR, BLX_R3, POP_R4_PC, NOP, PUSH_R4_LR, SUB_SP_16, 8 | 1, 0];
+        let halves = [PUSH_R4_LR, BLX_R3, POP_R4_PC, NOP, PUSH_R4_LR, SUB_SP_16, thumb(8), 0];
         let symbols = [(0, "$t"), (0, "outer"), (8, "inner"), (12, "$d")];
         let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
         assert_eq!(elf.named_by_data(), [1]);
