@@ -220,10 +220,12 @@ pub fn bake_within(
             }
             fits += 1;
             tight = tight.tightened(&report);
-            let before = fitted.into_progress();
-            fitted = refit(mechanism, &tight, given, &before, settings)?;
+            let before = fitted.motion.fingerprint();
+            // The motion, which may be long, is not held while the next one is made.
+            let progress = fitted.into_progress();
+            fitted = refit(mechanism, &tight, given, &progress, settings)?;
             // Of the same motion the show would be the same.
-            if fitted.progress != before {
+            if fitted.motion.fingerprint() != before {
                 break;
             }
         }

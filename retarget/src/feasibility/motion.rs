@@ -1,5 +1,7 @@
 //! A motion of a rig in its own coordinates.
 
+use std::hash::{DefaultHasher, Hasher as _};
+
 use sinew_rig::Mechanism;
 use thiserror::Error;
 
@@ -59,6 +61,15 @@ pub enum MotionError {
 }
 
 impl RigMotion {
+    /// A number by which two motions are told apart where one of them is not kept: of the bits of all their numbers.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_u64(self.dt_s.to_bits());
+        self.rows.iter().flatten().for_each(|number| hasher.write_u64(number.to_bits()));
+        hasher.finish()
+    }
+
     /// Time of the last row, s; the first is at 0.
     pub fn duration_s(&self) -> f64 {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s

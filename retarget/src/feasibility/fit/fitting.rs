@@ -39,7 +39,7 @@ pub(super) enum Round {
     Hopeless,
 }
 
-/// What was done for a fit, for another one of the same motion to go on from: as much, and the fit is the same.
+/// What was done for a fit, for another one of the same motion to go on from. The ranges of its limits are not in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     widest: Vec<Option<(f64, f64)>>,
