@@ -1,19 +1,19 @@
 //! `sinew bake`: a show for a board.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use sinew_mocap::files::ClipFile;
-use sinew_retarget::feasibility::{Fit, RigMotion, check, looped};
+use sinew_retarget::feasibility::{check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 use sinew_sim::command::{note, print};
 use sinew_sim::figure::{BodyModel, mapping};
 use sinew_sim::output;
 use sinew_sim::performance::{
-    BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, feasibility, led,
-    rig_hash,
+    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
 };
 use sinew_sim::pipeline::{self, Settings};
 use sinew_sim::report::feasibility::Page;
@@ -124,28 +124,28 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
         note(format_args!("note: {line}"));
     }
     let (mechanism, limits, given) = (&rig.mechanism, &performed.limits, &performed.taken.motion);
-    let of = |motion: &RigMotion, cues, course| {
-        let marks = Marks { cues, time_code: args.time_code, course, is_loop: args.is_loop };
-        bake(mechanism, motion, hash, &marks, &settings)
-    };
+    let baker = Baker { mechanism, rig: hash, settings };
+    let marks =
+        |cues, course| Marks { cues, time_code: args.time_code, course, is_loop: args.is_loop };
     // Cues out of the clip are refused before the work.
     let cues = performed.cues(None, &args.cue)?;
     let (baked, report) = match performed.fit.take() {
         None => {
-            let baked = of(given, cues, Vec::new())?;
+            let baked = baker.bake(given, &marks(cues, Vec::new()))?;
             let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
             (baked, report)
         }
         Some(fit) => {
-            let of_fit = |fit: &Fit| {
+            let (fit, baked, report) = baker.bake_within(limits, given, fit, |fit| {
                 let course = args.time_code.map(|code| course(fit, code)).unwrap_or_default();
                 let cues = performed.cues(Some(fit), &args.cue).unwrap_or_default();
                 // A fit knows nothing of loops: what it did to one end and not to the other is little, and is mended.
                 let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
                 let closed = on_rig.blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
-                of(closed.as_ref().map_or(&fit.motion, |looped| &looped.motion), cues, course)
-            };
-            let (fit, baked, report) = bake_within(mechanism, limits, given, fit, of_fit)?;
+                let motion =
+                    closed.map_or(Cow::Borrowed(&fit.motion), |looped| Cow::Owned(looped.motion));
+                Ok((motion, marks(cues, course)))
+            })?;
             performed.fit = Some(fit);
             (baked, report)
         }

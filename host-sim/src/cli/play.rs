@@ -13,14 +13,13 @@ use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use sinew_firmware::supervisor::{Refused, TABLE};
 use sinew_mocap::Kind;
-use sinew_retarget::feasibility::Fit;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::Show;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_sim::command::{note, print};
 use sinew_sim::output;
-use sinew_sim::performance::{Marks, bake, bake_within, rig_hash};
+use sinew_sim::performance::{Baker, Marks, rig_hash};
 use sinew_sim::play::{
     Director, Drive, Emulator, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally,
     Twin, put_servos,
@@ -360,10 +359,9 @@ impl Args {
             on_rig.perform(rig, clip, mapping, self.seconds, (ON_STAND, self.told))?;
         let fit = performed.fit.take().context("a clip is fitted")?;
         let (given, limits) = (&performed.taken.motion, &performed.limits);
-        let (mechanism, settings) = (&rig.mechanism, ShowSettings::default());
-        let marks = Marks::default();
-        let of_fit = |fit: &Fit| bake(mechanism, &fit.motion, crc, &marks, &settings);
-        let (_, baked, _) = bake_within(mechanism, limits, given, fit, of_fit)?;
+        let baker =
+            Baker { mechanism: &rig.mechanism, rig: crc, settings: ShowSettings::default() };
+        let (_, baked, _) = baker.bake_within(limits, given, fit, Marks::of_none)?;
         note(format_args!("{}: {:.2} s, fitted to the rig", performed.name, baked.duration_s));
         Ok(baked.written.bytes)
     }

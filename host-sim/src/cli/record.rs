@@ -7,14 +7,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
 use sinew_retarget::exchange::table;
-use sinew_retarget::feasibility::{Fit, RigMotion, check};
+use sinew_retarget::feasibility::{RigMotion, check};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_sim::command::{note, print};
 use sinew_sim::output;
-use sinew_sim::performance::{
-    CHECK_HZ, Marks, Played, TakenOver, bake, bake_within, feasibility, rig_hash,
-};
+use sinew_sim::performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
 use sinew_sim::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
 use sinew_sim::rig::Loaded;
 use sinew_sim::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
@@ -239,17 +237,17 @@ impl Args {
         if let Some(line) = why_not {
             note(format_args!("note: {line}"));
         }
-        let of = |motion: &RigMotion| bake(mechanism, motion, hash, &Marks::default(), &settings);
+        let baker = Baker { mechanism, rig: hash, settings };
         let (baked, report) = match performed.fit.take() {
             None => {
-                let baked = of(motion)?;
+                let baked = baker.bake(motion, &Marks::default())?;
                 let report =
                     check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
                 (baked, report)
             }
             Some(fit) => {
                 let (fit, baked, report) =
-                    bake_within(mechanism, limits, motion, fit, |fit: &Fit| of(&fit.motion))?;
+                    baker.bake_within(limits, motion, fit, Marks::of_none)?;
                 performed.fit = Some(fit);
                 (baked, report)
             }

@@ -1,15 +1,16 @@
 //! A rig's motion as a show.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, ease, refit,
+    Report, RigMotion, check, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
 use sinew_rig::{Description, Mechanism};
-use sinew_show::write::{Motion, Settings, WriteError, Written, write};
+use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
 use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
 use thiserror::Error;
 
@@ -23,8 +24,18 @@ const SERVOS: usize = 64;
 pub const CHECK_HZ: f64 = 250.0;
 /// The same of a show that shall exceed nothing: between two looks it may swing out for a few milliseconds.
 const FITTED_HZ: f64 = 1000.0;
+/// How often at least it is looked at before that: at its samples, where its accelerations are largest.
+const ROUGH_HZ: f64 = 100.0;
 /// How often a motion is fitted for one show.
 const FITS: usize = 12;
+/// How much nearer to its motion a show is brought each time, and at most, in shares of its largest error: a curve of
+/// short spans in whole steps has accelerations in proportion to its step.
+const NEARER: f64 = 0.25;
+const NEAREST: f64 = 1.0 / 256.0;
+/// How long before and after an excess it is as near, and how long it takes to be as far off as before, s: an error of
+/// 0.25 degrees that comes and goes in 0.4 s asks for 0.1 rad/s².
+const AROUND_S: f64 = 0.03;
+const BESIDE_S: f64 = 0.4;
 
 /// Why a motion is no show.
 #[derive(Debug, Error)]
@@ -101,6 +112,16 @@ pub struct Marks {
     pub is_loop: bool,
 }
 
+impl Marks {
+    /// A fit's motion, with nothing beside it.
+    ///
+    /// # Errors
+    /// None: as [`Baker::bake_within`] asks for it.
+    pub fn of_none(fit: &Fit) -> Result<(Cow<'_, RigMotion>, Self), BakeError> {
+        Ok((Cow::Borrowed(&fit.motion), Self::default()))
+    }
+}
+
 /// How a fit goes through the given motion, for the time code to follow: pairs of their rows, between which the error
 /// is at most half a frame and what rounding to rows adds. Empty if it was not slowed down.
 pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
@@ -132,118 +153,169 @@ pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
     pairs.into_iter().map(|row| (row as u32, given[row].round() as u32)).collect()
 }
 
-/// Writes a show of a motion; `rig`: the CRC of the rig's compact form, or 0.
-///
-/// # Errors
-/// [`BakeError`] if the motion is beyond what a show holds.
-pub fn bake(
-    mechanism: &Mechanism,
-    motion: &RigMotion,
-    rig: u32,
-    marks: &Marks,
-    settings: &Settings,
-) -> Result<Baked, BakeError> {
-    let joints: Vec<Joint> =
-        mechanism.bodies.iter().map(|link| Joint::from(link.joint.kind())).collect();
-    // Behind the last sample of a loop comes the first.
-    let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
-    let q: Vec<f64> = rows.iter().flatten().copied().collect();
-    let rate = rate(motion.dt_s)?;
-    let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
-    let cues: Vec<(u32, &str)> =
-        marks.cues.iter().map(|(row, name)| ((*row).min(last), name.as_str())).collect();
-    let time_code = marks.time_code;
-    let show = Motion {
-        joints: &joints,
-        q: &q,
-        rate,
-        is_loop: marks.is_loop,
-        rig,
-        cues: &cues,
-        time_code,
-        course: &marks.course,
-    };
-    let written = write(&show, settings)?;
-    // What was written is opened as a board opens it.
-    Show::open(&written.bytes)?.check_blocks()?;
-    let freedoms = mechanism
-        .bodies
-        .iter()
-        .filter(|link| link.joint != Freedom::Free)
-        .map(|link| link.joint.kind().degrees_of_freedom())
-        .sum();
-    Ok(Baked { written, duration_s: motion.duration_s(), freedoms })
+/// What shows of one rig have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct Baker<'a> {
+    /// The rig.
+    pub mechanism: &'a Mechanism,
+    /// The CRC of its compact form, or 0.
+    pub rig: u32,
+    /// How near a show is to its motion.
+    pub settings: Settings,
 }
 
-/// Makes a show of a fitted motion that itself keeps to all limits: where it does not, by what it rounds, the motion is
-/// fitted once more, tighter there. `given`: the motion before the fit.
-///
-/// # Errors
-/// [`BakeError`] if there is no such show.
-pub fn bake_within(
-    mechanism: &Mechanism,
-    limits: &Limits,
-    given: &RigMotion,
-    mut fitted: Fit,
-    bake: impl Fn(&Fit) -> Result<Baked, BakeError>,
-) -> Result<(Fit, Baked, Report), BakeError> {
-    let settings = FitSettings::default();
-    let mut tight = limits.clone();
-    let (mut fits, mut eased) = (0, Vec::new());
-    loop {
-        let baked = bake(&fitted)?;
-        let played = Played::new(&baked.written.bytes)?;
-        // Most of what a slowed show exceeds lasts longer than the time between two of these looks.
-        if fits < FITS && fitted.slowest.0 < 1.0 {
-            let report = check(mechanism, limits, &played, CHECK_HZ)?;
-            let places = places(&fitted, &report);
-            // Where it went slower for the same before, something else must help.
-            let is_new =
-                !places.iter().any(|place| eased.iter().any(|other| is_same(place, other)));
-            if is_new && !places.is_empty() {
-                // Slower at a single place changes least. With several, or new ones then, the limit is too near.
-                let is_single = eased.is_empty() && report.excesses.len() == 1;
-                let tighter = if is_single { tight.clone() } else { tight.tightened(&report) };
-                if let Some(fit) = ease(mechanism, &tighter, given, &fitted, &report, settings)? {
-                    (fitted, tight) = (fit, tighter);
-                    fits += 1;
-                    eased.extend(places);
-                    continue;
+impl Baker<'_> {
+    /// Writes a show of a rig's motion.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the motion is beyond what a show holds.
+    pub fn bake(&self, motion: &RigMotion, marks: &Marks) -> Result<Baked, BakeError> {
+        let content = Content::of(self.mechanism, motion, marks)?;
+        content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
+    }
+
+    /// Makes a show of a fitted motion that itself keeps to all limits. Where it does not, by what it rounds, it is
+    /// brought nearer to the motion; if that does not help, the motion is fitted once more, tighter. `given`: the
+    /// motion before the fit; `of_fit`: what is shown of a fit.
+    ///
+    /// # Errors
+    /// [`BakeError`] if there is no such show.
+    pub fn bake_within(
+        &self,
+        limits: &Limits,
+        given: &RigMotion,
+        mut fitted: Fit,
+        of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, Marks), BakeError>,
+    ) -> Result<(Fit, Baked, Report), BakeError> {
+        let mut tight = limits.clone();
+        let mut fits = 0;
+        loop {
+            let (baked, report) = {
+                let (motion, marks) = of_fit(&fitted)?;
+                self.bake_near(limits, &motion, &marks)?
+            };
+            let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
+            loop {
+                if fits == FITS {
+                    return Err(rounded(limits, worst));
+                }
+                fits += 1;
+                tight = tight.tightened(&report);
+                let before = fitted.motion.fingerprint();
+                // The motion, which may be long, is not held while the next one is made.
+                let progress = fitted.into_progress();
+                fitted = refit(self.mechanism, &tight, given, &progress, FitSettings::default())?;
+                // Of the same motion the show would be the same.
+                if fitted.motion.fingerprint() != before {
+                    break;
                 }
             }
         }
-        let report = check(mechanism, limits, &played, FITTED_HZ)?;
-        let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
+    }
+
+    /// Makes a show that is as near to its motion as it must be to keep to the limits; if none does, one that is as
+    /// near as can be.
+    fn bake_near(
+        &self,
+        limits: &Limits,
+        motion: &RigMotion,
+        marks: &Marks,
+    ) -> Result<(Baked, Report), BakeError> {
+        let content = Content::of(self.mechanism, motion, marks)?;
+        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
         loop {
-            if fits == FITS {
-                return Err(rounded(limits, worst));
+            let baked = content.baked(&mut writer)?;
+            let played = Played::new(&baked.written.bytes)?;
+            let at_rows = FitSettings { rate_hz: ROUGH_HZ, ..FitSettings::default() };
+            let at_rows = at_rows.at_rows(motion.dt_s);
+            let mut report = check(self.mechanism, limits, &played, at_rows.rate_hz)?;
+            if report.excesses.is_empty() {
+                report = check(self.mechanism, limits, &played, FITTED_HZ)?;
             }
-            fits += 1;
-            tight = tight.tightened(&report);
-            let before = fitted.motion.fingerprint();
-            // The motion, which may be long, is not held while the next one is made.
-            let progress = fitted.into_progress();
-            fitted = refit(mechanism, &tight, given, &progress, settings)?;
-            // Of the same motion the show would be the same.
-            if fitted.motion.fingerprint() != before {
-                break;
+            let mut is_nearer = false;
+            for excess in &report.excesses {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "not negative, and saturates"
+                )]
+                let sample = |time_s: f64| (time_s / motion.dt_s).max(0.0).round() as usize;
+                let samples = sample(excess.from_s - AROUND_S)..sample(excess.to_s + AROUND_S) + 1;
+                let beside = sample(BESIDE_S);
+                for joint in self.causes(limits.freedoms[excess.freedom].joint, excess.kind) {
+                    is_nearer |=
+                        writer.bring_nearer(joint, samples.clone(), beside, [NEARER, NEAREST]);
+                }
+            }
+            if !is_nearer {
+                return Ok((baked, report));
             }
         }
     }
+
+    /// The joints whose curves can be why one of them is beyond a limit.
+    fn causes(&self, joint: usize, kind: Kind) -> impl Iterator<Item = usize> {
+        let supports = |a, b| self.mechanism.supports(a, b);
+        let is_cause = move |other: &usize| match kind {
+            Kind::Effort => supports(joint, *other) || supports(*other, joint),
+            Kind::Speed | Kind::Acceleration => joint == *other,
+            // A fit leaves room for errors of positions, and those of an instant do not heat.
+            Kind::Range | Kind::LinkedRange | Kind::Heat => false,
+        };
+        (0..self.mechanism.bodies.len()).filter(is_cause)
+    }
 }
 
-/// What was exceeded, and when in the given motion, s.
-type Place = (usize, Kind, f64);
-
-fn places(fit: &Fit, report: &Report) -> Vec<Place> {
-    let of_excess =
-        |excess: &Excess| (excess.freedom, excess.kind, fit.given_time_s(excess.worst_s));
-    report.excesses.iter().map(of_excess).collect()
+/// What a show has of a motion, and beside it.
+struct Content<'a> {
+    joints: Vec<Joint>,
+    q: Vec<f64>,
+    rate: Rate,
+    cues: Vec<(u32, &'a str)>,
+    marks: &'a Marks,
+    freedoms: usize,
+    duration_s: f64,
 }
 
-/// Whether two excesses are the same one: nearer to each other than a course is slower beside an instant.
-fn is_same(a: &Place, b: &Place) -> bool {
-    (a.0, a.1) == (b.0, b.1) && (a.2 - b.2).abs() < 0.25
+impl<'a> Content<'a> {
+    fn of(mechanism: &Mechanism, motion: &RigMotion, marks: &'a Marks) -> Result<Self, BakeError> {
+        // Behind the last sample of a loop comes the first.
+        let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
+        let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
+        let cue = |(row, name): &'a (u32, String)| ((*row).min(last), name.as_str());
+        let kinds = mechanism.bodies.iter().map(|link| link.joint.kind());
+        let moving = mechanism.bodies.iter().filter(|link| link.joint != Freedom::Free);
+        Ok(Self {
+            joints: kinds.map(Joint::from).collect(),
+            q: rows.iter().flatten().copied().collect(),
+            rate: rate(motion.dt_s)?,
+            cues: marks.cues.iter().map(cue).collect(),
+            marks,
+            freedoms: moving.map(|link| link.joint.kind().degrees_of_freedom()).sum(),
+            duration_s: motion.duration_s(),
+        })
+    }
+
+    fn motion(&self, rig: u32) -> Motion<'_> {
+        let Marks { time_code, course, is_loop, .. } = self.marks;
+        Motion {
+            joints: &self.joints,
+            q: &self.q,
+            rate: self.rate,
+            is_loop: *is_loop,
+            rig,
+            cues: &self.cues,
+            time_code: *time_code,
+            course,
+        }
+    }
+
+    fn baked(&self, writer: &mut Writer<'_>) -> Result<Baked, BakeError> {
+        let written = writer.write()?;
+        // What was written is opened as a board opens it.
+        Show::open(&written.bytes)?.check_blocks()?;
+        Ok(Baked { written, duration_s: self.duration_s, freedoms: self.freedoms })
+    }
 }
 
 fn rounded(limits: &Limits, worst: &Excess) -> BakeError {

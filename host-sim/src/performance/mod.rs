@@ -10,7 +10,7 @@ mod table;
 mod take_over;
 pub(crate) mod words;
 
-pub use bake::{BakeError, Baked, CHECK_HZ, Marks, Played, bake, bake_within, course, rig_hash};
+pub use bake::{BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
 pub use rig_clip::RigClip;
 pub use table::{feasibility, fitted, led};

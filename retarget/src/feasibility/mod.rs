@@ -25,7 +25,7 @@ mod tests;
 pub use check::{CheckError, Excess, FreedomPeaks, Kind, Report, check};
 pub use curve::{Curve, Instant, Performance};
 pub use efforts::Efforts;
-pub use fit::{Fit, FitError, FitSettings, Lowered, Progress, Smoothed, ease, fit, refit};
+pub use fit::{Fit, FitError, FitSettings, Lowered, Progress, Smoothed, fit, refit};
 pub use limits::{FreedomLimits, Heat, Limits};
 pub use looped::{LoopError, Looped, looped};
 pub use motion::{MotionError, RigMotion};

@@ -94,35 +94,6 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
 }
 
 #[test]
-fn what_a_show_exceeds_is_eased_where_the_course_is_slow_and_only_there() {
-    let arm = arm(20.0);
-    let settings = FitSettings::default();
-    let (limits, motion) = swing(&arm, 0.7, 2.0);
-    let first = fit(&arm, &limits, &motion, settings).unwrap();
-    assert!(first.slowest.0 < 0.7);
-    // As if the show of it had been beyond by a tenth, in its last second.
-    let beyond = |fit: &Fit| {
-        let curve = Curve::new(&arm, &fit.motion).unwrap();
-        let mut report = check(&arm, &limits.at(0.9), &curve, 1000.0).unwrap();
-        report.excesses.retain(|excess| fit.given_time_s(excess.from_s) > 3.0);
-        report
-    };
-    let shown = beyond(&first);
-    assert!(!shown.excesses.is_empty());
-    let eased = ease(&arm, &limits, &motion, &first, &shown, settings).unwrap().unwrap();
-    exceeds_nothing(&arm, &limits, &eased.motion);
-    assert_eq!(beyond(&eased).excesses, []);
-    assert!(eased.motion.duration_s() > first.motion.duration_s());
-    // Before, it goes on as it did.
-    let pairs = first.given_s.iter().zip(&eased.given_s).take_while(|(given, _)| **given < 2.0);
-    assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 0.01);
-    // Where nothing is slower, smoothing comes first.
-    let (limits, motion) = swing(&arm, 0.4, 0.5);
-    let whole = fit(&arm, &limits, &motion, settings).unwrap();
-    assert_eq!(ease(&arm, &limits, &motion, &whole, &shown, settings), Ok(None));
-}
-
-#[test]
 fn a_limit_is_tightened_once_however_often_it_was_exceeded() {
     let arm = arm(20.0);
     let (limits, motion) = swing(&arm, 0.9, 1.0);

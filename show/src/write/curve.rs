@@ -58,6 +58,15 @@ impl Spans {
         Self { wanted: vec![first; samples.values.len()], longest }
     }
 
+    /// As long as they are between these knots.
+    pub(super) fn begin_with(&mut self, knots: &[i32]) {
+        for span in knots.windows(2) {
+            let [from, to] =
+                [span[0], span[1]].map(|k| (k.unsigned_abs() as usize).min(self.wanted.len()));
+            self.wanted[from..to].fill(f64::from(span[1] - span[0]));
+        }
+    }
+
     /// Knots from 0 to the end or beyond; those of a loop end on it.
     pub(super) fn knots(&self, samples: &Samples) -> Vec<i32> {
         let length = samples.length();

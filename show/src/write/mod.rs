@@ -9,6 +9,8 @@ mod measure;
 mod pack;
 mod refine;
 
+use std::ops::Range;
+
 use crate::joint::Joint;
 use crate::layout::{
     CHANNEL_LEN, ChannelRecord, HEADER_LEN, Header, LARGEST_CONTROL, LOOP, SLOWED,
@@ -18,13 +20,13 @@ use crate::show::CHECKSUM;
 use crate::time_code::TimeCode;
 use channels::groups;
 use check::{check, per_sample};
-use curve::Samples;
 pub use error::WriteError;
 #[cfg(test)]
 pub(crate) use fit::weights;
 pub use measure::Errors;
 use measure::measure;
-use refine::Bound;
+use pack::BitWriter;
+use refine::{Aim, Refined, refine};
 
 /// The fewest spans of a loop: a player looks three knots ahead, and no farther than the next round.
 const LEAST_SPANS: i32 = 6;
@@ -88,55 +90,163 @@ pub struct Written {
 /// # Errors
 /// [`WriteError`] names what of the motion or the settings cannot be.
 pub fn write(motion: &Motion<'_>, settings: &Settings) -> Result<Written, WriteError> {
-    let samples = check(motion, settings)?;
-    let length = if motion.is_loop { samples } else { samples - 1 };
-    let block = settings.block_s * f64::from(motion.rate.samples) / f64::from(motion.rate.seconds);
-    #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-    let block = block.clamp(16.0, 8192.0) as i32;
-    let length = i32::try_from(length).expect("checked");
-    let blocks = (length + block - 1) / block;
-    let most = if motion.is_loop { length / LEAST_SPANS } else { i32::MAX };
-    let longest = (block / 4).min(most).max(1);
-    let (mut records, mut streams, mut knots) = (Vec::new(), Vec::new(), 0);
-    for (group, bound) in channels(motion, settings) {
-        for (curve, step, flips) in refine::refine(&group, bound, settings.step, longest) {
-            let record = pack::record(&curve, step, flips, block, blocks);
-            let found = record.most.max(-record.least);
-            if found > LARGEST_CONTROL {
-                let [found, most] = [found, LARGEST_CONTROL].map(|n| n.unsigned_abs() as usize);
-                return Err(WriteError::TooMuch { what: "steps in a channel", found, most });
-            }
-            knots += curve.knots.len();
-            streams.push(pack::streams(&record, &curve, block, blocks));
-            records.push(record);
-        }
-    }
-    let blocks: Vec<Vec<u8>> = (0..blocks.unsigned_abs() as usize)
-        .map(|k| pack::block(&streams.iter().map(|channel| &channel[k]).collect::<Vec<_>>()))
-        .collect();
-    let mut parts = Parts { motion, records: &records, blocks: &blocks, errors: [0.0; 2] };
-    let timing = (length.unsigned_abs(), block.unsigned_abs());
-    let (angles, lengths) = measure(&parts.bytes(timing)?, motion, settings)?;
-    #[expect(clippy::cast_possible_truncation, reason = "errors are rounded")]
-    {
-        parts.errors = [angles.largest as f32, lengths.largest as f32];
-    }
-    Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
+    Writer::new(*motion, *settings)?.write()
 }
 
-/// All groups of curves, in the order of channels.
-fn channels(motion: &Motion<'_>, settings: &Settings) -> Vec<(Vec<Samples>, Bound)> {
-    let per_sample = per_sample(motion);
-    let mut first = 0;
-    let mut all = Vec::new();
-    for joint in motion.joints {
-        let columns = (first..first + joint.coordinate_count())
-            .map(|c| motion.q.iter().skip(c).step_by(per_sample).copied().collect())
-            .collect();
-        first += joint.coordinate_count();
-        all.extend(groups(*joint, columns, motion.is_loop, settings));
+/// Writes shows of one motion, each nearer to it than the one before in some places. What does not change is not made
+/// anew.
+pub struct Writer<'a> {
+    motion: Motion<'a>,
+    settings: Settings,
+    /// Of the show and of a block, in samples.
+    length: i32,
+    block: i32,
+    joints: Vec<OfJoint>,
+}
+
+/// What is written of a joint.
+struct OfJoint {
+    /// The largest error at each sample, as a share of the bound; empty while that holds everywhere.
+    shares: Vec<f64>,
+    channels: Vec<Channel>,
+    /// Whether the channels are what the shares ask for.
+    is_written: bool,
+}
+
+/// A curve as it is written.
+struct Channel {
+    record: ChannelRecord,
+    /// Its bits, by block.
+    streams: Vec<BitWriter>,
+    knots: usize,
+    /// The knots from the beginning to the end: the next curve is searched from there.
+    laid: Vec<i32>,
+}
+
+impl<'a> Writer<'a> {
+    /// A writer of a motion that has written nothing yet.
+    ///
+    /// # Errors
+    /// [`WriteError`] names what of the motion or the settings cannot be.
+    pub fn new(motion: Motion<'a>, settings: Settings) -> Result<Self, WriteError> {
+        let samples = check(&motion, &settings)?;
+        let length = if motion.is_loop { samples } else { samples - 1 };
+        let rate = motion.rate;
+        let block = settings.block_s * f64::from(rate.samples) / f64::from(rate.seconds);
+        #[expect(clippy::cast_possible_truncation, reason = "clamped")]
+        let block = block.clamp(16.0, 8192.0) as i32;
+        let length = i32::try_from(length).expect("checked");
+        let nothing = |_| OfJoint { shares: vec![], channels: vec![], is_written: false };
+        let joints = motion.joints.iter().map(nothing).collect();
+        Ok(Self { motion, settings, length, block, joints })
     }
-    all
+
+    /// Asks for less error of a joint at some samples: for a share of what was asked for before, and no less than
+    /// `least` of the bound. Over `beside` samples before and after, for less and less of it: where the error may change
+    /// at once, the curve would have to jump. Whether that is less anywhere among `samples`.
+    pub fn bring_nearer(
+        &mut self,
+        joint: usize,
+        samples: Range<usize>,
+        beside: usize,
+        [share, least]: [f64; 2],
+    ) -> bool {
+        let count = self.motion.q.len() / per_sample(&self.motion);
+        let Some(of_joint) = self.joints.get_mut(joint) else { return false };
+        of_joint.shares.resize(count, 1.0);
+        let shares = &mut of_joint.shares;
+        let end = samples.end.min(count);
+        let Some(least_now) = shares.get(samples.start..end).map(|shares| least_of(shares)) else {
+            return false;
+        };
+        let wanted = (least_now * share).max(least);
+        for (sample, of_sample) in shares
+            .iter_mut()
+            .enumerate()
+            .take((end + beside).min(count))
+            .skip(samples.start.saturating_sub(beside))
+        {
+            let away = samples.start.saturating_sub(sample).max((sample + 1).saturating_sub(end));
+            let part = away as f64 / (beside + 1) as f64;
+            *of_sample = f64::min(*of_sample, wanted + (1.0 - wanted) * part * part);
+        }
+        let is_less = wanted < least_now;
+        of_joint.is_written &= !is_less;
+        is_less
+    }
+
+    /// The show.
+    ///
+    /// # Errors
+    /// [`WriteError`] names what of the motion is too much for a show.
+    pub fn write(&mut self) -> Result<Written, WriteError> {
+        let (length, block) = (self.length, self.block);
+        let blocks = (length + block - 1) / block;
+        let most = if self.motion.is_loop { length / LEAST_SPANS } else { i32::MAX };
+        let longest = (block / 4).min(most).max(1);
+        self.refine(longest, blocks)?;
+        let channels = || self.joints.iter().flat_map(|of_joint| &of_joint.channels);
+        let records: Vec<ChannelRecord> = channels().map(|channel| channel.record).collect();
+        let blocks: Vec<Vec<u8>> = (0..blocks.unsigned_abs() as usize)
+            .map(|k| {
+                pack::block(&channels().map(|channel| &channel.streams[k]).collect::<Vec<_>>())
+            })
+            .collect();
+        let knots = channels().map(|channel| channel.knots).sum();
+        let (motion, settings) = (&self.motion, &self.settings);
+        let mut parts = Parts { motion, records: &records, blocks: &blocks, errors: [0.0; 2] };
+        let timing = (length.unsigned_abs(), block.unsigned_abs());
+        let (angles, lengths) = measure(&parts.bytes(timing)?, motion, settings)?;
+        #[expect(clippy::cast_possible_truncation, reason = "errors are rounded")]
+        {
+            parts.errors = [angles.largest as f32, lengths.largest as f32];
+        }
+        Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
+    }
+
+    /// Makes the channels that are not what is asked for.
+    fn refine(&mut self, longest: i32, blocks: i32) -> Result<(), WriteError> {
+        let Self { motion, settings, block, .. } = *self;
+        let per_sample = per_sample(&motion);
+        let mut first = 0;
+        for (joint, of_joint) in motion.joints.iter().zip(&mut self.joints) {
+            let range = first..first + joint.coordinate_count();
+            first = range.end;
+            if std::mem::replace(&mut of_joint.is_written, true) {
+                continue;
+            }
+            let columns =
+                range.map(|c| motion.q.iter().skip(c).step_by(per_sample).copied().collect());
+            let groups = groups(*joint, columns.collect(), motion.is_loop, &settings);
+            let mut before = std::mem::take(&mut of_joint.channels).into_iter();
+            for (group, bound) in groups {
+                let before: Vec<Vec<i32>> =
+                    before.by_ref().take(group.len()).map(|channel| channel.laid).collect();
+                let aim = Aim { bound, step: settings.step, shares: &of_joint.shares, longest };
+                for Refined { curve, step, flips, laid } in refine(&group, &aim, &before) {
+                    let record = pack::record(&curve, step, flips, block, blocks);
+                    let found = record.most.max(-record.least);
+                    if found > LARGEST_CONTROL {
+                        let [found, most] =
+                            [found, LARGEST_CONTROL].map(|n| n.unsigned_abs() as usize);
+                        return Err(WriteError::TooMuch {
+                            what: "steps in a channel",
+                            found,
+                            most,
+                        });
+                    }
+                    let streams = pack::streams(&record, &curve, block, blocks);
+                    let knots = curve.knots.len();
+                    of_joint.channels.push(Channel { record, streams, knots, laid });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn least_of(shares: &[f64]) -> f64 {
+    shares.iter().copied().fold(1.0, f64::min)
 }
 
 /// What a file is put together from.

@@ -18,31 +18,52 @@ const MOST_ROUNDS: usize = 120;
 /// and H1 come out the same as after all rounds; on an SO-100 they do not.
 const PATIENCE: usize = 8;
 
+/// How near curves shall be.
+pub(super) struct Aim<'a> {
+    pub(super) bound: Bound,
+    /// The step of control values, in shares of the largest error.
+    pub(super) step: f64,
+    /// Of each sample the largest error as a share of the bound; empty where it is the bound.
+    pub(super) shares: &'a [f64],
+    /// The longest span, in samples.
+    pub(super) longest: i32,
+}
+
+/// A curve, its step, and whether it flips.
+pub(super) struct Refined {
+    pub(super) curve: Curve,
+    pub(super) step: f32,
+    pub(super) flips: bool,
+    /// Its knots from the beginning to the end.
+    pub(super) laid: Vec<i32>,
+}
+
 struct Candidate {
     curves: Vec<Curve>,
-    knots: usize,
+    knots: Vec<Vec<i32>>,
+    count: usize,
     round: usize,
 }
 
-/// Curves of a group, with their steps and whether they flip. If the bound cannot be held, the nearest that there is.
-pub(super) fn refine(
-    group: &[Samples],
-    bound: Bound,
-    step: f64,
-    longest: i32,
-) -> Vec<(Curve, f32, bool)> {
-    let (largest, of_curve) = match bound {
+/// Curves of a group. If the bound cannot be held, the nearest that there are. `before`: knots of curves to begin with,
+/// if there are any: more of them are laid where the bound asks for it, and none is taken away.
+pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> Vec<Refined> {
+    let (largest, of_curve) = match aim.bound {
         Bound::Number(largest) => (largest, largest),
         // Half of the angle between two quaternions is the distance of their ends.
         Bound::Rotation(largest) => (largest, largest / 2.0),
     };
+    let least_share = aim.shares.iter().copied().fold(1.0, f64::min);
     #[expect(clippy::cast_possible_truncation, reason = "any number near it is as good")]
-    let step = (of_curve * step) as f32;
+    let step = (of_curve * least_share * aim.step) as f32;
     let mut spans: Vec<Spans> =
-        group.iter().map(|samples| Spans::new(samples, 12.0, longest)).collect();
+        group.iter().map(|samples| Spans::new(samples, 12.0, aim.longest)).collect();
+    spans.iter_mut().zip(before).for_each(|(spans, knots)| spans.begin_with(knots));
     let mut best: Option<Candidate> = None;
     let (mut knots, mut curves, mut errors) = (Vec::new(), Vec::new(), Vec::new());
-    for round in 0..MOST_ROUNDS {
+    // Where a curve is held already, it stays: spans shrink alone.
+    let first = if before.is_empty() { 0 } else { BALANCING };
+    for round in first..MOST_ROUNDS {
         let wanted: Vec<Vec<i32>> =
             group.iter().zip(&spans).map(|(samples, spans)| spans.knots(samples)).collect();
         if wanted != knots {
@@ -56,12 +77,15 @@ pub(super) fn refine(
                 .zip(&curves)
                 .map(|(samples, curve)| curve.played(samples, step))
                 .collect();
-            errors = shares(group, &played, bound, largest);
+            errors = shares(group, &played, aim.bound, largest);
+            for errors in &mut errors {
+                errors.iter_mut().zip(aim.shares).for_each(|(error, share)| *error /= share);
+            }
         }
         let count: usize = knots.iter().map(Vec::len).sum();
         let holds = errors.iter().flatten().all(|error| *error <= 1.0);
-        if holds && best.as_ref().is_none_or(|best| count < best.knots) {
-            best = Some(Candidate { curves: curves.clone(), knots: count, round });
+        if holds && best.as_ref().is_none_or(|best| count < best.count) {
+            best = Some(Candidate { curves: curves.clone(), knots: knots.clone(), count, round });
         }
         if best.as_ref().is_some_and(|best| round >= BALANCING || round > best.round + PATIENCE) {
             break;
@@ -72,8 +96,14 @@ pub(super) fn refine(
             balance(&mut spans.wanted, knots, errors, samples.is_loop, round);
         }
     }
-    let curves = best.map_or(curves, |best| best.curves);
-    curves.into_iter().zip(group).map(|(curve, samples)| (curve, step, samples.flips)).collect()
+    let (curves, knots) = best.map_or((curves, knots), |best| (best.curves, best.knots));
+    let refined = |((curve, laid), samples): ((Curve, Vec<i32>), &Samples)| Refined {
+        curve,
+        step,
+        flips: samples.flips,
+        laid,
+    };
+    curves.into_iter().zip(knots).zip(group).map(refined).collect()
 }
 
 /// Spans shorter where the error is too large, longer where it is small. The error of a cubic grows as the fourth

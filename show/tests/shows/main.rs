@@ -3,6 +3,7 @@
 mod attack;
 mod blend;
 mod examples;
+mod nearer;
 mod round_trip;
 mod run_in;
 mod second_reader;

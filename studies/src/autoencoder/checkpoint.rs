@@ -216,6 +216,8 @@ impl Saved<'_> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     /// What is said of a file in which one tensor is another.
@@ -297,5 +299,48 @@ mod tests {
             "encoder.bias.second_moment: expected finite numbers from 0, found -1 at 2; \
              delete the file"
         );
+    }
+
+    /// Damage to a file: what is put where, in place of how many bytes; then its length.
+    fn damage() -> impl Strategy<Value = (Vec<(usize, usize, Vec<u8>)>, usize)> {
+        let odd = prop_oneof![
+            prop::collection::vec(any::<u8>(), 0..9),
+            Just(b"18446744073709551615".to_vec()),
+            Just(b"-1".to_vec()),
+            Just(b"{\"".to_vec()),
+            Just(u64::MAX.to_le_bytes().to_vec()),
+            Just(f32::NAN.to_le_bytes().to_vec()),
+        ];
+        // The head, where sizes and places are, is a part of the file.
+        let place = prop_oneof![0_usize..64, 0_usize..1 << 12];
+        (
+            prop::collection::vec((place, 0_usize..9, odd), 1..4),
+            prop_oneof![4 => Just(usize::MAX), 1 => 0_usize..1 << 12],
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn a_damaged_file_is_refused_or_a_whole_training((changes, length) in damage()) {
+            let new = || Training::new(12, 3, 1).unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("training.safetensors");
+            save(&new(), "this one", &file).unwrap();
+            let mut bytes = fs::read(&file).unwrap();
+            for (place, count, odd) in changes {
+                let from = place.min(bytes.len());
+                bytes.splice(from..(from + count).min(bytes.len()), odd);
+            }
+            bytes.truncate(length);
+            fs::write(&file, &bytes).unwrap();
+            let mut training = new();
+            match take_up(&mut training, "this one", &file) {
+                Ok(()) => for (name, value) in training.network.parameters() {
+                    let numbers: Vec<f32> = value.flatten_all().unwrap().to_vec1().unwrap();
+                    prop_assert!(numbers.iter().all(|number| number.is_finite()), "{name}");
+                },
+                Err(error) => prop_assert!(error.to_string().starts_with(&*file.to_string_lossy()), "{error}"),
+            }
+        }
     }
 }

@@ -78,7 +78,7 @@ impl Along<'_> {
         rows: Range<usize>,
     ) -> Result<(), CheckError> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
-        let parts = (self.rate_hz * self.curve.dt_s()).ceil().max(1.0) as usize;
+        let parts = (self.rate_hz * self.curve.dt_s()).round().max(1.0) as usize;
         let places = self.places(&rows, parts)?;
         let mut shares = vec![1.0; rows.len()];
         for _ in 0..ROUNDS {

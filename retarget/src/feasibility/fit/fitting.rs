@@ -10,7 +10,7 @@ use super::joint::{distance, draw};
 use super::look::{Look, Looking, lower_chain, most_held};
 use super::rest::Rest;
 use super::within::Within;
-use super::{Fit, FitError, FitSettings, Lowered, Smoothed, interpolated, smooth};
+use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
 use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
@@ -24,8 +24,6 @@ const LOWERING_S: f64 = 0.4;
 const COOLING: f64 = 0.97;
 /// Slower than this share of its speed, or nearer to home than this share of its way, is no performance any more.
 const LEAST_SHARE: f64 = 0.02;
-/// Beside what a show exceeded, the course keeps this share of the pace that would just be within the limit.
-const EASED: f64 = 0.97;
 /// Looks beside those that saw an excess at which a smoothed motion is looked at again.
 const BESIDE: usize = 2;
 
@@ -171,32 +169,6 @@ impl<'a> Fitting<'a> {
                 smooth::smooth(self.mechanism, joint, given, rows, sigma, f64::INFINITY);
             }
         }
-    }
-
-    /// Goes slower beside what a show of the fit before exceeded, if that is what helps: if all of it is too fast or
-    /// too strong where the course is slower already, of joints that no wider low-pass may change. Whether it does.
-    pub(super) fn ease(&mut self, shown: &Report, given_s: &[f64]) -> bool {
-        let last = self.rows.count - 1;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
-        let row = |time_s: f64| {
-            let given_s = interpolated(given_s, time_s / self.dt_s);
-            ((given_s / self.dt_s).round() as usize).min(last)
-        };
-        let mut shares = vec![1.0; self.rows.count];
-        for excess in &shown.excesses {
-            let rows = row(excess.from_s)..=row(excess.to_s);
-            let is_slowed = self.course.pace[rows.clone()].iter().any(|pace| *pace < 1.0);
-            let joint = self.limits.freedoms[excess.freedom].joint;
-            if !(is_fast(excess) && is_slowed && self.ended[joint]) {
-                return false;
-            }
-            let share = EASED * libm::sqrt(excess.limit / excess.value);
-            shares[rows].iter_mut().for_each(|of_row| *of_row = f64::min(*of_row, share));
-        }
-        self.course.slow_down(0, &shares);
-        let given = self.rows.clone();
-        self.smooth_as_before(&given);
-        true
     }
 
     /// What the rows exceed, at all looks or at some; and beside which looks joints that may still be smoothed are too

@@ -16,7 +16,7 @@ mod within;
 use sinew_rig::Mechanism;
 use thiserror::Error;
 
-use super::check::{CheckError, Excess, Kind, Report, check};
+use super::check::{CheckError, Excess, Kind, check};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
 use super::motion::{MotionError, RigMotion};
@@ -41,13 +41,23 @@ pub struct FitSettings {
     pub share: f64,
     /// How far from the ends of their ranges joints stay, rad or m: room for what a show rounds.
     pub room: f64,
-    /// How often a second the motion is looked at.
+    /// How often a second the motion is looked at, at least: at every row, where a curve's accelerations are largest, and
+    /// evenly between, where it may swing out of a range.
     pub rate_hz: f64,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
         Self { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0 }
+    }
+}
+
+impl FitSettings {
+    /// With looks at every row of a motion, and evenly between.
+    #[must_use]
+    pub fn at_rows(self, dt_s: f64) -> Self {
+        let looks_a_row = (self.rate_hz * dt_s - 1e-6).ceil().max(1.0);
+        Self { rate_hz: looks_a_row / dt_s, ..self }
     }
 }
 
@@ -205,40 +215,6 @@ pub fn refit(
         .or_else(|_| go_on(mechanism, limits, motion, None, settings))
 }
 
-/// [`refit`] that goes slower only beside what a show of the fit before exceeded (`shown`), where smoother does not
-/// help: it looks at nothing but its course. `None` if slower is not what helps there.
-///
-/// # Errors
-/// As [`fit`](fit()).
-pub fn ease(
-    mechanism: &Mechanism,
-    limits: &Limits,
-    motion: &RigMotion,
-    before: &Fit,
-    shown: &Report,
-    settings: FitSettings,
-) -> Result<Option<Fit>, FitError> {
-    // Of a motion that was made finer meanwhile nothing was done.
-    if !before.progress.is_of(motion) {
-        return Ok(None);
-    }
-    let rest = Rest::of(mechanism, limits, &mut Within::new(mechanism, settings.room))?;
-    let kept = kept(limits, &rest.holding, settings.share);
-    let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
-    fitting.go_on_from(&before.progress);
-    if !fitting.ease(shown, &before.given_s) {
-        return Ok(None);
-    }
-    for _ in 0..ROUNDS {
-        match fitting.round()? {
-            Round::Within => return Ok(Some(fitting.done())),
-            Round::Nearer => {}
-            Round::Hopeless => break,
-        }
-    }
-    Ok(None)
-}
-
 fn go_on(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -250,11 +226,14 @@ fn go_on(
     let kept = kept(limits, &rest.holding, settings.share);
     let curve = Curve::new(mechanism, motion)?;
     let finer = (LEAST_HZ * motion.dt_s).ceil();
-    let is_coarse =
-        finer > 1.0 && !check(mechanism, &kept, &curve, settings.rate_hz)?.excesses.is_empty();
+    let is_coarse = finer > 1.0
+        && !check(mechanism, &kept, &curve, settings.at_rows(motion.dt_s).rate_hz)?
+            .excesses
+            .is_empty();
     let finer = is_coarse.then(|| curve.resampled(finer / motion.dt_s));
     drop(curve);
     let motion = finer.as_ref().unwrap_or(motion);
+    let settings = settings.at_rows(motion.dt_s);
     let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
     if let Some(before) = before.filter(|before| before.is_of(motion)) {
         fitting.go_on_from(before);
