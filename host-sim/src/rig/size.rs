@@ -1,4 +1,5 @@
-//! How large an imported rig is, and whether it stands: formats of robots say metres and z, and files do not keep to it.
+//! How large an imported rig is, and whether it stands: formats of robots say metres and z, and files do not keep to
+//! it.
 
 use std::ops::RangeInclusive;
 

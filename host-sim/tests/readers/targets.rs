@@ -96,8 +96,8 @@ fn rig(description: Option<sinew_rig::Description>) {
     }
 }
 
-/// A journal of these bytes, and one in which they stand behind the first line. What was taken up is there the next time,
-/// too.
+/// A journal of these bytes, and one in which they stand behind the first line. What was taken up is there the next
+/// time, too.
 fn journal(bytes: &[u8]) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("journal.jsonl");

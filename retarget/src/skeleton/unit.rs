@@ -80,8 +80,8 @@ fn of_height(height: f64) -> (Option<f64>, String) {
     }
 }
 
-/// Height of the standing body, in the skeleton's unit. One limb alone is no person's: robots' arms have names of bones,
-/// too.
+/// Height of the standing body, in the skeleton's unit. One limb alone is no person's: robots' arms have names of
+/// bones, too.
 fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) -> Option<f64> {
     let two = |pair: &&Pair| pair.both().count() == 2;
     let (legs, arms) = (legs.filter(two), arms.filter(two));
