@@ -117,9 +117,24 @@ fn other_skeletons_are_left_out_of_folders_and_refused_by_name() {
     fs::write(folder.path().join("query.bvh"), &whole).expect("a file");
     let hair = "JOINT hair\n{\nOFFSET 0 0.1 0\nCHANNELS 0\n}\nEnd Site";
     fs::write(file("hair.bvh"), whole.replacen("End Site", hair, 1)).expect("a file");
+    fs::write(file("README.md"), "mine").expect("a file");
+    let dog = format!("{{\"Frames\": [[{0}], [{0}]]}}", ["0.01"; 84].join(", "));
+    fs::write(file("dog.txt"), dog).expect("a file");
     let (found, told) = json(folder.path(), &["find", "clips", "--like", "query.bvh@9"]);
-    assert_eq!((&found["clips"], &found["left_out"]), (&1.into(), &1.into()));
-    assert!(told.contains("left out 1 files of other skeletons; the first: "), "{told}");
+    assert_eq!((&found["clips"], &found["left_out"]), (&1.into(), &3.into()));
+    for why in
+        ["joint `hair`: expected no joint", "README.md: neither its name", "of another character"]
+    {
+        let is_told = |line: &str| line.starts_with("left out: ") && line.contains(why);
+        assert!(told.lines().any(is_told), "{why}: {told}");
+    }
+    let whole =
+        ["evaluate", "--clips", "clips", "--seconds", "0.1", "--scale", "1", "--methods", "local"];
+    let done = sinew(folder.path(), &whole);
+    let said = text(&done.stderr);
+    assert!(done.status.success() && said.contains("of another character"), "{said}");
+    let strict = sinew(folder.path(), &[&whole[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(2), "{}", text(&strict.stderr));
     let refused = sinew(folder.path(), &["find", "clips/hair.bvh", "--like", "query.bvh@9"]);
     assert_eq!(refused.status.code(), Some(2));
     let why = "error: clips/hair.bvh: joint `hair`: expected no joint of that name";

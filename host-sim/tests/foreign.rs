@@ -195,6 +195,16 @@ fn an_asf_in_metres_is_as_tall_as_a_person() {
     assert_eq!(it["metres_per_unit"], 1.0, "{it}");
 }
 
+/// An arm on a desk: it was 1.22 m tall, by the length of a person's arms.
+#[test]
+#[ignore = "needs SINEW_DATA"]
+fn a_robot_arm_has_no_persons_height() {
+    let it = inspected(&data().join("foreign/urdf/so100.urdf"));
+    let height_m = it["height_m"].as_f64().expect("a height");
+    assert!((0.1..0.2).contains(&height_m), "{it}");
+    assert_eq!(it["up"], "z", "{it}");
+}
+
 /// A bone of 50 m was weighed without a word.
 #[test]
 #[ignore = "needs SINEW_DATA"]

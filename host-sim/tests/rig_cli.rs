@@ -45,6 +45,11 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
+/// What a command says to people.
+fn text_of(output: &Output) -> &str {
+    text(&output.stderr)
+}
+
 #[track_caller]
 fn assert_done(output: &Output) {
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -181,4 +186,34 @@ fn names_are_no_markup() {
     assert_done(&sinew(folder.path(), &["view", "odd.urdf", "-o", "odd.html"], ""));
     let page = std::fs::read_to_string(folder.path().join("odd.html")).unwrap();
     assert_eq!(page.matches("</script>").count(), 2, "the data's and the script's own");
+}
+
+#[test]
+fn a_rig_in_millimetres_is_refused_until_its_unit_is_told() {
+    let folder = folder();
+    let mm = URDF
+        .replace("xyz=\"0.2 0 0\"", "xyz=\"200 0 0\"")
+        .replace("xyz=\"0.1 0 0\"", "xyz=\"100 0 0\"")
+        .replace(
+            "upper=\"0.1\" effort=\"10\" velocity=\"0.2\"",
+            "upper=\"100\" effort=\"10\" velocity=\"200\"",
+        );
+    std::fs::write(folder.path().join("mm.urdf"), mm).unwrap();
+    let refused = sinew(folder.path(), &["check", "mm.urdf"], "");
+    let said = text_of(&refused);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("found 200.0000 m from end to end"), "{said}");
+    assert!(said.contains("--metres-per-unit 0.001"), "{said}");
+    let told = ["import", "mm.urdf", "--metres-per-unit", "0.001", "--up", "y"];
+    let done = sinew(folder.path(), &told, "");
+    assert_done(&done);
+    let said = text_of(&done);
+    assert!(said.contains("0.200 m across; a unit is 0.001 m (as you say)"), "{said}");
+    assert!(said.contains("y is up (as you say)"), "{said}");
+    let rig = text(&done.stdout);
+    assert!(rig.contains("position_m = [0.2, 0, 0]") && rig.contains("speed_m_s = 0.2"), "{rig}");
+
+    std::fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    let refused = sinew(folder.path(), &["check", "rig.toml", "--up", "z"], "");
+    assert!(text_of(&refused).contains("a rig.toml is in metres"), "{}", text_of(&refused));
 }

@@ -94,7 +94,11 @@ impl Kind {
         }
         if start.starts_with('<') {
             let kinds = [("<mujoco", Self::Mjcf), ("<robot", Self::Urdf), ("<svg", Self::Picture)];
-            let known = kinds.into_iter().find(|(element, _)| has(element));
+            // The first of them: a URDF may have words for MuJoCo in it.
+            let known = kinds
+                .into_iter()
+                .filter_map(|(element, kind)| Some((text.find(element)?, kind)))
+                .min_by_key(|(place, _)| *place);
             return Some(known.map_or(Self::Xml, |(_, kind)| kind));
         }
         if start.starts_with('{') {
@@ -210,6 +214,7 @@ mod tests {
             ("a", ":FULLY-SPECIFIED\n:DEGREES\n1", Some(Kind::Amc)),
             ("a.urdf", "<?xml?><!-- x --><mujoco>", Some(Kind::Mjcf)),
             ("a.xml", "<robot name='a'>", Some(Kind::Urdf)),
+            ("a.urdf", "<robot name='a'><mujoco/></robot>", Some(Kind::Urdf)),
             ("a.html", "<html>", Some(Kind::Xml)),
             ("a.txt", " {\"Loop\":\"wrap\",\"Frames\":[]}", Some(Kind::DeepMimic)),
             ("a.txt", "{}", Some(Kind::Json)),

@@ -9,10 +9,10 @@ use crate::skeleton::{JointSample, Skeleton};
 pub(crate) const JOINT_COUNT_MAX: usize = 1024;
 /// Joints times frames, 6 GiB: an hour of 100 joints at 240 Hz.
 pub(crate) const SAMPLE_COUNT_MAX: usize = 100_000_000;
-/// What a file of so many bytes may ask for: at most 200 bytes of memory for each of its own, but no less than 64 MB. A
-/// joint whose channels are all there takes some 10 bytes of text a frame.
+/// Samples, of 64 bytes, that a file of so many bytes may ask for: with all else that readers hold less than 200 bytes
+/// of memory for each of its own, and 8 MB. A joint whose channels are all there takes some 10 bytes of text a frame.
 pub(crate) fn sample_count_max(bytes: usize) -> usize {
-    bytes.saturating_mul(3).clamp(1_000_000, SAMPLE_COUNT_MAX)
+    bytes.saturating_mul(2).clamp(100_000, SAMPLE_COUNT_MAX)
 }
 
 /// Larger offsets and angles are damage, and would overflow further on.

@@ -292,3 +292,24 @@ proptest! {
         }
     }
 }
+
+/// A robot's arm has names of bones, and is no person: nothing tells its unit.
+#[test]
+fn a_lone_arm_tells_no_height() {
+    let arm = skeleton(&[
+        ("base", "", [0.0, 0.0, 0.0]),
+        ("shoulder", "base", [0.0, 0.06, 0.0]),
+        ("elbow", "shoulder", [0.0, 0.18, 0.0]),
+        ("wrist", "elbow", [0.1, 0.18, 0.0]),
+        ("gripper", "wrist", [0.2, 0.18, 0.0]),
+    ]);
+    assert_eq!(SkeletonMatch::new(&arm, &[]).unit, None);
+    // Two on one trunk are an upper body's.
+    let two = skeleton(&[
+        ("chest", "", [0.0, 0.0, 0.0]),
+        ("*Shoulder", "chest", [0.2, 0.2, 0.0]),
+        ("*Elbow", "*Shoulder", [0.5, 0.2, 0.0]),
+        ("*Wrist", "*Elbow", [0.75, 0.2, 0.0]),
+    ]);
+    assert!(SkeletonMatch::new(&two, &[]).unit.is_some());
+}

@@ -10,15 +10,17 @@ mod note;
 mod solid;
 mod tie;
 mod urdf;
+mod world;
 mod xml;
 
 pub use error::{ImportError, Place};
 pub use note::{Note, NoteKind};
+pub use world::World;
 pub use xml::document;
 
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use note::Notes;
 
@@ -26,7 +28,7 @@ use crate::Description;
 use crate::description::{JointType, Mount};
 
 /// The user's word on what a file leaves open.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     /// Joints to leave out, by name, and with them all that then hangs on nothing; of an MJCF, bodies too.
     pub cut: Vec<String>,
@@ -35,6 +37,11 @@ pub struct Options {
     /// Replaces inertia that no body can have by that of a ball with the same sum of principal moments (what MuJoCo's
     /// `balanceinertia` does), and inertia that neither the file nor a solid gives by that of a point.
     pub repair_inertia: bool,
+    /// Length of the file's unit, m. Default: what an MJCF's gravity says, else 1. Masses, efforts, friction and
+    /// damping are in SI units whatever it is.
+    pub metres_per_unit: Option<f64>,
+    /// The axis of the file that points up, unit. Default: against an MJCF's gravity, else z.
+    pub up: Option<DVec3>,
 }
 
 /// A rig, and what a person should know of how it came about.
@@ -44,6 +51,8 @@ pub struct Imported {
     pub description: Description,
     /// In the order of the file.
     pub notes: Vec<Note>,
+    /// What was taken for its unit and for up.
+    pub world: World,
 }
 
 /// Reads a URDF (the Unified Robot Description Format of ROS).
@@ -112,23 +121,14 @@ fn empty(name: Option<&str>) -> Description {
     }
 }
 
-/// Stands a rig of a format with z up.
-fn turn_up(format: &str, description: &mut Description, notes: &mut Notes) {
-    description.mount = Mount::z_up();
-    notes.add(
-        NoteKind::Changed,
-        format!(
-            "z is up in {format}, and y in a rig: mount.rotation_xyzw turns the rig by -90 deg about x, once. If y is \
-             up in this file, take that line out"
-        ),
-    );
-}
-
-/// Puts the base where a file with z up has it.
+/// Puts the base where the file has it, in a rig that stands.
 fn place_base(description: &mut Description, position_m: DVec3, rotation: DQuat) {
+    let up = DQuat::from_array(description.mount.rotation_xyzw);
+    // By right angles: so that what is on an axis stays on one.
+    let DMat3 { x_axis, y_axis, z_axis } = DMat3::from_quat(up);
+    let turn = DMat3::from_cols(x_axis.round(), y_axis.round(), z_axis.round());
     // Zero is added so that no -0 is written.
-    description.mount.position_m = [position_m.x, position_m.z, 0.0 - position_m.y];
-    let up = DQuat::from_array(Mount::z_up().rotation_xyzw);
+    description.mount.position_m = (turn * position_m).to_array().map(|x| x + 0.0);
     description.mount.rotation_xyzw = (up * rotation).normalize().to_array();
 }
 
@@ -151,14 +151,16 @@ fn tell_massless(description: &Description, notes: &mut Notes) {
     }
 }
 
-/// The rig, if it passes the check of all rigs: what a reader does not look at, that does.
+/// The rig in metres, if it passes the check of all rigs: what a reader does not look at, that does.
 fn finish(
     root: roxmltree::Node<'_, '_>,
-    description: Description,
-    notes: Notes,
+    world: World,
+    mut description: Description,
+    mut notes: Notes,
 ) -> Result<Imported, ImportError> {
+    world.measure(&mut description, &mut notes);
     match description.check() {
-        Ok(()) => Ok(Imported { description, notes: notes.finish() }),
+        Ok(()) => Ok(Imported { description, notes: notes.finish(), world }),
         Err(error) => {
             let found = format!("{}, {} {}", error.found, error.path, error.item);
             Err(xml::refuse(root, error.expected, found))

@@ -306,3 +306,28 @@ fn a_urdf_and_an_mjcf_of_one_arm_are_one_rig() {
     let urdf = urdf(from_urdf, &Options::default()).expect("a rig").description;
     assert_eq!(urdf, read(from_mjcf).description);
 }
+
+/// MuJoCo knows no units: what falls by 981 a second is in centimetres.
+#[test]
+fn gravity_tells_the_unit_and_what_is_up() {
+    let inside = r#"<joint name="j" range="-90 90"/><geom size="10" mass="2"/>"#;
+    let bodies = format!(
+        r#"<body name="a" pos="0 100 0"><geom size="10" mass="1"/><body name="b" pos="0 20 0">{inside}</body></body>"#
+    );
+    let imported = read(&model(r#"<option gravity="0 -981 0"/>"#, &bodies, ""));
+    let rig = &imported.description;
+    assert_eq!((imported.world.metres_per_unit, imported.world.up), (0.01, glam::DVec3::Y));
+    assert_eq!(rig.mount.rotation_xyzw, [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(
+        (rig.mount.position_m, rig.joints[0].position_m),
+        ([0.0, 1.0, 0.0], [0.0, 0.2, 0.0])
+    );
+    // A ball of 10 cm.
+    let inertia = rig.bodies[1].inertia_kg_m2.unwrap().xx;
+    assert!((inertia - 0.4 * 2.0 * 0.01).abs() < 1e-12, "{inertia}");
+    let mine =
+        Options { metres_per_unit: Some(1.0), up: Some(glam::DVec3::Z), ..Options::default() };
+    let text = model(r#"<option gravity="0 -981 0"/>"#, &bodies, "");
+    let told = mjcf(&text, &mine).unwrap().world;
+    assert_eq!((told.metres_per_unit, told.up), (1.0, glam::DVec3::Z));
+}

@@ -48,7 +48,7 @@ fn with_values(text: &str, values: &[(usize, usize)]) -> String {
 }
 
 fn read(text: &str) {
-    let bold = Options { repair_inertia: true, open_loops: true, cut: Vec::new() };
+    let bold = Options { repair_inertia: true, open_loops: true, ..Options::default() };
     for options in [&Options::default(), &bold] {
         for imported in [urdf(text, options), mjcf(text, options)].into_iter().flatten() {
             // What is taken is a rig.

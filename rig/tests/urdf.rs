@@ -463,3 +463,33 @@ fn a_chain_of_thousands_takes_no_stack_and_no_time() {
     let text = robot(&format!("<link name=\"l0\"/>{chain}"));
     assert_eq!(read(&text).description.bodies.len(), 20_000);
 }
+
+#[test]
+fn lengths_are_in_the_unit_that_is_told() {
+    let text = robot(
+        &(link("a")
+            + &link("b")
+            + r#"<joint name="j" type="prismatic"><parent link="a"/><child link="b"/><origin xyz="0 0 300"/>
+               <axis xyz="0 0 1"/><limit lower="0" upper="40" effort="3" velocity="20"/></joint>"#),
+    );
+    let options = Options { metres_per_unit: Some(0.001), ..Options::default() };
+    let imported = urdf(&text, &options).unwrap();
+    let joint = &imported.description.joints[0];
+    assert!(close(&joint.position_m, &[0.0, 0.0, 0.3]));
+    assert!(close(&joint.range_m.unwrap(), &[0.0, 0.04]));
+    assert!(close(&[joint.speed_m_s.unwrap()], &[0.02]));
+    assert_eq!(joint.effort, Some(3.0));
+    let body = &imported.description.bodies[1];
+    assert!(close(&[body.mass_kg, body.inertia_kg_m2.unwrap().xx], &[1.0, 1e-6]));
+    assert_noted(&imported, NoteKind::Changed, "lengths by 0.001");
+}
+
+#[test]
+fn the_axis_that_is_told_points_up() {
+    for axis in glam::DVec3::AXES {
+        let options = Options { up: Some(axis), ..Options::default() };
+        let rig = urdf(&pair("revolute", LIMIT), &options).unwrap().description;
+        let up = glam::DQuat::from_array(rig.mount.rotation_xyzw) * axis;
+        assert!(close(&up.to_array(), &[0.0, 1.0, 0.0]), "{axis}: {up}");
+    }
+}

@@ -87,6 +87,8 @@ pub(super) fn of_format(
     }
     let rest = character.at_rest();
     let mut measured = Measured::of_format(&rest, &SkeletonMatch::new(&rest.skeleton, &[]));
+    // Robots are of any size.
+    measured.is_body &= !is_rig;
     if let Some(metres_per_unit) = told.metres_per_unit {
         measured.height_units /= metres_per_unit;
         measured.metres_per_unit = Some(metres_per_unit);

@@ -203,7 +203,7 @@ impl ClipArgs {
         let mut unknown = None;
         for (may_lack, prepared) in prepared {
             let (motion, notices) = match prepared {
-                Err(error @ pipeline::Error::Mapping { .. }) if may_lack => {
+                Err(error) if may_lack && error.is_other_skeleton() => {
                     lines.push(format!("left out: {error}"));
                     unknown = unknown.or(Some(error));
                     continue;

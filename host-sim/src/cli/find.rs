@@ -254,9 +254,8 @@ fn tell(library: &Library, length: usize) {
     for (clip, notice) in others {
         note(format_args!("{}: {notice}", clip.name));
     }
-    if let Some((_, why)) = library.left_out.first() {
-        let count = library.left_out.len();
-        note(format_args!("left out {count} files of other skeletons; the first: {why}"));
+    for (_, why) in &library.left_out {
+        note(format_args!("left out: {why}"));
     }
     let short = library.clips.iter().filter(|clip| clip.poses.len() < length).count();
     if short > 0 {

@@ -104,8 +104,13 @@ fn on_figure(path: &Path, told: Told) -> anyhow::Result<String> {
         note(format_args!("the skeleton is known as {name}: without --mapping, its own is taken"));
     }
     let metres_per_unit = unit?;
-    let rate_hz = recording.frame_time_s.is_none().then_some(30.0);
-    let head = MapHead { name: &file.name, metres_per_unit, rate_hz };
+    if recording.frame_time_s.is_none() {
+        note(format_args!(
+            "note: {}: the file does not tell its frame rate: add `rate_hz = 120`, if it is CMU's, or what it is",
+            file.name
+        ));
+    }
+    let head = MapHead { name: &file.name, metres_per_unit, rate_hz: None };
     let mut proposal = figure_mapping(&recording.skeleton, &matched, head)
         .with_context(|| path.display().to_string())?;
     let axes = [Up::X, Up::Z];

@@ -1,6 +1,7 @@
 //! Options that say what files do not: the unit of length, and which axis points up.
 
 use sinew_mocap::Up;
+use sinew_rig::import::Options;
 use sinew_sim::measured::Told;
 
 /// What files do not tell of themselves.
@@ -19,6 +20,15 @@ pub(super) struct ToldArgs {
 impl ToldArgs {
     pub(super) const fn told(&self) -> Told {
         Told { metres_per_unit: self.metres_per_unit, up: self.up }
+    }
+
+    /// The same for a rig's import.
+    pub(super) fn import(&self) -> Options {
+        Options {
+            metres_per_unit: self.metres_per_unit,
+            up: self.up.map(Up::axis),
+            ..Options::default()
+        }
     }
 
     /// An option that is given.

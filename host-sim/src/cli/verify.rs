@@ -55,7 +55,17 @@ pub(super) fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn table(report: &Report) -> Table {
-    let header = ["file", "quantity", "cases", "largest error", "relative", "limit", ""];
+    let header = [
+        "file",
+        "quantity",
+        "cases",
+        "largest error",
+        "of its limit",
+        "notices",
+        "",
+        "relative",
+        "",
+    ];
     let mut table = command::table(header, 2..=5);
     for (file, tallies) in &report.files {
         for tally in tallies {
@@ -65,15 +75,17 @@ fn table(report: &Report) -> Table {
     table
 }
 
-fn row(file: &str, tally: &Tally) -> [String; 7] {
+fn row(file: &str, tally: &Tally) -> [String; 9] {
     let result = if tally.passed() { "ok" } else { "FAIL" };
     [
         file.to_owned(),
         tally.quantity.clone(),
         tally.cases.to_string(),
-        format!("{:.1e}", tally.absolute_error),
-        format!("{:.1e}", tally.relative_error),
-        tally.limit.to_string(),
+        format!("{:.1e}", tally.largest_error),
+        format!("{:.2}", tally.share),
+        format!("{:.1e}", tally.notices),
+        tally.unit.to_owned(),
+        format!("{:.1e}", tally.notices_relative),
         result.to_owned(),
     ]
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DQuat;
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
-use sinew_mocap::files::{self, ClipFile};
+use sinew_mocap::files::{self, ClipFile, Expanded};
 use sinew_mocap::resample::resample;
 use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
@@ -67,6 +67,17 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// Whether the file is whole, and of another skeleton.
+    fn is_other_skeleton(&self) -> bool {
+        match self {
+            Self::Mismatch { .. } => true,
+            Self::Clip(error) => error.is_other_skeleton(),
+            Self::Reference(_) | Self::Pose { .. } => false,
+        }
+    }
+}
+
 impl Query {
     /// Reads what is looked for.
     ///
@@ -120,7 +131,7 @@ pub struct Shelved {
 pub struct Library {
     /// In the order given.
     pub clips: Vec<Shelved>,
-    /// Files of folders that are of another skeleton, and why.
+    /// Files of folders that are no motions, or of another skeleton, and why.
     pub left_out: Vec<(PathBuf, String)>,
 }
 
@@ -136,7 +147,8 @@ impl Library {
         settings: &Settings,
         done: impl Fn(usize) + Sync,
     ) -> Result<Self, ReadError> {
-        let files = files::expand(paths).map_err(pipeline::Error::from)?;
+        let Expanded { clips: files, left_out } =
+            files::expand_all(paths).map_err(pipeline::Error::from)?;
         let read: Vec<Result<Shelved, ReadError>> = files
             .par_iter()
             .map(|file| {
@@ -145,15 +157,19 @@ impl Library {
                 shelved
             })
             .collect();
-        let mut library = Self::default();
+        let told = |(file, why): (PathBuf, &str)| {
+            let why = format!("{}: {why}", file.display());
+            (file, why)
+        };
+        let left_out = left_out.into_iter().map(told).collect();
+        let mut library = Self { clips: Vec::with_capacity(files.len()), left_out };
         for (file, shelved) in files.into_iter().zip(read) {
             let is_named = paths.contains(&file.path);
             match shelved {
                 Ok(shelved) => library.clips.push(shelved),
-                Err(
-                    error @ (ReadError::Mismatch { .. }
-                    | ReadError::Clip(pipeline::Error::Mapping { .. })),
-                ) if !is_named => library.left_out.push((file.path, error.to_string())),
+                Err(error) if !is_named && error.is_other_skeleton() => {
+                    library.left_out.push((file.path, error.to_string()));
+                }
                 Err(error) => return Err(error),
             }
         }

@@ -27,8 +27,12 @@ pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
         _ => "glTF 2.0",
     };
     let mut inspected = of_character(&character, format, path, told);
-    inspected.notes.extend(character.notes().iter().skip(1).cloned());
-    inspected.notes.dedup();
+    // The first is its size, and what is doubtful of that is told already.
+    for note in character.notes().iter().skip(1) {
+        if !inspected.notes.contains(note) {
+            inspected.notes.push(note.clone());
+        }
+    }
     inspected.notes.extend(refused.map(|error| format!("other commands refuse it: {error}")));
     Ok(inspected)
 }

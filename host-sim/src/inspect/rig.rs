@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use sinew_mocap::{Recording, Skeleton, SkeletonJoint};
+use sinew_mocap::{Up, axis_name};
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_rig::Description;
 use sinew_rig::description::JointType;
@@ -12,17 +12,23 @@ use sinew_rig::import::Options;
 use super::{Common, Inspected, Kind, maker, rest};
 use crate::character;
 use crate::measured::{self, Measured, Told};
-use crate::rig::{Loaded, load};
+use crate::rig::{at_home, load};
 
 pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
-    let loaded = match load(path, &Options::default()) {
+    let options = Options {
+        metres_per_unit: told.metres_per_unit,
+        up: told.up.map(Up::axis),
+        ..Options::default()
+    };
+    let loaded = match load(path, &options) {
         Ok(loaded) => loaded,
         // Its joints can be seen, though no tree of bodies can be made of it as it is.
         Err(error) => return as_character(path, told, &error.to_string()),
     };
-    let rest = at_home(&loaded);
+    let rest = at_home(&loaded.description.name, &loaded.mechanism);
     let matched = SkeletonMatch::new(&rest.skeleton, &[]);
-    let measured = Measured::of_format(&rest, &matched);
+    // Robots are of any size.
+    let measured = Measured { is_body: false, ..Measured::of_format(&rest, &matched) };
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let format = match extension.to_str() {
         Some("toml") => "rig.toml",
@@ -44,10 +50,14 @@ pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
     (inspected.nearest, inspected.missing) = (None, Vec::new());
     let mass_kg: f64 = loaded.mechanism.bodies.iter().map(|body| body.mass_kg).sum();
     inspected.notes.push(format!("its mass is {mass_kg:.3} kg"));
-    inspected.notes.extend(loaded.notes);
+    // The first is its size.
+    inspected.notes.extend(loaded.notes.into_iter().skip(usize::from(loaded.world.is_some())));
     (inspected.joints, inspected.tree) = tree(&loaded.description, &inspected.tree);
-    if extension != "toml" {
-        "as shown: turned from z, which its format has".clone_into(&mut inspected.up_reason);
+    if let Some(world) = loaded.world {
+        inspected.metres_per_unit = Some(world.metres_per_unit);
+        inspected.unit_reason = world.unit_reason;
+        inspected.up = axis_name(world.up);
+        inspected.up_reason = world.up_reason;
     }
     Ok(inspected)
 }
@@ -56,30 +66,11 @@ fn as_character(path: &Path, told: Told, why: &str) -> Result<Inspected, String>
     let options = character::Options { told, frame: None };
     let character = character::read(path, &options).map_err(|_| why.to_owned())?;
     let mut inspected = rest::of_character(&character, "URDF", path, told);
+    if told.up.is_none() {
+        inspected.up = axis_name(DVec3::Z);
+    }
     inspected.notes.push(format!("no rig as it is: {why}"));
     Ok(inspected)
-}
-
-/// The bodies that move, as a skeleton in the home pose.
-fn at_home(loaded: &Loaded) -> Recording {
-    let mechanism = &loaded.mechanism;
-    let poses = mechanism.poses(&mechanism.home());
-    let joint = |(index, body): (usize, &sinew_rig::mechanism::Link)| SkeletonJoint {
-        name: body.joint_name.clone(),
-        parent: body.parent,
-        offset_m: body
-            .parent
-            .map_or(DVec3::ZERO, |parent| poses[index].position_m - poses[parent].position_m),
-        end_sites_m: Vec::new(),
-    };
-    Recording {
-        name: loaded.description.name.clone(),
-        skeleton: Skeleton { joints: mechanism.bodies.iter().enumerate().map(joint).collect() },
-        frames: Vec::new(),
-        frame_time_s: None,
-        metres_per_unit: Some(1.0),
-        notes: Vec::new(),
-    }
 }
 
 /// All joints of the description, fixed ones too, parents first; those that move have their bone's length from

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use sinew_mocap::{Kind, read};
-use sinew_rig::import::{self, Imported, Options};
+use sinew_rig::import::{self, Imported, Options, World};
 use sinew_rig::{Description, Mechanism, toml_file};
 use thiserror::Error;
+
+use super::size;
 
 /// A rig, as a person wrote it and by index.
 #[derive(Debug, Clone)]
@@ -14,7 +16,9 @@ pub struct Loaded {
     pub description: Description,
     /// By index.
     pub mechanism: Mechanism,
-    /// What an import changed, filled in, left out or doubts.
+    /// What an import took for the file's unit and for up.
+    pub world: Option<World>,
+    /// Of an import: how large the rig is, and what was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,
 }
 
@@ -26,7 +30,7 @@ pub struct RigFileError {
     reason: String,
 }
 
-/// Reads a rig. `options`: for URDF and MJCF.
+/// Reads a rig. `options`: for URDF and MJCF. Their unit is guessed if the metre makes no rig that can be believed.
 ///
 /// # Errors
 /// [`RigFileError`] with file, line and what would be right.
@@ -36,16 +40,41 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
     let text = read::text_of(path, expected, &kinds).map_err(|error| refused(error.to_string()))?;
     let text = text.trim_start_matches('\u{feff}');
-    let (description, notes) = if text.trim_start().starts_with('<') {
-        let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
-        let Imported { description, notes } =
-            parse(text, options).map_err(|error| refused(error.to_string()))?;
-        (description, notes.iter().map(ToString::to_string).collect())
-    } else {
-        (toml_file::read(text).map_err(|error| refused(error.to_string()))?, Vec::new())
-    };
+    if text.trim_start().starts_with('<') {
+        return imported(text, options).map_err(refused);
+    }
+    if options.metres_per_unit.is_some() || options.up.is_some() {
+        let reason = "--metres-per-unit and --up are for URDF and MJCF: a rig.toml is in metres, and its \
+                      mount.rotation_xyzw says how it stands";
+        return Err(refused(reason.to_owned()));
+    }
+    let description = toml_file::read(text).map_err(|error| refused(error.to_string()))?;
     let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
-    Ok(Loaded { description, mechanism, notes })
+    Ok(Loaded { description, mechanism, world: None, notes: Vec::new() })
+}
+
+fn imported(text: &str, options: &Options) -> Result<Loaded, String> {
+    let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
+    let read = |options: &Options| -> Result<(Imported, Mechanism), String> {
+        let imported = parse(text, options).map_err(|error| error.to_string())?;
+        let mechanism = imported.description.mechanism().map_err(|error| error.to_string())?;
+        Ok((imported, mechanism))
+    };
+    let (mut imported, mut mechanism) = read(options)?;
+    if options.metres_per_unit.is_none()
+        && let Some((unit, reason)) = size::other_unit(&mechanism)?
+    {
+        let metres_per_unit = Some(unit * imported.world.metres_per_unit);
+        (imported, mechanism) = read(&Options { metres_per_unit, ..options.clone() })?;
+        imported.world.unit_reason = reason;
+    }
+    let size = size::size(&mechanism, &imported.world);
+    let notes = std::iter::once(size)
+        .chain(imported.notes.iter().map(ToString::to_string))
+        .chain(size::lies(&mechanism, imported.world.up))
+        .collect();
+    let Imported { description, world, .. } = imported;
+    Ok(Loaded { description, mechanism, world: Some(world), notes })
 }
 
 /// Name of the first element of XML text; empty if there is none.

@@ -3,7 +3,9 @@
 mod dynamics;
 mod file;
 mod review;
+mod size;
 
 pub use dynamics::{DynamicsError, freedom_names, inverse_dynamics};
 pub use file::{Loaded, RigFileError, load};
 pub use review::review;
+pub use size::at_home;

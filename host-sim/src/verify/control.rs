@@ -5,13 +5,15 @@ use serde::Deserialize;
 use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
 use sinew_core::state_error::{Aim, Aims, Compensation, Method};
-use sinew_core::{Controller, JointStates, JointTargets, Transform, Twist, Workspace};
+use sinew_core::{Controller, JointKind, JointStates, JointTargets, Transform, Twist, Workspace};
 
 use super::CaseError;
-use super::figure::{self, GoldenBody, Root, Tree, joint_state, tree};
+use super::figure::{self, GoldenBody, Root, Tree, joint_state, links, tree};
 use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
-use super::tally::{Limit, Quantity, Tallies};
-use super::tolerance as limit;
+use super::rounding::{
+    self, Compensated, Difference, Joint, Link, Motion, Number, State, body_states,
+};
+use super::tally::{Quantity, Tallies};
 
 #[derive(Deserialize)]
 pub(super) struct Case {
@@ -80,22 +82,22 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
     };
     let expected = &case.expected;
     let at = format!("case {name}");
-    let mut check = |method_name, method, expected| {
-        check_method(case, &tree, method, expected, method_name, &at, tallies)
+    let turned = &expected.linear_compensation;
+    let mut check = |name: &str, method, measure, expected| {
+        check_method(case, &tree, (method, measure), expected, [name, &at], tallies)
     };
-    check("local", Method::Local, &expected.local)?;
-    check("world", Method::World, &expected.world)?;
-    check("compensation (point)", compensation(&by_point)?, &expected.linear_compensation)?;
-    check("compensation (child)", compensation(&by_child)?, &expected.linear_compensation)
+    check("local", Method::Local, Measure::Local, &expected.local)?;
+    check("world", Method::World, Measure::World, &expected.world)?;
+    check("compensation (point)", compensation(&by_point)?, Measure::Points, turned)?;
+    check("compensation (child)", compensation(&by_child)?, Measure::Children, turned)
 }
 
 fn check_method(
     case: &Case,
     tree: &Tree,
-    method: Method<128>,
+    (method, measure): (Method<128>, Measure),
     expected: &Commanded,
-    method_name: &str,
-    at: &str,
+    [method_name, at]: [&str; 2],
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
     for (field, list) in [("joint_acc_child", &expected.joint_acc_child), ("tau", &expected.tau)] {
@@ -111,34 +113,37 @@ fn check_method(
     let mut workspace = Workspace::resolving();
     let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
     let commands = workspace.commands();
+    let rounded = Rounded::new(case, tree, measure);
 
-    let mut add = |name: &str, limit, scale, at: &str, got: Vec3, expected: &Vector| {
+    let mut add = |name: &str,
+                   unit,
+                   scale,
+                   rounded: rounding::Vector,
+                   at: &str,
+                   got: Vec3,
+                   expected: &Vector| {
         let name = format!("{method_name}, {name}");
-        tallies.add(Quantity { name: &name, limit, scale }, format_args!("{at}"), got, expected.0);
+        let quantity = Quantity { name: &name, unit, limit: rounded.limit(), scale };
+        tallies.add(quantity, format_args!("{at}"), got, expected.0);
     };
-    let tau_limit = Limit::Relative(limit::CONTROL_TORQUE);
-    let acceleration_limit = Limit::Relative(limit::COMMAND);
     let (acceleration_scale, tau_scale) =
         (largest(&expected.joint_acc_child), largest(&expected.tau));
     for body in 0..case.n {
         let at = format!("{at}, body {body}");
         let (acceleration, tau) = (&expected.joint_acc_child[body], &expected.tau[body]);
+        let (commanded, needed) = (rounded.commands[body].angular, rounded.tau[body].angular);
         let command = commands[body].angular;
-        add("acceleration", acceleration_limit, acceleration_scale, &at, command, acceleration);
-        add("tau", tau_limit, tau_scale, &at, torques[body].value.moment_nm, tau);
+        add("acceleration", "rad/s²", acceleration_scale, commanded, &at, command, acceleration);
+        add("tau", "N m", tau_scale, needed, &at, torques[body].value.moment_nm, tau);
     }
     match (case.root, &expected.root_lin_acc_world, &expected.root_force_body) {
         (Root::Free, Some(acceleration), Some(force)) => {
             let got = measured.as_slice()[0].pose.rotation * commands[0].linear;
-            add(
-                "root acceleration",
-                acceleration_limit,
-                largest([acceleration]),
-                at,
-                got,
-                acceleration,
-            );
-            add("root force", tau_limit, largest([force]), at, torques[0].value.force_n, force);
+            let in_world = rounded.turned_root;
+            let scale = largest([acceleration]);
+            add("root acceleration", "m/s²", scale, in_world, at, got, acceleration);
+            let (needed, got) = (rounded.tau[0].linear, torques[0].value.force_n);
+            add("root force", "N", largest([force]), needed, at, got, force);
             Ok(())
         }
         (Root::Spherical | Root::Welded, None, None) => Ok(()),
@@ -147,6 +152,119 @@ fn check_method(
             "a free root, and only that, needs root_lin_acc_world and root_force_body",
         )),
     }
+}
+
+/// How errors are measured, for the tick with its rounding.
+#[derive(Clone, Copy)]
+enum Measure {
+    Local,
+    World,
+    /// Linear Compensation with the goals as points of the bodies.
+    Points,
+    /// With the children as goals.
+    Children,
+}
+
+/// A tick with its rounding.
+struct Rounded {
+    commands: Vec<Motion>,
+    tau: Vec<Motion>,
+    /// The root's commanded acceleration in world axes.
+    turned_root: rounding::Vector,
+}
+
+impl Rounded {
+    fn new(case: &Case, tree: &Tree, measure: Measure) -> Self {
+        let given = rounding::Vector::given;
+        let links = links(tree, &case.bodies);
+        let sides = Sides {
+            desired: joints(case, &links, &case.desired, Number::given(case.desired_scale.0)),
+            measured: joints(case, &links, &case.measured, Number::known(1.0)),
+        };
+        let desired = body_states(&links, &sides.desired);
+        let measured = body_states(&links, &sides.measured);
+        let (kp, kv) = (Number::given(case.kp.0), Number::given(case.kv.0));
+        let mut commands = Vec::with_capacity(case.n);
+        for (body, link) in links.iter().enumerate() {
+            let error = error(case, measure, body, [&desired, &measured], &sides);
+            let to_body = match measure {
+                Measure::Local => sides.measured[body].rotation,
+                _ => measured[body].rotation,
+            }
+            .inverse();
+            let wanted = to_body.turn(error.angular * kp + error.angular_rate * kv);
+            let feedforward = &case.feedforward;
+            let angular = wanted + given(feedforward.joint_acc_child[body].0);
+            let mut command = Motion { angular, linear: rounding::Vector::ZERO };
+            match link.joint {
+                JointKind::Fixed => command = Motion::ZERO,
+                JointKind::Free => {
+                    let wanted = to_body.turn(error.linear * kp + error.linear_rate * kv);
+                    let quat = case.desired.quat[0].0.inverse();
+                    let asked = given(quat * feedforward.root_lin_acc_world.0);
+                    let asked = sides.desired[body].rotation.turn(asked);
+                    let asked = sides.measured[body].rotation.inverse().turn(asked);
+                    command.linear = wanted + asked;
+                }
+                _ => {}
+            }
+            commands.push(command);
+        }
+        let gravity = given(case.gravity.0);
+        let mut tau = rounding::inverse_dynamics(&links, &sides.measured, &commands, gravity);
+        if links[0].joint == JointKind::Fixed {
+            tau[0] = Motion::ZERO;
+        }
+        let turned_root = sides.measured[0].rotation.turn(commands[0].linear);
+        Self { commands, tau, turned_root }
+    }
+}
+
+struct Sides {
+    desired: Vec<Joint>,
+    measured: Vec<Joint>,
+}
+
+fn error(
+    case: &Case,
+    measure: Measure,
+    body: usize,
+    [desired, measured]: [&[State]; 2],
+    sides: &Sides,
+) -> Difference {
+    let world = || Difference::between(&desired[body], &measured[body]);
+    let child = usize::try_from(case.aim_child[body]).ok();
+    let turned = |arm| {
+        Compensated::new(arm, Number::given(case.beta.0), &desired[body], &measured[body])
+            .difference
+    };
+    match (measure, child) {
+        (Measure::Local, _) => {
+            let (desired, measured) = (&sides.desired[body], &sides.measured[body]);
+            Difference::between(&desired.in_parent(), &measured.in_parent())
+        }
+        (Measure::World, _) | (_, None) => world(),
+        (Measure::Points, _) => {
+            turned(desired[body].rotation.turn(rounding::Vector::given(case.aim[body].0)))
+        }
+        (Measure::Children, Some(child)) => {
+            turned(desired[child].position - desired[body].position)
+        }
+    }
+}
+
+/// Joints of one side with their rounding, links `scale` times as long.
+fn joints(case: &Case, links: &[Link], joints: &Joints, scale: Number) -> Vec<Joint> {
+    let velocity = joints.quat[0].0.inverse() * joints.root_lin_vel_world.0;
+    links
+        .iter()
+        .enumerate()
+        .map(|(body, link)| {
+            let offset = rounding::Vector::given(case.bodies[body].offset.0) * scale;
+            let (quat, omega) = (joints.quat[body].0, joints.omega[body].0);
+            figure::joint(link, offset, quat, joints.root_pos.0, omega, velocity)
+        })
+        .collect()
 }
 
 fn measured(case: &Case, tree: &Tree) -> Result<JointStates<128>, CaseError> {

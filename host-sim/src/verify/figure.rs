@@ -1,12 +1,13 @@
 //! The rigs of golden files as trees of the core.
 
-use glam::DMat3;
+use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{Body, Inertia, JointKind, JointState, RotationalInertia, Transform};
 
 use super::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count};
+use super::rounding::{self, Joint, Link, Motion, Number};
 use crate::figure::MassProperties;
 
 /// The core's largest capacity; golden trees have up to 32 bodies.
@@ -46,6 +47,49 @@ impl GoldenBody {
             center_of_mass_m: self.com.0,
             rotational_kg_m2: DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]),
         }
+    }
+}
+
+/// The bodies of a golden tree with their rounding; their joints are those of the core's tree.
+pub(super) fn links(tree: &Tree, bodies: &[GoldenBody]) -> Vec<Link> {
+    let link = |(body, of_tree): (&GoldenBody, &Body)| Link {
+        parent: of_tree.parent,
+        joint: of_tree.joint,
+        mass: Number::given(body.mass.0),
+        center: rounding::Vector::given(body.com.0),
+        inertia: rounding::symmetric(body.inertia.map(|element| Number::given(element.0))),
+        rotor: Number::ZERO,
+        placement: rounding::Rotation::given(body.rot.0),
+    };
+    bodies.iter().zip(tree.bodies()).map(link).collect()
+}
+
+/// The joint of a golden body with its rounding, as [`joint_state`] has it.
+pub(super) fn joint(
+    link: &Link,
+    offset: rounding::Vector,
+    rotation: DQuat,
+    position_m: DVec3,
+    omega_rad_s: DVec3,
+    velocity_m_s: DVec3,
+) -> Joint {
+    let given = rounding::Vector::given;
+    let turns = !matches!(link.joint, JointKind::Fixed);
+    let turn = if turns { rotation } else { DQuat::IDENTITY };
+    let arm = link.placement.turn(given(if link.joint == JointKind::Free {
+        position_m
+    } else {
+        DVec3::ZERO
+    }));
+    let velocity = match link.joint {
+        JointKind::Fixed => Motion::ZERO,
+        JointKind::Free => Motion { angular: given(omega_rad_s), linear: given(velocity_m_s) },
+        _ => Motion { angular: given(omega_rad_s), ..Motion::ZERO },
+    };
+    Joint {
+        rotation: link.placement.after(rounding::Rotation::given(turn)),
+        arm: arm + offset,
+        velocity,
     }
 }
 

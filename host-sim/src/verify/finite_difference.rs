@@ -8,8 +8,8 @@ use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform,
 
 use super::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
+use super::rounding::{self, Number};
 use super::tally::{Quantity, Tallies};
-use super::tolerance as limit;
 
 #[derive(Deserialize)]
 pub(super) struct Case {
@@ -56,18 +56,17 @@ fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(),
     let rotations: Vec<Quat> = case.quat.iter().map(|quat| quat.rounded()).collect();
     let positions: Vec<Vec3> = case.pos.iter().map(|pos| pos.rounded()).collect();
     let (forward, h) = (&case.forward, case.h.rounded());
+    let rounded = Rounded::new(case);
     for (scheme, scheme_name) in [(Scheme::Forward, "forward"), (Scheme::Backward, "backward")] {
-        for (order, suffixes, limits, expected) in [
+        for (order, names, expected) in [
             (
                 1,
-                ["omega_world", "omega_child", "lin_vel"],
-                [limit::DIFFERENCE_OMEGA, limit::DIFFERENCE_VELOCITY],
+                [("omega_world", "rad/s"), ("omega_child", "rad/s"), ("lin_vel", "m/s")],
                 [&forward.omega_world, &forward.omega_child, &forward.lin_vel],
             ),
             (
                 2,
-                ["alpha_world", "alpha_child", "lin_acc"],
-                [limit::DIFFERENCE_ALPHA, limit::DIFFERENCE_ACCELERATION],
+                [("alpha_world", "rad/s²"), ("alpha_child", "rad/s²"), ("lin_acc", "m/s²")],
                 [&forward.alpha_world, &forward.alpha_child, &forward.lin_acc],
             ),
         ] {
@@ -82,9 +81,10 @@ fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(),
                 ];
                 for (kind, got) in got.into_iter().enumerate() {
                     let got = got.map_err(|error| CaseError::new("quat", error))?;
-                    let name = format!("{scheme_name} {}", suffixes[kind]);
-                    let limit = limits[usize::from(kind == 2)];
-                    let quantity = Quantity { name: &name, limit, scale: scales[kind] };
+                    let (suffix, unit) = names[kind];
+                    let name = format!("{scheme_name} {suffix}");
+                    let limit = rounded.of_order(order, kind, first).limit();
+                    let quantity = Quantity { name: &name, unit, limit, scale: scales[kind] };
                     let at = format_args!("{at}, frame {first}");
                     tallies.add(quantity, at, got, expected[kind][first].0);
                 }
@@ -92,6 +92,45 @@ fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// Velocities with their rounding by kind (of the rotation in world axes, in body axes, of the position), a frame each.
+struct Rounded {
+    orientations: Vec<rounding::Rotation>,
+    velocities: [Vec<rounding::Vector>; 3],
+    rate: Number,
+}
+
+impl Rounded {
+    fn new(case: &Case) -> Self {
+        let rate = Number::known(1.0) / Number::given(case.h.0);
+        let orientations: Vec<_> =
+            case.quat.iter().map(|quat| rounding::Rotation::given(quat.0)).collect();
+        let positions: Vec<_> = case.pos.iter().map(|pos| rounding::Vector::given(pos.0)).collect();
+        let turns = |turn: &dyn Fn(&[rounding::Rotation]) -> rounding::Rotation| {
+            orientations.windows(2).map(|pair| turn(pair).log() * rate).collect()
+        };
+        let velocities = [
+            turns(&|pair| pair[1].after(pair[0].inverse())),
+            turns(&|pair| pair[0].inverse().after(pair[1])),
+            positions.windows(2).map(|pair| (pair[1] - pair[0]) * rate).collect(),
+        ];
+        Self { orientations, velocities, rate }
+    }
+
+    fn of_order(&self, order: usize, kind: usize, frame: usize) -> rounding::Vector {
+        let velocities = &self.velocities[kind];
+        match order {
+            1 => velocities[frame],
+            _ => (velocities[frame + 1] - velocities[frame]) * self.rate,
+        }
+    }
+
+    /// A linear quantity, turned to the axes of a frame's body and back.
+    fn there_and_back(&self, order: usize, frame: usize, axes: usize) -> rounding::Vector {
+        let axes = self.orientations[axes];
+        axes.turn(axes.inverse().turn(self.of_order(order, 2, frame)))
+    }
 }
 
 /// The same through targets and measured states of one free joint, whose linear part is in body axes.
@@ -112,6 +151,7 @@ fn check_trajectory(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(), 
         .map(|(quat, pos)| [Transform::new(quat.rounded(), pos.rounded())])
         .collect();
     let (forward, h) = (&case.forward, case.h.rounded());
+    let rounded = Rounded::new(case);
     for (frame, window) in poses.windows(3).enumerate() {
         let [now, next, after] = [&window[0][..], &window[1][..], &window[2][..]];
         forward_targets([now, next, after], h, &mut targets)
@@ -120,25 +160,24 @@ fn check_trajectory(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(), 
         let (desired, acceleration) = (targets.states()[0], targets.accelerations()[0]);
         let backward = measured.as_slice()[0];
         let (desired_to_world, measured_to_world) = (desired.pose.rotation, backward.pose.rotation);
-        let mut add = |name, limit, got, expected: &[Vector]| {
-            let quantity = Quantity { name, limit, scale: largest(expected) };
+        let mut add = |name, unit, rounded: rounding::Vector, got, expected: &[Vector]| {
+            let limit = rounded.limit();
+            let quantity = Quantity { name, unit, limit, scale: largest(expected) };
             tallies.add(quantity, format_args!("{at}, frame {frame}"), got, expected[frame].0);
         };
-        let (omega, velocity) = (limit::DIFFERENCE_OMEGA, limit::DIFFERENCE_VELOCITY);
+        let (turn, way) = (rounded.of_order(1, 1, frame), rounded.there_and_back(1, frame, frame));
         let linear = desired_to_world * desired.velocity.linear;
-        add("targets omega_child", omega, desired.velocity.angular, &forward.omega_child);
-        add("targets lin_vel", velocity, linear, &forward.lin_vel);
+        add("targets omega_child", "rad/s", turn, desired.velocity.angular, &forward.omega_child);
+        add("targets lin_vel", "m/s", way, linear, &forward.lin_vel);
         let linear = desired_to_world * acceleration.linear;
-        add(
-            "targets alpha_child",
-            limit::DIFFERENCE_ALPHA,
-            acceleration.angular,
-            &forward.alpha_child,
-        );
-        add("targets lin_acc", limit::DIFFERENCE_ACCELERATION, linear, &forward.lin_acc);
+        let alpha = rounded.of_order(2, 1, frame);
+        add("targets alpha_child", "rad/s²", alpha, acceleration.angular, &forward.alpha_child);
+        let of_way = rounded.there_and_back(2, frame, frame);
+        add("targets lin_acc", "m/s²", of_way, linear, &forward.lin_acc);
         let linear = measured_to_world * backward.velocity.linear;
-        add("measured omega_child", omega, backward.velocity.angular, &forward.omega_child);
-        add("measured lin_vel", velocity, linear, &forward.lin_vel);
+        let way = rounded.there_and_back(1, frame, frame + 1);
+        add("measured omega_child", "rad/s", turn, backward.velocity.angular, &forward.omega_child);
+        add("measured lin_vel", "m/s", way, linear, &forward.lin_vel);
     }
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! Distances of poses, curves and geodesics (`hauberg/1`): the first two by the core, geodesics by the host in f64.
 
+mod line;
+
 use glam::{DQuat, DVec3, Vec3};
 use serde::Deserialize;
 use sinew_core::pose_space::{
@@ -9,9 +11,12 @@ use sinew_core::projection::JointRange;
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Twist, math};
 
 use super::CaseError;
-use super::golden::{Vector, expect_count};
-use super::tally::{Limit, Quantity, Tallies};
+use super::golden::{Vector, expect_count, largest};
+use super::rounding::{DOUBLE, Number};
+use super::tally::{Quantity, Tallies};
 use super::tolerance as limit;
+use line::Line;
+
 use crate::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
 
 /// The core's largest capacity.
@@ -30,14 +35,14 @@ pub(super) struct Case {
     joint_angle_distance: f64,
     so3_distance: f64,
     chord: f64,
-    line: Line,
+    line: GoldenLine,
     slerp_line: Length,
     geodesic: Geodesic,
     ratio_slerp: f64,
 }
 
 #[derive(Deserialize)]
-struct Line {
+struct GoldenLine {
     energy: f64,
     length: f64,
     gradient_rotvec: Vec<Vec<Vector>>,
@@ -149,43 +154,38 @@ fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), Case
     let [first, last] = [&placed[0], &placed[placed.len() - 1]];
     let at = format_args!("case {name}");
 
-    let mut number = |quantity: &str, limit: Limit, got: f32, expected: f64| {
-        let quantity = Quantity { name: quantity, limit, scale: expected.abs() };
+    let rounded = Line::new(case);
+    let mut number = |name: &str, unit, rounded: Number, got: f32, expected: f64| {
+        let quantity = Quantity { name, unit, limit: rounded.limit(), scale: expected };
         tallies.add_error(quantity, at, f64::from(got) - expected);
     };
-    number(
-        "joint_angle_distance",
-        limit::ANGLE_DISTANCE,
-        space.angle_distance(&a, &b),
-        case.joint_angle_distance,
-    );
-    number(
-        "so3_distance",
-        limit::ANGLE_DISTANCE,
-        space.rotation_distance(&a, &b),
-        case.so3_distance,
-    );
-    number("chord", limit::POSE_DISTANCE, space.position_distance(first, last), case.chord);
-    number("line length", limit::POSE_DISTANCE, space.curve_length(&placed), case.line.length);
+    let got = space.angle_distance(&a, &b);
+    number("joint_angle_distance", "rad", rounded.angle_distance(), got, case.joint_angle_distance);
+    let got = space.rotation_distance(&a, &b);
+    number("so3_distance", "rad", rounded.rotation_distance(), got, case.so3_distance);
+    let got = space.position_distance(first, last);
+    number("chord", "m", rounded.distance(0, usize::from(case.N)), got, case.chord);
+    let (length, energy) = (rounded.length(), rounded.energy());
+    number("line length", "m", length, space.curve_length(&placed), case.line.length);
     let four_at_a_time = space.line_distance(&a, &b, case.N, &mut LineWorkspace::new());
-    number(
-        "line length, four points at a time",
-        limit::POSE_DISTANCE,
-        four_at_a_time,
-        case.line.length,
-    );
-    number("line energy", limit::CURVE_ENERGY, space.curve_energy(&placed), case.line.energy);
+    let name = "line length, four points at a time";
+    number(name, "m", Line::by_fours(case).length(), four_at_a_time, case.line.length);
+    number("line energy", "m²", energy, space.curve_energy(&placed), case.line.energy);
 
     let middle = space.body_poses(&coordinates(&case.line.theta_mid)?);
-    for (poses, expected) in [(first, &case.F0), (last, &case.F1), (&middle, &case.line.f_mid)] {
+    let middle_rounded = line::placed(case, &line::coordinates(&case.line.theta_mid));
+    for (poses, rounded, expected) in [
+        (first, &rounded.places[0], &case.F0),
+        (last, &rounded.places[usize::from(case.N)], &case.F1),
+        (&middle, &middle_rounded, &case.line.f_mid),
+    ] {
         let scale = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-        for (position, expected) in poses.positions_m().zip(expected.chunks_exact(3)) {
-            let quantity = Quantity { name: "F", limit: limit::CHAIN_POSITION, scale };
-            tallies.add_error(
-                quantity,
-                at,
-                (position.as_dvec3() - DVec3::from_slice(expected)).abs().max_element(),
-            );
+        for ((position, rounded), expected) in
+            poses.positions_m().zip(rounded).zip(expected.chunks_exact(3))
+        {
+            let limit = rounded.position.limit();
+            let quantity = Quantity { name: "F", unit: "m", limit, scale };
+            tallies.add(quantity, at, position, DVec3::from_slice(expected));
         }
     }
 
@@ -198,29 +198,29 @@ fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), Case
         expect_count("line.gradient_tangent_body", of_bodies.len(), tree.len())?;
         space.energy_gradient(&placed[k], &placed[k + 1], &placed[k + 2], &mut of_motions);
         space.in_coordinates(&line[k + 1], &of_motions, &mut of_coordinates);
-        let got = of_motions.iter().map(|of| of.angular);
-        add_gradient("gradient, body axes", case, got, of_bodies, tallies, at);
-        let got = of_coordinates.iter().map(|of| of.angular_rad);
-        add_gradient("gradient, rotation vectors", case, got, of_vectors, tallies, at);
+        let [rounded_motions, rounded_vectors] = rounded.gradient(case, k + 1);
+        for (name, got, rounded, expected) in [
+            (
+                "gradient, body axes",
+                of_motions.iter().map(|of| of.angular).collect::<Vec<_>>(),
+                rounded_motions,
+                of_bodies,
+            ),
+            (
+                "gradient, rotation vectors",
+                of_coordinates.iter().map(|of| of.angular_rad).collect(),
+                rounded_vectors,
+                of_vectors,
+            ),
+        ] {
+            let scale = largest(expected);
+            for ((got, rounded), expected) in got.into_iter().zip(rounded).zip(expected) {
+                let quantity = Quantity { name, unit: "m²", limit: rounded.limit(), scale };
+                tallies.add(quantity, at, got, expected.0);
+            }
+        }
     }
     Ok(())
-}
-
-/// Differences of gradients, which are of positions of the size of the figure, over its squared size.
-fn add_gradient(
-    name: &str,
-    case: &Case,
-    got: impl Iterator<Item = Vec3>,
-    expected: &[Vector],
-    tallies: &mut Tallies,
-    at: std::fmt::Arguments<'_>,
-) {
-    let size_m = case.F0.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    let scale = size_m * size_m * case.parent.len() as f64;
-    for (got, expected) in got.zip(expected) {
-        let error = (got.as_dvec3() - expected.0).abs().max_element();
-        tallies.add_error(Quantity { name, limit: limit::ENERGY_GRADIENT, scale }, at, error);
-    }
 }
 
 /// The geodesic, by the host's solver.
@@ -237,39 +237,33 @@ fn check_geodesic(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), 
     let geodesic = solve(&rig, &pose(&case.theta0), &pose(&case.theta1), &options)
         .map_err(|error| CaseError::new("theta", error))?;
     let at = format_args!("case {name}");
-    let mut number = |quantity: &str, limit: Limit, error: f64, scale: f64| {
-        tallies.add_error(Quantity { name: quantity, limit, scale }, at, error);
+    let mut number = |name: &str, unit, limit: f64, error: f64, scale: f64| {
+        tallies.add_error(Quantity { name, unit, limit, scale }, at, error);
     };
     // Lower is better, and no mistake.
     let above = (geodesic.energy_m2 - case.geodesic.energy).max(0.0);
-    number("geodesic energy, above", limit::GEODESIC_ENERGY, above, case.geodesic.energy);
-    number(
-        "geodesic length",
-        limit::GEODESIC_PATH,
-        geodesic.length_m - case.geodesic.length,
-        case.geodesic.length,
-    );
-    number(
-        "slerp line length",
-        limit::SOLID,
-        geodesic.line_length_m - case.slerp_line.length,
-        case.slerp_line.length,
-    );
+    let (length, energy) = (case.geodesic.length, case.geodesic.energy);
+    let (path, least) = (limit::geodesic_path(), limit::geodesic_energy());
+    number("geodesic energy, above", "m²", least * energy, above, energy);
+    number("geodesic length", "m", path * length, geodesic.length_m - length, length);
+    // Both sides have been rounded, in f64.
+    let rounded = Line::new(case);
+    let of_line = |rounded: Number| 2.0 * DOUBLE * rounded.limit();
+    let expected = case.slerp_line.length;
+    let error = geodesic.line_length_m - expected;
+    number("slerp line length", "m", of_line(rounded.length()), error, expected);
     let ratio = geodesic.length_m / geodesic.line_length_m;
-    number("ratio", limit::GEODESIC_PATH, ratio - case.ratio_slerp, case.ratio_slerp);
-    let bound = case.slerp_line.energy;
-    number(
-        "geodesic energy, above the line's",
-        limit::SOLID,
-        (geodesic.energy_m2 - bound).max(0.0),
-        bound,
-    );
+    let expected = case.ratio_slerp;
+    number("ratio", "1", path * expected, ratio - expected, expected);
+    let (bound, limit) = (case.slerp_line.energy, of_line(rounded.energy()));
+    let above = (geodesic.energy_m2 - bound).max(0.0);
+    number("geodesic energy, above the line's", "m²", limit, above, bound);
     for (pose, expected) in geodesic.poses[1..].iter().zip(&case.geodesic.f) {
         expect_count("geodesic.F", expected.len(), 3 * case.parent.len())?;
         for (position, expected) in rig.positions_m(pose).into_iter().zip(expected.chunks_exact(3))
         {
-            let error = (position - DVec3::from_slice(expected)).abs().max_element();
-            number("geodesic F", limit::GEODESIC_PATH, error, case.geodesic.length);
+            let error = (position - DVec3::from_slice(expected)).length();
+            number("geodesic F", "m", path * length, error, length);
         }
     }
     Ok(())

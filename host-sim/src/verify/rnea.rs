@@ -12,10 +12,10 @@ use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointState, Twist, Wrench, kinematics};
 
 use super::CaseError;
-use super::figure::{GoldenBody, Root, Tree, joint_state, tree};
+use super::figure::{self, GoldenBody, Root, Tree, joint_state, links, tree};
 use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
-use super::tally::{Limit, Quantity, Tallies};
-use super::tolerance as limit;
+use super::rounding::{self, Joint, Link, Motion, body_states};
+use super::tally::{Quantity, Tallies};
 
 #[derive(Deserialize)]
 pub(super) struct Case {
@@ -115,41 +115,125 @@ fn check_state(
 
     let joints = joint_states(case, tree, state)?;
     let accelerations = accelerations(state);
+    let rounded = Rounded::new(case, tree, state);
     let run = |joints: &[JointState], accelerations: &[Twist]| {
         run(tree, joints, accelerations, case.gravity.rounded())
     };
     let still: Vec<_> =
         joints.iter().map(|joint| JointState { velocity: Twist::ZERO, ..*joint }).collect();
-    let tau = run(&joints, &accelerations);
-    let bias = run(&joints, &bias_accelerations(state));
+    let tau = run(&joints, &twists(accelerations));
+    let bias = run(&joints, &twists(bias_accelerations(state)));
     let gravity = run(&still, &vec![Twist::ZERO; case.n]);
 
     // The mount of a welded root is no joint: its reaction is the root wrench.
     let jointed = usize::from(case.root == Root::Welded)..case.n;
     let tau_name = if state.kind == "negated_quat" { "tau, negated quaternions" } else { "tau" };
-    for (name, got, expected) in [
-        (tau_name, &tau, &state.tau),
-        ("bias", &bias, &state.bias),
-        ("gravity_term", &gravity, &state.gravity_term),
+    for (name, got, rounded, expected) in [
+        (tau_name, &tau, &rounded.tau, &state.tau),
+        ("bias", &bias, &rounded.bias, &state.bias),
+        ("gravity_term", &gravity, &rounded.gravity, &state.gravity_term),
     ] {
-        let quantity =
-            Quantity { name, limit: Limit::Relative(limit::TORQUE), scale: largest(expected) };
+        let scale = largest(expected);
         for body in jointed.clone() {
             let at = format_args!("{at}, body {body}");
+            let limit = rounded[body].angular.limit();
+            let quantity = Quantity { name, unit: "N m", limit, scale };
             tallies.add(quantity, at, got[body].moment_nm, expected[body].0);
         }
     }
-    check_root_wrench(state, at, [tau[0], bias[0], gravity[0]], &joints[0], tallies);
-    check_power(state, at, &tau, &joints, jointed.start, tallies);
-    core_forward::check(case, tree, state, &joints, at, tallies);
-    forward::check(case, state, at, tallies)?;
+    check_root_wrench(state, at, [tau[0], bias[0], gravity[0]], &joints[0], &rounded, tallies);
+    check_power(state, at, &tau, &joints, jointed.start, &rounded, tallies);
+    let accelerated = rounded.forward(state);
+    core_forward::check(case, tree, state, &joints, at, &accelerated, tallies);
+    forward::check(case, state, at, &rounded.forward_by_world(state), tallies)?;
     if let Some(expected) = &state.mass_matrix_lower {
-        check_mass_matrix(case, tree, &still, expected, at, tallies)?;
+        check_mass_matrix(case, tree, &still, expected, at, &rounded, tallies)?;
     }
     if let Some(expected) = &state.world {
-        check_world(tree, &joints, expected, at, tallies)?;
+        check_world(tree, &joints, expected, at, &rounded, tallies)?;
     }
     Ok(())
+}
+
+/// The rig and its wrenches with their rounding.
+struct Rounded {
+    links: Vec<Link>,
+    joints: Vec<Joint>,
+    gravity_m_s2: rounding::Vector,
+    tau: Vec<Motion>,
+    bias: Vec<Motion>,
+    gravity: Vec<Motion>,
+}
+
+impl Rounded {
+    fn new(case: &Case, tree: &Tree, state: &State) -> Self {
+        let given = rounding::Vector::given;
+        let links = links(tree, &case.bodies);
+        let (position, velocity) = state
+            .root
+            .map_or((DVec3::ZERO, DVec3::ZERO), |root| (root.root_pos.0, root.root_lin_vel_body.0));
+        let joints: Vec<_> = links
+            .iter()
+            .enumerate()
+            .map(|(body, link)| {
+                let offset = given(case.bodies[body].offset.0);
+                let (quat, omega) = (state.quat[body].0, state.omega[body].0);
+                figure::joint(link, offset, quat, position, omega, velocity)
+            })
+            .collect();
+        let motions = |motions: Vec<[DVec3; 2]>| -> Vec<Motion> {
+            motions
+                .into_iter()
+                .map(|[angular, linear]| Motion { angular: given(angular), linear: given(linear) })
+                .collect()
+        };
+        let gravity_m_s2 = given(case.gravity.0);
+        let run = |joints: &[Joint], accelerations: &[Motion]| {
+            rounding::inverse_dynamics(&links, joints, accelerations, gravity_m_s2)
+        };
+        let still: Vec<_> = joints.iter().map(Joint::still).collect();
+        Self {
+            tau: run(&joints, &motions(accelerations(state))),
+            bias: run(&joints, &motions(bias_accelerations(state))),
+            gravity: run(&still, &vec![Motion::ZERO; links.len()]),
+            links,
+            joints,
+            gravity_m_s2,
+        }
+    }
+
+    /// Accelerations of the file's torques, and of its bias.
+    fn forward(&self, state: &State) -> [Vec<Motion>; 2] {
+        let bias_force = state.root.map_or(DVec3::ZERO, |root| root.bias_root_force_body.0);
+        let of = |torques: &[Vector], root_force| {
+            let drives = drives(torques, root_force);
+            rounding::forward_dynamics(&self.links, &self.joints, &drives, self.gravity_m_s2)
+        };
+        [of(&state.tau, state.root_wrench.force_body.0), of(&state.bias, bias_force)]
+    }
+
+    /// Accelerations of the file's torques in a plant that has states and torques in the world.
+    fn forward_by_world(&self, state: &State) -> Vec<Motion> {
+        let joints = Joint::through_world(&self.links, &self.joints);
+        let mut drives = drives(&state.tau, state.root_wrench.force_body.0);
+        for (drive, body) in drives.iter_mut().zip(body_states(&self.links, &self.joints)) {
+            let there_and_back =
+                |v: rounding::Vector| body.rotation.inverse().turn(body.rotation.turn(v));
+            drive.angular = there_and_back(drive.angular);
+            drive.linear = there_and_back(drive.linear);
+        }
+        rounding::forward_dynamics(&self.links, &joints, &drives, self.gravity_m_s2)
+    }
+}
+
+fn drives(torques: &[Vector], root_force: DVec3) -> Vec<Motion> {
+    let given = rounding::Vector::given;
+    let mut drives: Vec<_> = torques
+        .iter()
+        .map(|torque| Motion { angular: given(torque.0), linear: rounding::Vector::ZERO })
+        .collect();
+    drives[0].linear = given(root_force);
+    drives
 }
 
 fn run(tree: &Tree, joints: &[JointState], accelerations: &[Twist], gravity: Vec3) -> Vec<Wrench> {
@@ -179,24 +263,29 @@ fn joint_states(case: &Case, tree: &Tree, state: &State) -> Result<Vec<JointStat
         .collect()
 }
 
-/// Accelerations of the joints; a free root's is classical in the core, so it is turned from the world.
-fn accelerations(state: &State) -> Vec<Twist> {
-    let mut motions: Vec<_> =
-        state.alpha.iter().map(|alpha| Twist::new(alpha.rounded(), Vec3::ZERO)).collect();
+/// Accelerations of the joints, angular and linear; a free root's is classical in the core, so it is turned from the
+/// world.
+fn accelerations(state: &State) -> Vec<[DVec3; 2]> {
+    let mut motions: Vec<_> = state.alpha.iter().map(|alpha| [alpha.0, DVec3::ZERO]).collect();
     if let Some(root) = &state.root {
-        motions[0].linear = (state.quat[0].0.inverse() * root.root_lin_acc_world.0).as_vec3();
+        motions[0][1] = state.quat[0].0.inverse() * root.root_lin_acc_world.0;
     }
     motions
 }
 
 /// Accelerations of zero in the files' coordinates: the derivative of the components in body axes of a
 /// free root's velocity is zero, its classical acceleration is not.
-fn bias_accelerations(state: &State) -> Vec<Twist> {
-    let mut motions = vec![Twist::ZERO; state.alpha.len()];
+fn bias_accelerations(state: &State) -> Vec<[DVec3; 2]> {
+    let mut motions = vec![[DVec3::ZERO; 2]; state.alpha.len()];
     if let Some(root) = &state.root {
-        motions[0].linear = state.omega[0].0.cross(root.root_lin_vel_body.0).as_vec3();
+        motions[0][1] = state.omega[0].0.cross(root.root_lin_vel_body.0);
     }
     motions
+}
+
+fn twists(motions: Vec<[DVec3; 2]>) -> Vec<Twist> {
+    let twist = |[angular, linear]: [DVec3; 2]| Twist::new(angular.as_vec3(), linear.as_vec3());
+    motions.into_iter().map(twist).collect()
 }
 
 fn check_root_wrench(
@@ -204,25 +293,39 @@ fn check_root_wrench(
     at: &str,
     [tau, bias, gravity]: [Wrench; 3],
     root: &JointState,
+    rounded: &Rounded,
     tallies: &mut Tallies,
 ) {
     let expected = &state.root_wrench;
     let rotation = root.pose.rotation;
     let torque = largest(state.tau.iter().chain([&expected.moment_body]));
     let force = largest([&expected.force_body]);
-    let mut add = |name, scale, got: Vec3, expected: &Vector| {
-        let limit = Limit::Relative(limit::TORQUE);
-        tallies.add(Quantity { name, limit, scale }, format_args!("{at}"), got, expected.0);
+    let mut add = |name, unit, scale, got: Vec3, rounded: rounding::Vector, expected: &Vector| {
+        let quantity = Quantity { name, unit, limit: rounded.limit(), scale };
+        tallies.add(quantity, format_args!("{at}"), got, expected.0);
     };
-    add("root moment, body axes", torque, tau.moment_nm, &expected.moment_body);
-    add("root force, body axes", force, tau.force_n, &expected.force_body);
-    let in_world = (rotation * tau.moment_nm, rotation * tau.force_n);
-    add("root moment, world axes", torque, in_world.0, &expected.moment_world_about_origin0);
-    add("root force, world axes", force, in_world.1, &expected.force_world);
+    let of_tau = rounded.tau[0];
+    add(
+        "root moment, body axes",
+        "N m",
+        torque,
+        tau.moment_nm,
+        of_tau.angular,
+        &expected.moment_body,
+    );
+    add("root force, body axes", "N", force, tau.force_n, of_tau.linear, &expected.force_body);
+    let turned = rounded.joints[0].rotation;
+    let (moment, moment_rounded) = (rotation * tau.moment_nm, turned.turn(of_tau.angular));
+    let of_world = &expected.moment_world_about_origin0;
+    add("root moment, world axes", "N m", torque, moment, moment_rounded, of_world);
+    let (in_world, force_rounded) = (rotation * tau.force_n, turned.turn(of_tau.linear));
+    add("root force, world axes", "N", force, in_world, force_rounded, &expected.force_world);
     if let Some(root) = &state.root {
         let (of_bias, of_gravity) = (&root.bias_root_force_body, &root.gravity_root_force_body);
-        add("root force of bias", largest([of_bias]), bias.force_n, of_bias);
-        add("root force of gravity", largest([of_gravity]), gravity.force_n, of_gravity);
+        let (bias_rounded, gravity_rounded) = (rounded.bias[0].linear, rounded.gravity[0].linear);
+        add("root force of bias", "N", largest([of_bias]), bias.force_n, bias_rounded, of_bias);
+        let scale = largest([of_gravity]);
+        add("root force of gravity", "N", scale, gravity.force_n, gravity_rounded, of_gravity);
     }
 }
 
@@ -233,6 +336,7 @@ fn check_power(
     tau: &[Wrench],
     joints: &[JointState],
     first: usize,
+    rounded: &Rounded,
     tallies: &mut Tallies,
 ) {
     let expected = |body: usize| {
@@ -244,15 +348,16 @@ fn check_power(
         };
         state.tau[body].0.dot(state.omega[body].0) + linear
     };
-    // A dot product may cancel: its rounding is that of the largest torque at the largest speed.
     let scale = largest(&state.tau) * largest(&state.omega);
-    let quantity = Quantity { name: "power", limit: Limit::Relative(limit::TORQUE), scale };
     for body in first..tau.len() {
         let joint = joints[body];
         // A joint that only turns does no work with its force.
         let force_n = if body == 0 { tau[body].force_n } else { Vec3::ZERO };
         let got = Wrench { force_n, ..tau[body] }.power_w(joint.velocity);
+        let (wrench, velocity) = (rounded.tau[body], rounded.joints[body].velocity);
+        let power = wrench.angular.dot(velocity.angular) + wrench.linear.dot(velocity.linear);
         let error = f64::from(got) - expected(body);
+        let quantity = Quantity { name: "power", unit: "W", limit: power.limit(), scale };
         tallies.add_error(quantity, format_args!("{at}, body {body}"), error);
     }
 }
@@ -264,6 +369,7 @@ fn check_mass_matrix(
     still: &[JointState],
     expected: &[Scalar],
     at: &str,
+    rounded: &Rounded,
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
@@ -289,6 +395,9 @@ fn check_mass_matrix(
         _ => coordinate,
     };
 
+    let (links, joints) = (&rounded.links, &rounded.joints);
+    let of_rounded = rounding::mass_matrix(links, joints);
+    let by_torques = rounding::mass_matrix_by_torques(links, joints);
     for (column, (moved, unit)) in coordinates.iter().enumerate() {
         let mut accelerations = vec![Twist::ZERO; case.n];
         accelerations[*moved] = *unit;
@@ -298,8 +407,11 @@ fn check_mass_matrix(
             // H is positive definite: no element exceeds the geometric mean of its two diagonal ones.
             let scale = (expected(row, row) * expected(column, column)).sqrt();
             let of_matrix = f64::from(matrix[freedom(row) * size + freedom(column)]);
-            for (name, got) in [("H", of_matrix), ("H, by torques", got)] {
-                let quantity = Quantity { name, limit: Limit::Relative(limit::MASS_MATRIX), scale };
+            for (name, rounded, got) in
+                [("H", &of_rounded, of_matrix), ("H, by torques", &by_torques, got)]
+            {
+                let limit = rounded[freedom(column)][freedom(row)].limit();
+                let quantity = Quantity { name, unit: "kg m²", limit, scale };
                 let error = got - expected(row, column);
                 tallies.add_error(quantity, format_args!("{at}, H[{row}][{column}]"), error);
             }
@@ -313,26 +425,45 @@ fn check_world(
     joints: &[JointState],
     expected: &[WorldState],
     at: &str,
+    rounded: &Rounded,
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
     expect_count("world", expected.len(), tree.len())?;
     let mut world = vec![BodyState::WORLD; tree.len()];
     kinematics::body_states(tree.bodies(), joints, &mut world);
     let scale = |of: fn(&WorldState) -> &Vector| largest(expected.iter().map(of));
-    let of = |name, limit, scale| Quantity { name, limit, scale };
-    let position = of("world position", limit::CHAIN_POSITION, scale(|body| &body.pos));
-    let rotation = of("world rotation", limit::CHAIN_ROTATION, 1.0);
-    let omega =
-        of("world angular velocity", limit::CHAIN_ANGULAR_VELOCITY, scale(|body| &body.omega));
-    let velocity =
-        of("world linear velocity", limit::CHAIN_LINEAR_VELOCITY, scale(|body| &body.vel));
-    for (body, (got, expected)) in world.iter().zip(expected).enumerate() {
+    let scales = [scale(|body| &body.pos), scale(|body| &body.omega), scale(|body| &body.vel)];
+    let rounded = body_states(&rounded.links, &rounded.joints);
+    for (body, ((got, expected), rounded)) in world.iter().zip(expected).zip(&rounded).enumerate() {
         let at = format!("{at}, body {body}");
-        tallies.add(position, format_args!("{at}"), got.pose.translation_m, expected.pos.0);
         let turned = angle_between(got.pose.rotation.as_dquat(), expected.quat.0);
-        tallies.add_error(rotation, format_args!("{at}"), turned);
-        tallies.add(omega, format_args!("{at}"), got.velocity.angular, expected.omega.0);
-        tallies.add(velocity, format_args!("{at}"), got.velocity.linear, expected.vel.0);
+        let limit = rounded.rotation.limit();
+        let quantity = Quantity { name: "world rotation", unit: "rad", limit, scale: 1.0 };
+        tallies.add_error(quantity, format_args!("{at}"), turned);
+        let (pose, velocity) = (got.pose.translation_m, got.velocity);
+        for ((name, unit, rounded, got, expected), scale) in [
+            ("world position", "m", rounded.position, pose, expected.pos),
+            (
+                "world angular velocity",
+                "rad/s",
+                rounded.velocity.angular,
+                velocity.angular,
+                expected.omega,
+            ),
+            (
+                "world linear velocity",
+                "m/s",
+                rounded.velocity.linear,
+                velocity.linear,
+                expected.vel,
+            ),
+        ]
+        .into_iter()
+        .zip(scales)
+        {
+            let quantity = Quantity { name, unit, limit: rounded.limit(), scale };
+            tallies.add(quantity, format_args!("{at}"), got, expected.0);
+        }
     }
     Ok(())
 }

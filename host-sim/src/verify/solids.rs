@@ -34,15 +34,17 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
         Shape::StadiumSolid { t0, r0, t1, r1, L } => stadium_solid([t0, t1], [r0, r1], L),
     };
     let mut add = |name_of, got: f64, expected: f64| {
-        let quantity = Quantity { name: name_of, limit: limit::SOLID, scale: expected.abs() };
+        let (name_of, unit) = name_of;
+        let limit = limit::SOLID * expected.abs();
+        let quantity = Quantity { name: name_of, unit, limit, scale: expected };
         tallies.add_error(quantity, format_args!("case {name}"), got - expected);
     };
-    add("volume", solid.volume_m3, case.volume);
-    add("com_z", solid.center_z_m, case.com_z);
+    add(("volume", "m³"), solid.volume_m3, case.volume);
+    add(("com_z", "m"), solid.center_z_m, case.com_z);
     for (got, expected) in
         solid.inertia_over_mass_m2.to_array().into_iter().zip(case.inertia_over_mass_com)
     {
-        add("inertia_over_mass_com", got, expected);
+        add(("inertia_over_mass_com", "m²"), got, expected);
     }
     Ok(())
 }

@@ -1,75 +1,55 @@
-//! Largest errors by quantity.
+//! Errors against their limits, by quantity.
 
 use std::fmt;
 
 use glam::{DVec3, Vec3};
 
-/// What an error may be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Limit {
-    /// Of the absolute error, in the quantity's unit.
-    Absolute(f64, &'static str),
-    /// Of the error over the scale that the quantity names.
-    Relative(f64),
-    /// Nothing may differ; the errors are counts.
-    Equal,
-}
-
-impl fmt::Display for Limit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Absolute(limit, unit) => write!(f, "{limit:.1e} {unit}"),
-            Self::Relative(limit) => write!(f, "{limit:.1e} rel"),
-            Self::Equal => f.write_str("equal"),
-        }
-    }
-}
+use super::rounding::LAMBDA;
 
 /// The comparisons of one quantity of one file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tally {
     /// What is compared.
     pub quantity: String,
+    /// Its unit.
+    pub unit: &'static str,
     /// Number of comparisons: mostly one vector of one body in one state.
     pub cases: usize,
-    /// Largest absolute error of a component, in the quantity's unit; infinite if a result is not a number.
-    pub absolute_error: f64,
-    /// Largest absolute error over the scale of its state.
-    pub relative_error: f64,
-    /// What the error may be.
-    pub limit: Limit,
-    /// Where the error that the limit is for is largest.
+    /// Largest error, in the unit; infinite if a result is not a number.
+    pub largest_error: f64,
+    /// The largest share that an error is of its own limit. Above 1 it is over it.
+    pub share: f64,
+    /// Where that is.
     pub worst: String,
+    /// The smallest mistake of one number that is noticed wherever it is, in the unit.
+    pub notices: f64,
+    /// The same over the largest number of its kind beside it; 0 if all of them are.
+    pub notices_relative: f64,
 }
 
 impl Tally {
-    /// Whether the errors are within the limit, and anything was compared.
+    /// Whether the errors are within their limits, and anything was compared.
     pub fn passed(&self) -> bool {
-        let within = match self.limit {
-            Limit::Absolute(limit, _) => self.absolute_error <= limit,
-            Limit::Relative(limit) => self.relative_error <= limit,
-            Limit::Equal => self.absolute_error <= 0.0,
-        };
-        within && self.cases > 0
+        self.share <= 1.0 && self.cases > 0
     }
 }
 
-/// A quantity that is being compared: its name, its limit, and what relative errors refer to.
+/// A quantity that is being compared, and what its error may be in this place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quantity<'a> {
     pub(super) name: &'a str,
-    pub(super) limit: Limit,
+    pub(super) unit: &'static str,
+    pub(super) limit: f64,
+    /// The largest number of its kind beside it: what its f64 was made with was rounded, too.
     pub(super) scale: f64,
 }
 
-/// An error over its scale. Where all expected numbers are zero there is none: there the error is taken as it is, so
-/// that the limit is one of the absolute error, in the quantity's unit. A scale that is not finite would excuse
-/// anything.
-fn relative(error: f64, scale: f64) -> f64 {
-    match scale {
-        0.0 => error,
-        scale if scale.is_finite() => error / scale.abs(),
-        _ => f64::INFINITY,
+impl Quantity<'_> {
+    /// What the error may be: of f32, and of what the golden number was made with. Limits that are not finite would
+    /// excuse anything.
+    fn allowed(&self) -> f64 {
+        let allowed = self.limit + LAMBDA * f64::EPSILON * self.scale.abs();
+        if allowed.is_finite() { allowed } else { 0.0 }
     }
 }
 
@@ -85,21 +65,24 @@ impl Tallies {
     /// Adds a comparison by its absolute error. What is not a number counts as infinitely wrong.
     pub(super) fn add_error(&mut self, quantity: Quantity<'_>, at: fmt::Arguments<'_>, error: f64) {
         let error = if error.is_finite() { error.abs() } else { f64::INFINITY };
-        let relative = relative(error, quantity.scale);
-        let tally = self.of(quantity);
-        let worse = match tally.limit {
-            Limit::Relative(_) => relative > tally.relative_error,
-            Limit::Absolute(..) | Limit::Equal => error > tally.absolute_error,
-        };
-        if worse || tally.cases == 0 {
+        let allowed = quantity.allowed();
+        let share = if error > 0.0 { error / allowed } else { 0.0 };
+        let tally = self.of(quantity.name, quantity.unit);
+        if share > tally.share || tally.cases == 0 {
             tally.worst = at.to_string();
         }
         tally.cases += 1;
-        tally.absolute_error = tally.absolute_error.max(error);
-        tally.relative_error = tally.relative_error.max(relative);
+        tally.largest_error = tally.largest_error.max(error);
+        tally.share = tally.share.max(share);
+        // A mistake may be against the error.
+        let noticed = allowed + error;
+        tally.notices = tally.notices.max(noticed);
+        if quantity.scale != 0.0 {
+            tally.notices_relative = tally.notices_relative.max(noticed / quantity.scale.abs());
+        }
     }
 
-    /// Compares two vectors component by component.
+    /// Compares two vectors by the length of their difference.
     pub(super) fn add(
         &mut self,
         quantity: Quantity<'_>,
@@ -107,33 +90,27 @@ impl Tallies {
         got: Vec3,
         expected: DVec3,
     ) {
-        let difference = got.as_dvec3() - expected;
-        // `max_element` may drop a NaN; a sum does not.
-        let not_finite = difference.element_sum() * 0.0;
-        self.add_error(quantity, at, difference.abs().max_element() + not_finite);
+        self.add_error(quantity, at, (got.as_dvec3() - expected).length());
     }
 
     /// Counts what is not equal.
     pub(super) fn add_equal(&mut self, name: &str, at: fmt::Arguments<'_>, equal: bool) {
-        let tally = self.of(Quantity { name, limit: Limit::Equal, scale: 1.0 });
-        tally.cases += 1;
-        if !equal {
-            tally.absolute_error += 1.0;
-            tally.relative_error = tally.absolute_error / tally.cases as f64;
-            tally.worst = at.to_string();
-        }
+        let quantity = Quantity { name, unit: "wrong", limit: 0.0, scale: 0.0 };
+        self.add_error(quantity, at, if equal { 0.0 } else { 1.0 });
     }
 
-    fn of(&mut self, quantity: Quantity<'_>) -> &mut Tally {
-        let index = self.0.iter().position(|tally| tally.quantity == quantity.name);
+    fn of(&mut self, name: &str, unit: &'static str) -> &mut Tally {
+        let index = self.0.iter().position(|tally| tally.quantity == name);
         let index = index.unwrap_or_else(|| {
             self.0.push(Tally {
-                quantity: quantity.name.to_owned(),
+                quantity: name.to_owned(),
+                unit,
                 cases: 0,
-                absolute_error: 0.0,
-                relative_error: 0.0,
-                limit: quantity.limit,
+                largest_error: 0.0,
+                share: 0.0,
                 worst: String::new(),
+                notices: 0.0,
+                notices_relative: 0.0,
             });
             self.0.len() - 1
         });

@@ -8,13 +8,15 @@ use std::path::Path;
 
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng as _;
-use targets::{TARGETS, Target};
+use sinew_sim::sweep::Journal;
+use sinew_sim::verify::verify_folder;
+use targets::TARGETS;
 
 /// Damaged copies of each file in each run: the same ones, so that what fails here was changed here.
 const DAMAGED: u64 = 60;
 
 /// The files of a target, and what they are called.
-fn corpus((name, _): &Target) -> Vec<(String, Vec<u8>)> {
+fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readers/corpus").join(name);
     let mut files: Vec<_> = fs::read_dir(&folder)
         .unwrap_or_else(|_| panic!("{}", folder.display()))
@@ -68,10 +70,32 @@ fn damaged(bytes: &[u8], seed: u64) -> Vec<u8> {
     bytes
 }
 
+/// What is damaged there must be whole here: else only refusals are tried.
+#[test]
+fn seeds_of_journal_and_golden_files_are_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = targets::plan();
+    drop(Journal::open(folder.path(), &plan).unwrap());
+    for (_, rows) in corpus("journal") {
+        let file = folder.path().join("journal.jsonl");
+        fs::write(&file, [fs::read(&file).unwrap(), rows].concat()).unwrap();
+    }
+    let (journal, _) = Journal::open(folder.path(), &plan).unwrap();
+    assert!(plan.units().all(|unit| journal.has(unit)));
+
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in corpus("golden").into_iter().filter(|(name, _)| name != "verify_zero.json")
+    {
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let report = verify_folder(folder.path(), &[]).unwrap();
+    assert!(report.passed() && report.files.len() == 7, "{report:?}");
+}
+
 #[test]
 fn every_reader_takes_its_corpus_and_damaged_copies_of_it() {
     for target in &TARGETS {
-        let files = corpus(target);
+        let files = corpus(target.0);
         assert!(!files.is_empty(), "{}", target.0);
         for (name, bytes) in files {
             (target.1)(&bytes);

@@ -10,14 +10,14 @@ use sinew_sim::character::{self, Options};
 use sinew_sim::evaluate::Setup;
 use sinew_sim::figure::{Mapping, Subject};
 use sinew_sim::measured::{Measured, Told};
-use sinew_sim::sweep::SweepFile;
+use sinew_sim::sweep::{Journal, Plan, Shard, SweepFile};
 use sinew_sim::verify::verify_folder;
 use sinew_sim::weights::radii;
 
 /// A target by its name, which is that of its folder in the corpus.
 pub(crate) type Target = (&'static str, fn(&[u8]));
 
-pub(crate) const TARGETS: [Target; 17] = [
+pub(crate) const TARGETS: [Target; 19] = [
     ("bvh", |bytes| motion(bvh::parse(bytes, Path::new("a.bvh")).ok())),
     ("asf", |bytes| {
         motion(asf_amc::parse((bytes, Path::new("a.asf")), (AMC, Path::new("a.amc"))).ok());
@@ -50,8 +50,11 @@ pub(crate) const TARGETS: [Target; 17] = [
     }),
     ("tables", |bytes| {
         in_file("a.csv", bytes, |file| drop(radii::read(file)));
+    }),
+    ("golden", |bytes| {
         in_file("a.json", bytes, |file| drop(verify_folder(file.parent().unwrap(), &[])));
     }),
+    ("journal", journal),
 ];
 
 /// A skeleton of two bones, for motions of fuzz.
@@ -90,6 +93,38 @@ fn rig(description: Option<sinew_rig::Description>) {
     let Some(description) = description else { return };
     if let Ok(mechanism) = description.mechanism() {
         assert!(mechanism.poses(&mechanism.home()).iter().all(|pose| pose.position_m.is_finite()));
+    }
+}
+
+/// A journal of these bytes, and one in which they stand behind the first line. What was taken up is there the next
+/// time, too.
+fn journal(bytes: &[u8]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("journal.jsonl");
+    let plan = plan();
+    drop(Journal::open(folder.path(), &plan).unwrap());
+    let head = fs::read(&file).unwrap();
+    for before in [&b""[..], &head] {
+        fs::write(&file, [before, bytes].concat()).unwrap();
+        let Ok((journal, _)) = Journal::open(folder.path(), &plan) else { continue };
+        let taken_up = |journal: &Journal| plan.units().map(|unit| journal.has(unit)).collect();
+        let first: Vec<bool> = taken_up(&journal);
+        drop(journal);
+        assert_eq!(first, taken_up(&Journal::open(folder.path(), &plan).unwrap().0));
+    }
+}
+
+/// Two cells on one clip.
+pub(crate) fn plan() -> Plan {
+    let text = "[[grid]]\ncontroller.kp = [1, 2]\n".to_owned();
+    let file = SweepFile::parse(text, Path::new("a.toml"), None).unwrap();
+    let clips = r#"[{"name": "kick", "dt_s": 0.01, "sha256": "0123456789abcdef"}]"#;
+    Plan {
+        text: file.text,
+        cells: file.cells,
+        clips: serde_json::from_str(clips).unwrap(),
+        seconds: None,
+        shard: Shard::WHOLE,
     }
 }
 

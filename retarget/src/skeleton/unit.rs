@@ -80,8 +80,11 @@ fn of_height(height: f64) -> (Option<f64>, String) {
     }
 }
 
-/// Height of the standing body, in the skeleton's unit.
+/// Height of the standing body, in the skeleton's unit. One limb alone is no person's: robots' arms have names of
+/// bones, too.
 fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) -> Option<f64> {
+    let two = |pair: &&Pair| pair.both().count() == 2;
+    let (legs, arms) = (legs.filter(two), arms.filter(two));
     match (legs, trunk.pelvis, trunk.head) {
         (Some(legs), Some(pelvis), Some(head)) => {
             let ancestor = body.common_ancestor(pelvis, head);

@@ -11,9 +11,11 @@ mod pose;
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use roxmltree::Node;
 
 use super::note::Notes;
+use super::world::World;
 use super::{ImportError, Imported, NoteKind, Options, tie, xml};
 use crate::description::{Description, JointType};
 use crate::import;
@@ -49,10 +51,10 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
         auto_limits: flag(&compilers, "autolimits")?.unwrap_or(true),
         options,
     };
-    tell_gravity(root, &mut notes)?;
+    let world = World::of(options, gravity(root, &mut notes)?);
 
     let mut description = import::empty(root.attribute("model"));
-    import::turn_up("an MJCF", &mut description, &mut notes);
+    world.stand(&mut description, &mut notes);
     body::read(root, &model, &mut description, &mut notes)?;
     model.masses.settle(&mut description, &mut notes);
     actuator::read(root, &model, &mut description, &mut notes)?;
@@ -60,7 +62,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     tie::tie(&ties, &mut description, &mut notes);
     import::tell_massless(&description, &mut notes);
     tell_unread(root, &mut notes);
-    import::finish(root, description, notes)
+    import::finish(root, world, description, notes)
 }
 
 /// What MuJoCo puts together from several files, or multiplies, before it reads it.
@@ -94,18 +96,19 @@ fn flag(compilers: &[Node<'_, '_>], name: &str) -> Result<Option<bool>, ImportEr
     }
 }
 
-/// MuJoCo's default is that of a rig, along -z.
-fn tell_gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<(), ImportError> {
+/// What the file says of gravity. MuJoCo's default is that of a rig, along -z.
+fn gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<Option<DVec3>, ImportError> {
+    let mut gravity = None;
     for option in xml::children(root, "option") {
         let Some([x, y, z]) = xml::vector(option, "gravity")? else { continue };
         if x.abs().max(y.abs()).max((z + 9.81).abs()) > 0.02 {
-            let text = format!(
-                "gravity is {x} {y} {z} m/s² in the file, and 9.81 m/s² downwards in a rig"
-            );
+            let text =
+                format!("gravity is {x} {y} {z} in the file, and 9.81 m/s² downwards in a rig");
             notes.add(NoteKind::Changed, text);
         }
+        gravity = Some(DVec3::new(x, y, z));
     }
-    Ok(())
+    Ok(gravity)
 }
 
 /// Sections that say nothing a rig has, counted by name.

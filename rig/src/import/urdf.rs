@@ -12,6 +12,7 @@ use glam::DQuat;
 use roxmltree::Node;
 
 use super::note::{Notes, list};
+use super::world::World;
 use super::{ImportError, Imported, NoteKind, Options, tie, xml};
 use crate::description::{Description, JointType};
 use crate::import;
@@ -45,7 +46,8 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     let mut description = import::empty(robot.attribute("name"));
     description.bodies = bodies;
     description.joints = tree.joints.iter().map(|joint| joint.joint.clone()).collect();
-    import::turn_up("a URDF", &mut description, &mut notes);
+    let world = World::of(options, None);
+    world.stand(&mut description, &mut notes);
     stand(&mut description, &mut notes);
     let ties = tree
         .joints
@@ -57,7 +59,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     tell_actuators(robot, &description, &mut notes);
     import::tell_massless(&description, &mut notes);
     tell_unread(robot, &tree.links, &tree.joints, &mut notes);
-    import::finish(robot, description, notes)
+    import::finish(robot, world, description, notes)
 }
 
 /// Where elements stand in their list, by name.

@@ -10,7 +10,8 @@ use sinew_rig::review::{Loop, Review, Severity};
 use sinew_sim::command::{print, table};
 use sinew_sim::rig::review;
 
-use super::read;
+use super::read_as;
+use crate::cli::told::ToldArgs;
 
 /// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
 ///
@@ -20,6 +21,9 @@ pub(super) struct CheckArgs {
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(value_name = "RIG")]
     rig: PathBuf,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     #[command(flatten)]
     control: LoopArgs,
@@ -71,7 +75,7 @@ enum Format {
 
 /// Checks and prints. A fault is a bad result.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read(&args.rig)?;
+    let loaded = read_as(&args.rig, &args.told.import())?;
     let review = review(&loaded, args.control.control())?;
     print(&match args.format {
         Format::Words => words(&loaded.description.name, &loaded.mechanism, &review),

@@ -7,7 +7,8 @@ use std::process::ExitCode;
 use sinew_sim::command::print;
 use sinew_sim::rig::{freedom_names, inverse_dynamics};
 
-use super::read;
+use super::read_as;
+use crate::cli::told::ToldArgs;
 
 /// Compute the efforts that given motions take: CSV from standard input, CSV to standard output.
 ///
@@ -21,6 +22,9 @@ pub(super) struct DynamicsArgs {
     #[arg(value_name = "RIG")]
     rig: PathBuf,
 
+    #[command(flatten)]
+    told: ToldArgs,
+
     /// Count the rotors' inertias, as their gears show them.
     #[arg(long)]
     rotor: bool,
@@ -32,7 +36,7 @@ pub(super) struct DynamicsArgs {
 
 /// Computes and prints.
 pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read(&args.rig)?;
+    let loaded = read_as(&args.rig, &args.told.import())?;
     if args.header {
         print(&format!("{}\n", freedom_names(&loaded.mechanism).join(",")))?;
     } else {

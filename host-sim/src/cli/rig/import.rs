@@ -12,6 +12,7 @@ use sinew_sim::command::note;
 use sinew_sim::rig::load;
 
 use super::Target;
+use crate::cli::told::ToldArgs;
 
 /// Write a rig.toml from a URDF or an MJCF file. It says what it changed, filled in or left out.
 #[derive(Debug, clap::Args)]
@@ -41,6 +42,9 @@ pub(super) struct ImportArgs {
     inertia_g_mm2: Vec<String>,
 
     #[command(flatten)]
+    told: ToldArgs,
+
+    #[command(flatten)]
     target: Target,
 }
 
@@ -50,6 +54,7 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
         cut: args.cut.clone(),
         open_loops: args.open_loops,
         repair_inertia: args.repair_inertia,
+        ..args.told.import()
     };
     let mut loaded = load(&args.file, &options)?;
     for name in &args.turn_axis {

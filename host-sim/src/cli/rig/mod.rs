@@ -46,7 +46,12 @@ pub(in crate::cli) fn run(args: &RigArgs) -> anyhow::Result<ExitCode> {
 
 /// Reads a rig of any format; what an import changed is said on standard error.
 pub(super) fn read(path: &Path) -> anyhow::Result<Loaded> {
-    let loaded = load(path, &Options::default())?;
+    read_as(path, &Options::default())
+}
+
+/// The same with the user's word on what the file leaves open.
+fn read_as(path: &Path, options: &Options) -> anyhow::Result<Loaded> {
+    let loaded = load(path, options)?;
     for line in &loaded.notes {
         note(format_args!("note: {line}"));
     }

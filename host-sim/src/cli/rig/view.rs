@@ -7,7 +7,8 @@ use sinew_sim::report::rig::page;
 use sinew_sim::rig::review;
 
 use super::check::LoopArgs;
-use super::{read, write_file};
+use super::{read_as, write_file};
+use crate::cli::told::ToldArgs;
 
 /// Write a page that shows the rig in 3D: a slider for each joint, its axes, ranges and loads.
 ///
@@ -17,6 +18,9 @@ pub(super) struct ViewArgs {
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(value_name = "RIG")]
     rig: PathBuf,
+
+    #[command(flatten)]
+    told: ToldArgs,
 
     /// The page.
     #[arg(short, long, value_name = "FILE.html", default_value = "rig.html")]
@@ -28,7 +32,7 @@ pub(super) struct ViewArgs {
 
 /// Draws.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read(&args.rig)?;
+    let loaded = read_as(&args.rig, &args.told.import())?;
     let review = review(&loaded, args.control.control())?;
     write_file(&args.output, &page(&loaded.description.name, &loaded.mechanism, &review))?;
     Ok(ExitCode::SUCCESS)

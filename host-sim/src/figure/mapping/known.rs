@@ -1,5 +1,6 @@
 //! The skeletons that are known, and by what.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use sinew_mocap::Skeleton;
@@ -115,18 +116,35 @@ pub(super) fn joint_names(skeleton: &Skeleton) -> String {
 }
 
 /// The known mapping that is the skeleton's own, else the one of whose signature's joints `skeleton` has the largest
-/// share; and those it lacks.
+/// share, behind any prefix; and those it lacks.
 pub fn nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
     if let [own, ..] = matching(skeleton)[..] {
         return Some((own, Vec::new()));
     }
     known()
         .iter()
-        .map(|known| {
-            let names = known.mapping.signature.joints.iter().map(String::as_str);
-            let lacking: Vec<_> = names.filter(|name| skeleton.find(name).is_none()).collect();
-            (&known.mapping, lacking)
-        })
+        .map(|known| (&known.mapping, lacking(&known.mapping, skeleton)))
         .filter(|(mapping, lacking)| lacking.len() < mapping.signature.joints.len())
         .min_by_key(|(mapping, lacking)| lacking.len() * 1000 / mapping.signature.joints.len())
+}
+
+/// The joints of a signature that a skeleton lacks, behind the prefix with which it lacks least.
+fn lacking(mapping: &'static Mapping, skeleton: &Skeleton) -> Vec<&'static str> {
+    let wanted: Vec<&'static str> = mapping.signature.joints.iter().map(String::as_str).collect();
+    let found: BTreeSet<&str> = skeleton.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let prefixes =
+        wanted.iter().flat_map(|name| found.iter().filter_map(move |full| full.strip_suffix(name)));
+    let prefixes: BTreeSet<(usize, &str)> = prefixes.map(|prefix| (prefix.len(), prefix)).collect();
+    let behind = |prefix: &str| -> Vec<&'static str> {
+        let is_there = |name: &&str| found.contains(format!("{prefix}{name}").as_str());
+        wanted.iter().copied().filter(|name| !is_there(name)).collect()
+    };
+    // Of what is behind one most is there: single names end like others by chance.
+    prefixes
+        .into_iter()
+        .map(|(_, prefix)| behind(prefix))
+        .filter(|lacking| 2 * lacking.len() < wanted.len())
+        .chain([behind("")])
+        .min_by_key(Vec::len)
+        .unwrap_or_default()
 }

@@ -152,6 +152,10 @@ fn names_the_nearest_mapping_and_what_it_lacks() {
     let error = choose(&chain(&names)).unwrap_err().to_string();
     assert!(error.contains(" The nearest is `geno`: the clip lacks its Neck1. "), "{error}");
     assert!(error.contains("finger_29 and 30 more (tried"), "{error}");
+    let prefixed: Vec<String> = names.iter().map(|name| format!("rig7:{name}")).collect();
+    let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
+    let (mapping, lacking) = nearest(&chain(&prefixed)).unwrap();
+    assert_eq!((mapping.name.as_str(), lacking), ("geno", vec!["Neck1"]));
     let names: Vec<&str> = of("bandai").signature.joints.iter().map(String::as_str).collect();
     assert_eq!(choose(&chain(&names)).unwrap().name, "bandai");
     // All names of cgspeed_mb, but one of its zero offsets is not: it has no thorax bone to be asfamc.

@@ -7,8 +7,8 @@ use sinew_core::{JointState, Twist, Wrench};
 use super::{Case, State, accelerations, bias_accelerations};
 use crate::verify::figure::Tree;
 use crate::verify::golden::{Vector, largest};
+use crate::verify::rounding::Motion;
 use crate::verify::tally::{Quantity, Tallies};
-use crate::verify::tolerance as limit;
 
 pub(super) fn check(
     case: &Case,
@@ -16,6 +16,7 @@ pub(super) fn check(
     state: &State,
     joints: &[JointState],
     at: &str,
+    rounded: &[Vec<Motion>; 2],
     tallies: &mut Tallies,
 ) {
     let gravity = case.gravity.rounded();
@@ -35,16 +36,18 @@ pub(super) fn check(
 
     // States of zero acceleration are compared on the scale of the others.
     let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
-    for (of, got, expected) in [
-        ("joint acceleration", of_torques, accelerations(state)),
-        ("joint acceleration of bias", of_bias, bias_accelerations(state)),
+    for (name, got, rounded, expected) in [
+        ("joint acceleration", of_torques, &rounded[0], accelerations(state)),
+        ("joint acceleration of bias", of_bias, &rounded[1], bias_accelerations(state)),
     ] {
-        let quantity = Quantity { name: of, limit: limit::CORE_FORWARD, scale };
-        for (body, (got, expected)) in got.iter().zip(&expected).enumerate() {
+        for (body, ((got, [angular, linear]), rounded)) in
+            got.iter().zip(expected).zip(rounded).enumerate()
+        {
             let at = format_args!("{at}, body {body}");
-            tallies.add(quantity, at, got.angular, expected.angular.as_dvec3());
+            let quantity = |limit| Quantity { name, unit: "rad/s²", limit, scale };
+            tallies.add(quantity(rounded.angular.limit()), at, got.angular, angular);
             // Zero but for a free root.
-            tallies.add(quantity, at, got.linear, expected.linear.as_dvec3());
+            tallies.add(quantity(rounded.linear.limit()), at, got.linear, linear);
         }
     }
 }

@@ -5,15 +5,17 @@ use glam::{DMat3, DVec3};
 use super::{Case, State};
 use crate::figure::MassProperties;
 use crate::plant::{ArticulatedPlant, Drive, Freedom, Link, Mechanism, MovingPose, Pose, link};
+use crate::verify::CaseError;
 use crate::verify::figure::{Root, parent};
 use crate::verify::golden::largest;
+use crate::verify::rounding::{DOUBLE, Motion};
 use crate::verify::tally::{Quantity, Tallies};
-use crate::verify::{CaseError, tolerance as limit};
 
 pub(super) fn check(
     case: &Case,
     state: &State,
     at: &str,
+    rounded: &[Motion],
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
     // A plant's root is free or bolted: one that turns about a point hangs on a bolted body.
@@ -54,14 +56,21 @@ pub(super) fn check(
 
     // States of zero acceleration are compared on the scale of the others.
     let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
-    let quantity = Quantity { name: "joint acceleration, f64", limit: limit::FORWARD, scale };
+    // Both sides have been rounded, in f64.
+    let limit = |rounded: f64| 2.0 * DOUBLE * rounded;
     let joints = &got.joints_rad_s2[usize::from(hung)..];
     for (body, (got, expected)) in joints.iter().zip(&state.alpha).enumerate() {
-        let error = (*got - expected.0).length();
-        tallies.add_error(quantity, format_args!("{at}, body {body}"), error);
+        let limit = limit(rounded[body].angular.limit());
+        let quantity = Quantity { name: "joint acceleration, f64", unit: "rad/s²", limit, scale };
+        tallies.add_error(
+            quantity,
+            format_args!("{at}, body {body}"),
+            (*got - expected.0).length(),
+        );
     }
     if let Some(root) = &state.root {
-        let quantity = Quantity { name: "root acceleration, f64", ..quantity };
+        let limit = limit(rounded[0].linear.limit());
+        let quantity = Quantity { name: "root acceleration, f64", unit: "m/s²", limit, scale };
         let error = (got.root_m_s2 - root.root_lin_acc_world.0).length();
         tallies.add_error(quantity, format_args!("{at}"), error);
     }

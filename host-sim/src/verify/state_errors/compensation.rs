@@ -2,21 +2,24 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use sinew_core::BodyState;
 use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, StateError, linear_compensation,
 };
 
-use super::Case;
-use super::difference::{Difference, Limits, add_difference, add_rest, turn_error};
+use super::difference::{Difference, Limits, add_difference, add_rest};
+use super::{Case, Rounded};
 use crate::verify::CaseError;
 use crate::verify::figure::{self, Tree};
 use crate::verify::golden::{Rotation, Scalar, Vector, expect_count, largest};
 use crate::verify::rnea::angle_between;
+use crate::verify::rounding::{self, Compensated as Turned, Number, turn_error};
 use crate::verify::tally::{Quantity, Tallies};
-use crate::verify::tolerance as limit;
+
+/// Sine of an angle below which the core takes two directions for one, or for opposites.
+const SMALLEST_SINE: f64 = 1e-6;
 
 /// All bodies with one weight β.
 #[derive(Deserialize)]
@@ -59,6 +62,7 @@ pub(super) fn check_compensation(
     at: &str,
     compensated: &Compensated,
     [desired, measured]: [&[BodyState]; 2],
+    rounded: &Rounded,
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
     expect_count("expected.linear_compensation", compensated.error.len(), case.n)?;
@@ -84,25 +88,45 @@ pub(super) fn check_compensation(
 
     let beta = compensated.beta.rounded();
     let settings = Compensation { beta, ..Compensation::default() };
+    let world_rounded = rounded.world();
     for (way, aims) in [("point", of_tree(&by_point)?), ("child", of_tree(&by_child)?)] {
         let mut errors = vec![StateError::ZERO; case.n];
         let mut status = vec![AimStatus::Leaf; case.n];
         linear_compensation(aims.as_slice(), settings, desired, measured, &mut errors, &mut status);
         for (body, expected) in compensated.error.iter().enumerate() {
             let at = format!("{at}, body {body}");
+            let of_desired = &rounded.desired[body];
+            let arm = match aims.as_slice()[body] {
+                Aim::Child(child) => rounded.desired[child].position - of_desired.position,
+                _ => of_desired.rotation.turn(rounding::Vector::given(case.aim[body].0)),
+            };
+            let beta = Number::given(compensated.beta.0);
+            let turned = Turned::new(arm, beta, of_desired, &rounded.measured[body]);
+            let world_limits = Limits::new(case, &world_rounded[body]);
+            let unsure = turned.sine.exact() - turned.sine.limit() < SMALLEST_SINE;
+            let limits = if expected.is_turned() {
+                Limits::new(case, &turned.difference).with_turn_left_out(if unsure {
+                    SMALLEST_SINE
+                } else {
+                    0.0
+                })
+            } else {
+                world_limits
+            };
             let of_body = BodyCheck {
-                method: format!("compensation β {beta} ({way})"),
+                method: format!("compensation β {beta} ({way})", beta = compensated.beta.0),
                 at: &at,
                 beta: compensated.beta.0,
                 expected,
                 world: &case.expected.world[body],
                 got: &errors[body],
                 status: status[body],
-                limits: Limits::compensated(case, case.aim[body].0, expected.difference.ed_lin.0),
-                world_limits: Limits::direct(case),
+                sine: &turned.sine,
+                limits,
+                world_limits,
             };
             of_body.check(tallies);
-            of_body.check_turned(case, body, tallies);
+            of_body.check_turned(case, body, arm.exact(), tallies);
         }
     }
     for (body, expected) in compensated.error.iter().enumerate() {
@@ -118,12 +142,22 @@ pub(super) fn check_compensation(
         }
         if let Some(z) = &expected.z {
             let got = desired[body].pose.transform_point(case.aim[body].rounded());
+            let of_desired = &rounded.desired[body];
+            let aim = rounding::Vector::given(case.aim[body].0);
+            let limit = (of_desired.position + of_desired.rotation.turn(aim)).limit();
             let quantity =
-                Quantity { name: "compensation z", limit: limit::GOAL, scale: largest([z]) };
+                Quantity { name: "compensation z", unit: "m", limit, scale: largest([z]) };
             tallies.add(quantity, format_args!("{at}, body {body}"), got, z.0);
         }
     }
     Ok(())
+}
+
+impl CompensatedBody {
+    /// Whether there are two directions to turn from and to.
+    fn is_turned(&self) -> bool {
+        matches!(self.status, Status::Ok | Status::Parallel | Status::Antiparallel)
+    }
 }
 
 /// Compensation of one body, and what it should be.
@@ -135,26 +169,26 @@ struct BodyCheck<'a> {
     world: &'a Difference,
     got: &'a StateError,
     status: AimStatus,
+    /// Of the angle between the directions to the goal.
+    sine: &'a Number,
     limits: Limits,
     world_limits: Limits,
 }
 
 impl BodyCheck<'_> {
-    /// Sine of the angle between the directions to the goal, and whether they are nearly opposite.
-    fn directions(&self) -> (f64, bool) {
+    /// Whether the directions to the goal are opposite, or nearly: their turn has an axis that is off by the rounding of
+    /// the directions over the sine.
+    fn opposite(&self) -> bool {
         let angle = self.expected.phi.0.length();
-        let opposite = self.expected.status == Status::Antiparallel;
-        (
-            angle.sin().abs(),
-            opposite || (angle > FRAC_PI_2 && angle.sin() < limit::ILL_CONDITIONED_SINE),
-        )
+        self.expected.status == Status::Antiparallel
+            || (angle > FRAC_PI_2 && self.sine.limit() > 0.1 * self.sine.exact())
     }
 
     fn check(&self, tallies: &mut Tallies) {
-        let (sine, opposite) = self.directions();
-        let has_direction =
-            matches!(self.expected.status, Status::Ok | Status::Parallel | Status::Antiparallel);
-        let resolved = !has_direction || sine >= limit::RESOLVED_SINE;
+        let opposite = self.opposite();
+        // Whether f32 can tell that they are two directions, and no opposites.
+        let resolved =
+            !self.expected.is_turned() || self.sine.exact() > SMALLEST_SINE + self.sine.limit();
 
         let at = format_args!("{}", self.at);
         if resolved {
@@ -176,14 +210,6 @@ impl BodyCheck<'_> {
         let difference = &self.expected.difference;
         if !opposite || self.beta <= 0.0 {
             add_difference(&self.method, self.at, self.got, difference, &self.limits, tallies);
-        } else if resolved {
-            // The axis is the cross product over its length: what the directions are wrong by, it is wrong by
-            // over the sine.
-            let name = "compensation e_rot x sine, nearly opposite";
-            let quantity = Quantity { name, limit: limit::COMPENSATED_ROTATION, scale: PI };
-            let error = turn_error(self.got.angular_rad, difference.e_rot.0) * sine;
-            tallies.add_error(quantity, at, error);
-            add_rest(&self.method, self.at, self.got, difference, &self.limits, tallies);
         } else if self.status == AimStatus::Antiparallel {
             // Half a turn about an axis that f32 cannot know: the core takes the world error.
             let method = "compensation, opposite to f32: world";
@@ -202,8 +228,8 @@ impl BodyCheck<'_> {
     }
 
     /// What the error says about the desired orientation after compensation.
-    fn check_turned(&self, case: &Case, body: usize, tallies: &mut Tallies) {
-        if self.directions().1 {
+    fn check_turned(&self, case: &Case, body: usize, arm_m: DVec3, tallies: &mut Tallies) {
+        if self.opposite() {
             return;
         }
         let at = format_args!("{}", self.at);
@@ -211,23 +237,27 @@ impl BodyCheck<'_> {
         let turn = DQuat::from_scaled_axis(self.got.angular_rad.as_dvec3());
         let turned = turn * measured.quat[body].0;
         let off = angle_between(turned, self.expected.theta_prime.0);
-        let quantity = Quantity {
-            name: "compensation theta_prime",
-            limit: limit::COMPENSATED_ROTATION,
-            scale: PI,
-        };
+        let limit = self.limits.rotation();
+        let name = "compensation theta_prime";
+        let quantity = Quantity { name, unit: "rad", limit, scale: PI };
         tallies.add_error(quantity, at, off);
         if self.beta < 1.0 {
             return;
         }
         let phi = (turned * case.desired.quat[body].0.inverse()).normalize();
         let phi = if phi.w < 0.0 { -phi } else { phi }.to_scaled_axis();
-        let quantity = Quantity { name: "compensation phi", ..quantity };
-        tallies.add_error(quantity, at, turn_error(phi.as_vec3(), self.expected.phi.0));
+        // Near half a turn a rotation vector changes by π/2 times what the rotation does.
+        let name = "compensation phi";
+        let quantity = Quantity { name, unit: "rad", limit: FRAC_PI_2 * limit, scale: PI };
+        tallies.add_error(quantity, at, turn_error(phi, self.expected.phi.0));
         let (Some(tip), Some(z)) = (&self.expected.tip_error, &self.expected.z) else { return };
         let got = (measured.pos[body].0 + turned * case.aim[body].0 - z.0).length();
-        let scale = case.aim[body].0.length();
-        let quantity = Quantity { name: "compensation tip error", limit: limit::TIP, scale };
-        tallies.add_error(quantity, at, got - tip.theta_prime.0);
+        // The distance is the least over all turns: with an angle δ between arm and way it is
+        // √(least² + 2 arm way (1 - cos δ)).
+        let (least, arm) = (tip.theta_prime.0, arm_m.length());
+        let grown = least.hypot((arm * (arm + least)).sqrt() * limit) - least;
+        let name = "compensation tip error";
+        let quantity = Quantity { name, unit: "m", limit: grown, scale: arm };
+        tallies.add_error(quantity, at, got - least);
     }
 }

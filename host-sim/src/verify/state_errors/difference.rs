@@ -2,15 +2,13 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
 use serde::Deserialize;
-use sinew_core::glam::Vec3;
 use sinew_core::state_error::StateError;
 
 use super::Case;
 use crate::verify::golden::{Vector, largest};
-use crate::verify::tally::{Limit, Quantity, Tallies};
-use crate::verify::tolerance as limit;
+use crate::verify::rounding::{self, turn_error};
+use crate::verify::tally::{Quantity, Tallies};
 
 /// An error as the files have it.
 #[derive(Deserialize, Clone, Copy)]
@@ -21,66 +19,40 @@ pub(super) struct Difference {
     pub(super) ed_lin: Vector,
 }
 
-/// Limits of the parts of an error, and what relative ones refer to: the largest input of the case.
+/// Limits of the parts of an error, and the largest inputs of their kinds.
+#[derive(Clone, Copy)]
 pub(super) struct Limits {
-    rotation: Limit,
-    position: Limit,
-    angular_rate: Limit,
-    linear_rate: Limit,
+    rotation: f64,
+    position: f64,
+    angular_rate: f64,
+    linear_rate: f64,
     position_scale: f64,
     angular_scale: f64,
     linear_scale: f64,
 }
 
 impl Limits {
-    /// For states that are compared as they are given.
-    pub(super) fn direct(case: &Case) -> Self {
+    pub(super) fn new(case: &Case, rounded: &rounding::Difference) -> Self {
         let (desired, measured) = (&case.desired, &case.measured);
         Self {
-            rotation: limit::ROTATION,
-            position: limit::DIRECT_POSITION,
-            angular_rate: limit::DIRECT_RATE,
-            linear_rate: limit::DIRECT_RATE,
+            rotation: rounded.angular.limit(),
+            position: rounded.linear.limit(),
+            angular_rate: rounded.angular_rate.limit(),
+            linear_rate: rounded.linear_rate.limit(),
             position_scale: largest(desired.pos.iter().chain(&measured.pos)),
             angular_scale: largest(desired.ang_vel.iter().chain(&measured.ang_vel)),
             linear_scale: largest(desired.lin_vel.iter().chain(&measured.lin_vel)),
         }
     }
 
-    /// For states as a body sees them.
-    pub(super) fn relative(case: &Case) -> Self {
-        Self {
-            position: limit::RELATIVE_POSITION,
-            angular_rate: limit::RELATIVE_RATE,
-            linear_rate: limit::RELATIVE_RATE,
-            ..Self::direct(case)
-        }
+    /// What a rotation may be off by.
+    pub(super) fn rotation(&self) -> f64 {
+        self.rotation
     }
 
-    /// For states as the parent sees them, by way of joint states.
-    pub(super) fn through_joints(case: &Case) -> Self {
-        Self {
-            angular_rate: limit::JOINT_RATE,
-            linear_rate: limit::JOINT_RATE,
-            ..Self::relative(case)
-        }
-    }
-
-    /// For a body that aims over `aim`.
-    pub(super) fn compensated(case: &Case, aim: DVec3, linear_rate: DVec3) -> Self {
-        let direct = Self::direct(case);
-        let distance = aim.length();
-        let turning = if distance > 0.0 {
-            linear_rate.length() / distance * (1.0 + direct.position_scale / distance)
-        } else {
-            0.0
-        };
-        Self {
-            rotation: limit::COMPENSATED_ROTATION,
-            angular_rate: limit::COMPENSATED_RATE,
-            angular_scale: direct.angular_scale + turning,
-            ..direct
-        }
+    /// The same, and a turn that the core may leave out.
+    pub(super) fn with_turn_left_out(self, angle_rad: f64) -> Self {
+        Self { rotation: self.rotation + angle_rad, ..self }
     }
 }
 
@@ -94,8 +66,8 @@ pub(super) fn add_difference(
     tallies: &mut Tallies,
 ) {
     let name = format!("{method} e_rot");
-    let quantity = Quantity { name: &name, limit: limits.rotation, scale: PI };
-    let error = turn_error(got.angular_rad, expected.e_rot.0);
+    let quantity = Quantity { name: &name, unit: "rad", limit: limits.rotation, scale: PI };
+    let error = turn_error(got.angular_rad.as_dvec3(), expected.e_rot.0);
     tallies.add_error(quantity, format_args!("{at}"), error);
     add_rest(method, at, got, expected, limits, tallies);
 }
@@ -109,28 +81,14 @@ pub(super) fn add_rest(
     limits: &Limits,
     tallies: &mut Tallies,
 ) {
-    let mut add = |suffix, limit, scale, got, expected: &Vector| {
+    let mut add = |suffix, unit, limit, scale, got, expected: &Vector| {
         let name = format!("{method} {suffix}");
-        tallies.add(Quantity { name: &name, limit, scale }, format_args!("{at}"), got, expected.0);
+        let quantity = Quantity { name: &name, unit, limit, scale };
+        tallies.add(quantity, format_args!("{at}"), got, expected.0);
     };
     let l = limits;
-    add("e_lin", l.position, l.position_scale, got.linear_m, &expected.e_lin);
-    add("ed_rot", l.angular_rate, l.angular_scale, got.angular_rate_rad_s, &expected.ed_rot);
-    add("ed_lin", l.linear_rate, l.linear_scale, got.linear_rate_m_s, &expected.ed_lin);
-}
-
-/// Largest component of the difference of two rotation vectors. Beside π a rounding may turn the axis
-/// round: the rotation is the same to that rounding, so the other vector of it counts too.
-pub(super) fn turn_error(got: Vec3, expected: DVec3) -> f64 {
-    let got = got.as_dvec3();
-    if !got.is_finite() {
-        return f64::INFINITY;
-    }
-    let angle = expected.length();
-    let same = (got - expected).abs().max_element();
-    if angle < PI - 1e-3 {
-        return same;
-    }
-    let other_way_round = expected * (1.0 - 2.0 * PI / angle);
-    same.min((got - other_way_round).abs().max_element())
+    add("e_lin", "m", l.position, l.position_scale, got.linear_m, &expected.e_lin);
+    let (rate, scale) = (got.angular_rate_rad_s, l.angular_scale);
+    add("ed_rot", "rad/s", l.angular_rate, scale, rate, &expected.ed_rot);
+    add("ed_lin", "m/s", l.linear_rate, l.linear_scale, got.linear_rate_m_s, &expected.ed_lin);
 }

@@ -10,8 +10,8 @@ use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Transform, Twi
 use super::CaseError;
 use super::figure::{self, Tree};
 use super::golden::{Rotation, Scalar, Vector, expect_count};
+use super::rounding::{self, Motion, State};
 use super::tally::{Quantity, Tallies};
-use super::tolerance as limit;
 use compensation::{Compensated, check_compensation};
 use difference::{Difference, Limits, add_difference};
 
@@ -102,24 +102,35 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
     let grandparents = references("expected.grandparent.frame", &expected.grandparent.frame)?;
     let world_errors = errors(&|out| world(&desired, &measured, out));
     let by_joints = errors(&|out| local(&joints(&desired), &joints(&measured), out));
-    for (method, got, expected) in [
-        ("local", &by_joints, &expected.local),
-        ("local, accumulated", &seen_from(&parents), &expected.local),
-        ("world", &world_errors, &expected.world),
-        ("egocentric", &seen_from(&References::egocentric(&tree)), &expected.egocentric),
-        ("grandparent", &seen_from(&grandparents), &expected.grandparent.error),
+    let rounded = Rounded::new(case);
+    let egocentric = References::egocentric(&tree);
+    let rounded_world = rounded.world();
+    for (method, got, rounded, expected) in [
+        ("local", &by_joints, rounded.through_joints(&parents), &expected.local),
+        ("local, accumulated", &seen_from(&parents), rounded.seen_from(&parents), &expected.local),
+        ("world", &world_errors, rounded_world.clone(), &expected.world),
+        (
+            "egocentric",
+            &seen_from(&egocentric),
+            rounded.seen_from(&egocentric),
+            &expected.egocentric,
+        ),
+        (
+            "grandparent",
+            &seen_from(&grandparents),
+            rounded.seen_from(&grandparents),
+            &expected.grandparent.error,
+        ),
     ] {
         expect_count(&format!("expected.{method}"), expected.len(), case.n)?;
-        let limits = match method {
-            "world" => Limits::direct(case),
-            "local" => Limits::through_joints(case),
-            _ => Limits::relative(case),
-        };
-        for (body, (got, expected)) in got.iter().zip(expected).enumerate() {
-            add_difference(method, &format!("{at}, body {body}"), got, expected, &limits, tallies);
+        for (body, ((got, expected), rounded)) in got.iter().zip(expected).zip(&rounded).enumerate()
+        {
+            let at = format!("{at}, body {body}");
+            let limits = Limits::new(case, rounded);
+            add_difference(method, &at, got, expected, &limits, tallies);
         }
     }
-    check_metrics(case, &at, &world_errors, tallies);
+    check_metrics(case, &at, &world_errors, &rounded_world, tallies);
     if expected.linear_compensation.is_empty() {
         return Err(CaseError::new(
             "expected.linear_compensation",
@@ -127,12 +138,72 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
         ));
     }
     for compensated in &expected.linear_compensation {
-        check_compensation(case, &tree, &at, compensated, [&desired, &measured], tallies)?;
+        let states = [&desired[..], &measured];
+        check_compensation(case, &tree, &at, compensated, states, &rounded, tallies)?;
     }
     Ok(())
 }
 
+/// States of both sides with their rounding.
+struct Rounded {
+    desired: Vec<State>,
+    measured: Vec<State>,
+}
+
+impl Rounded {
+    fn new(case: &Case) -> Self {
+        Self { desired: case.desired.with_rounding(), measured: case.measured.with_rounding() }
+    }
+
+    fn pairs(&self) -> impl Iterator<Item = (&State, &State)> {
+        self.desired.iter().zip(&self.measured)
+    }
+
+    fn world(&self) -> Vec<rounding::Difference> {
+        self.pairs().map(|(d, m)| rounding::Difference::between(d, m)).collect()
+    }
+
+    fn seen_from(&self, references: &References<128>) -> Vec<rounding::Difference> {
+        let seen = |states: &[State], body: usize| {
+            let reference = references.as_slice()[body];
+            states[body].seen_from(&reference.map_or_else(State::world, |of| states[of]))
+        };
+        let difference = |body| {
+            let (d, m) = (seen(&self.desired, body), seen(&self.measured, body));
+            rounding::Difference::between(&d, &m)
+        };
+        (0..self.desired.len()).map(difference).collect()
+    }
+
+    /// As the parent sees them, by way of joint states.
+    fn through_joints(&self, parents: &References<128>) -> Vec<rounding::Difference> {
+        let seen = |states: &[State], body: usize| {
+            let parent = parents.as_slice()[body];
+            let parent = parent.map_or_else(State::world, |of| states[of]);
+            states[body].joint(&parent).in_parent()
+        };
+        let difference = |body| {
+            let (d, m) = (seen(&self.desired, body), seen(&self.measured, body));
+            rounding::Difference::between(&d, &m)
+        };
+        (0..self.desired.len()).map(difference).collect()
+    }
+}
+
 impl States {
+    fn with_rounding(&self) -> Vec<State> {
+        let given = rounding::Vector::given;
+        let state = |body: usize| State {
+            rotation: rounding::Rotation::given(self.quat[body].0),
+            position: given(self.pos[body].0),
+            velocity: Motion {
+                angular: given(self.ang_vel[body].0),
+                linear: given(self.lin_vel[body].0),
+            },
+        };
+        (0..self.quat.len()).map(state).collect()
+    }
+
     fn rounded(&self, side: &str, n: usize) -> Result<Vec<BodyState>, CaseError> {
         expect_count(&format!("{side}.quat"), self.quat.len(), n)?;
         let vectors = [("pos", &self.pos), ("lin_vel", &self.lin_vel), ("ang_vel", &self.ang_vel)];
@@ -166,29 +237,38 @@ fn tree(case: &Case) -> Result<Tree, CaseError> {
     Ok(tree)
 }
 
-fn check_metrics(case: &Case, at: &str, errors: &[StateError], tallies: &mut Tallies) {
-    let leaves = |of: &dyn Fn(&StateError) -> f64| {
-        let all: Vec<f64> = errors.iter().map(of).collect();
+fn check_metrics(
+    case: &Case,
+    at: &str,
+    errors: &[StateError],
+    rounded: &[rounding::Difference],
+    tallies: &mut Tallies,
+) {
+    let leaves = |of: &dyn Fn(usize) -> f64| {
+        let all: Vec<f64> = (0..case.n).map(of).collect();
         let leaf: Vec<f64> =
             all.iter().zip(&case.leaf).filter(|(_, leaf)| **leaf).map(|(x, _)| *x).collect();
         [all, leaf]
     };
-    let degrees = leaves(&|error| error.angular_rad.as_dvec3().length().to_degrees());
-    let centimetres = leaves(&|error| error.linear_m.as_dvec3().length() * 100.0);
+    let degrees = leaves(&|body| errors[body].angular_rad.as_dvec3().length().to_degrees());
+    let centimetres = leaves(&|body| errors[body].linear_m.as_dvec3().length() * 100.0);
+    // A mean, and a maximum, is off by no more than that of what they are made of.
+    let degrees_off = leaves(&|body| rounded[body].angular.limit().to_degrees());
+    let centimetres_off = leaves(&|body| rounded[body].linear.limit() * 100.0);
     let metrics = &case.expected.metrics;
-    for (name, limit, scale, [all, leaf], expected) in [
-        ("metric, angle", limit::METRIC_ANGLE, 180.0, degrees, &metrics.angular_deg),
-        ("metric, distance", limit::METRIC_DISTANCE, 100.0, centimetres, &metrics.linear_cm),
+    for (name, unit, [all, leaf], [all_off, leaf_off], expected) in [
+        ("metric, angle", "deg", degrees, degrees_off, &metrics.angular_deg),
+        ("metric, distance", "cm", centimetres, centimetres_off, &metrics.linear_cm),
     ] {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let max = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        for (got, Scalar(expected)) in [
-            (mean(&all), expected.mean_all),
-            (max(&all), expected.max_all),
-            (mean(&leaf), expected.mean_leaf),
-            (max(&leaf), expected.max_leaf),
+        for (got, limit, Scalar(expected)) in [
+            (mean(&all), mean(&all_off), expected.mean_all),
+            (max(&all), max(&all_off), expected.max_all),
+            (mean(&leaf), mean(&leaf_off), expected.mean_leaf),
+            (max(&leaf), max(&leaf_off), expected.max_leaf),
         ] {
-            let quantity = Quantity { name, limit, scale };
+            let quantity = Quantity { name, unit, limit, scale: expected };
             tallies.add_error(quantity, format_args!("{at}"), got - expected);
         }
     }

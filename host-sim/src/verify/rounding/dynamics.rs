@@ -1,0 +1,288 @@
+//! Inverse dynamics by the recursive Newton-Euler algorithm, and columns of the mass matrix by it.
+
+use sinew_core::{Body, JointKind};
+
+use super::number::Number;
+use super::space::{Matrix, Rotation, Vector};
+use super::states::Joint;
+
+/// A body of a rig.
+#[derive(Debug, Clone, Copy)]
+pub struct Link {
+    /// Its parent; `None`: the world.
+    pub parent: Option<usize>,
+    /// What its joint leaves free.
+    pub joint: JointKind,
+    /// kg.
+    pub mass: Number,
+    /// Centre of mass, m.
+    pub center: Vector,
+    /// About the centre of mass, kg m².
+    pub inertia: Matrix,
+    /// Of the joint's drive.
+    pub rotor: Number,
+    /// Rotation of the placement of the joint.
+    pub placement: Rotation,
+}
+
+impl Link {
+    /// A body of the core's, as f32 has it.
+    pub fn known(body: &Body) -> Self {
+        let i = &body.inertia.rotational_kg_m2;
+        let inertia = [i.xx, i.xy, i.xz, i.yy, i.yz, i.zz];
+        let number = |x: f32| Number::known(f64::from(x));
+        Self {
+            parent: body.parent,
+            joint: body.joint,
+            mass: number(body.inertia.mass_kg),
+            center: Vector::known(body.inertia.center_of_mass_m),
+            inertia: symmetric(inertia.map(number)),
+            rotor: number(body.rotor_inertia),
+            placement: Rotation::known(body.placement.rotation),
+        }
+    }
+
+    /// Columns of the motion subspace, angular and linear, as
+    /// [`JointKind::motion_subspace`](sinew_core::JointKind::motion_subspace) has them.
+    pub fn columns(&self, joint: &Joint) -> Vec<Motion> {
+        let in_joint = self.placement.inverse().after(joint.rotation);
+        // The first axis of a universal joint is fixed in the joint frame.
+        let first = match self.joint {
+            JointKind::Universal { first, .. } => {
+                Some(in_joint.inverse().turn(Vector::known(first)))
+            }
+            _ => None,
+        };
+        let columns = self.joint.motion_subspace(sinew_core::glam::Quat::IDENTITY);
+        let mut columns: Vec<_> = columns
+            .iter()
+            .map(|column| Motion {
+                angular: Vector::known(column.angular),
+                linear: Vector::known(column.linear),
+            })
+            .collect();
+        if let (Some(first), Some(column)) = (first, columns.first_mut()) {
+            column.angular = first;
+        }
+        columns
+    }
+}
+
+/// A symmetric matrix by its elements xx, xy, xz, yy, yz, zz.
+pub fn symmetric([xx, xy, xz, yy, yz, zz]: [Number; 6]) -> Matrix {
+    let column = |x, y, z| Vector { x, y, z };
+    Matrix::of_columns([column(xx, xy, xz), column(xy, yy, yz), column(xz, yz, zz)])
+}
+
+/// A motion or a wrench: of the angle and of the origin, or moment and force.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    /// Angular part, or moment.
+    pub angular: Vector,
+    /// Linear part, or force.
+    pub linear: Vector,
+}
+
+impl Motion {
+    /// None.
+    pub const ZERO: Self = Self { angular: Vector::ZERO, linear: Vector::ZERO };
+
+    /// Power of a wrench along a motion.
+    fn dot(&self, wrench: &Self) -> Number {
+        self.angular.dot(wrench.angular) + self.linear.dot(wrench.linear)
+    }
+
+    /// Angular and linear numbers.
+    pub fn components(self) -> [Number; 6] {
+        let ([a, b, c], [d, e, f]) = (self.angular.components(), self.linear.components());
+        [a, b, c, d, e, f]
+    }
+}
+
+#[derive(Clone, Copy)]
+struct BodyMotion {
+    velocity: Vector,
+    acceleration: Motion,
+}
+
+/// Wrench of each joint on its body about its origin, body axes, as
+/// [`inverse_dynamics`](sinew_core::dynamics::inverse_dynamics) has it.
+pub fn inverse_dynamics(
+    links: &[Link],
+    joints: &[Joint],
+    accelerations: &[Motion],
+    gravity: Vector,
+) -> Vec<Motion> {
+    let world = BodyMotion {
+        velocity: Vector::ZERO,
+        acceleration: Motion { angular: Vector::ZERO, linear: -gravity },
+    };
+    let mut motions: Vec<BodyMotion> = Vec::with_capacity(links.len());
+    let mut wrenches = Vec::with_capacity(links.len());
+    let matrices: Vec<_> = joints.iter().map(|joint| joint.rotation.matrix()).collect();
+    for (index, link) in links.iter().enumerate() {
+        let parent = link.parent.map_or(world, |parent| motions[parent]);
+        let motion =
+            outward(&parent, &matrices[index], link, &joints[index], &accelerations[index]);
+        wrenches.push(needed(link, &motion));
+        motions.push(motion);
+    }
+    for (index, link) in links.iter().enumerate().rev() {
+        let (of_body, acceleration) = (wrenches[index], &accelerations[index]);
+        if let Some(parent) = link.parent {
+            let force = matrices[index].turn(of_body.linear);
+            let moment = matrices[index].turn(of_body.angular).plus_cross(joints[index].arm, force);
+            let of_parent: &mut Motion = &mut wrenches[parent];
+            of_parent.angular = of_parent.angular + moment;
+            of_parent.linear = of_parent.linear + force;
+        }
+        if link.rotor.exact() > 0.0 {
+            let wrench = &mut wrenches[index];
+            wrench.angular = wrench.angular + acceleration.angular * link.rotor;
+            if slides(link) {
+                wrench.linear = wrench.linear + acceleration.linear * link.rotor;
+            }
+        }
+    }
+    wrenches
+}
+
+fn slides(link: &Link) -> bool {
+    matches!(link.joint, JointKind::Prismatic { .. } | JointKind::Free)
+}
+
+fn outward(
+    parent: &BodyMotion,
+    matrix: &Matrix,
+    link: &Link,
+    joint: &Joint,
+    acceleration: &Motion,
+) -> BodyMotion {
+    let Motion { angular, linear } = parent.acceleration;
+    let (arm, w) = (joint.arm, joint.velocity.angular);
+    let carried = matrix.turn_back(parent.velocity);
+    let turning = parent.velocity.cross(arm);
+    let at_joint = linear + angular.cross(arm) + parent.velocity.cross(turning);
+    let mut linear = matrix.turn_back(at_joint);
+    if slides(link) {
+        linear = linear + (carried.cross(joint.velocity.linear.doubled(2.0)) + acceleration.linear);
+    }
+    let angular = matrix.turn_back(angular) + acceleration.angular + carried.cross(w);
+    BodyMotion { velocity: carried + w, acceleration: Motion { angular, linear } }
+}
+
+fn needed(link: &Link, motion: &BodyMotion) -> Motion {
+    let (w, Motion { angular, linear }) = (motion.velocity, motion.acceleration);
+    let turning = w.cross(link.center);
+    let force = linear.plus_cross(angular, link.center).plus_cross(w, turning) * link.mass;
+    let spin = link.inertia.turn(w);
+    let about_center = link.inertia.turn(angular).plus_cross(w, spin);
+    Motion { angular: about_center.plus_cross(link.center, force), linear: force }
+}
+
+/// The freedoms of a rig: body and motion of each, in the order of the core's mass matrix.
+fn freedoms(links: &[Link], joints: &[Joint]) -> Vec<(usize, Motion)> {
+    let of_body = |(body, link): (usize, &Link)| {
+        link.columns(&joints[body])
+            .into_iter()
+            .map(move |column| (body, column))
+            .collect::<Vec<_>>()
+    };
+    links.iter().enumerate().flat_map(of_body).collect()
+}
+
+/// The mass matrix, column by column the wrenches of a unit acceleration at rest.
+pub fn mass_matrix_by_torques(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
+    let still: Vec<_> = joints.iter().map(Joint::still).collect();
+    let freedoms = freedoms(links, joints);
+    let column = |(moved, unit): &(usize, Motion)| {
+        let mut accelerations = vec![Motion::ZERO; links.len()];
+        accelerations[*moved] = *unit;
+        let wrenches = inverse_dynamics(links, &still, &accelerations, Vector::ZERO);
+        freedoms.iter().map(|(body, along)| along.dot(&wrenches[*body])).collect()
+    };
+    freedoms.iter().map(column).collect()
+}
+
+/// The mass matrix by the composite-rigid-body algorithm. Of rows and columns of which no joint carries the other's it
+/// is zero.
+pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
+    let matrices: Vec<_> = joints.iter().map(|joint| joint.rotation.matrix()).collect();
+    let mut composites: Vec<_> = links.iter().map(Composite::of).collect();
+    for (index, link) in links.iter().enumerate().rev() {
+        if let Some(parent) = link.parent {
+            let carried = composites[index].turned(&matrices[index]).moved(joints[index].arm);
+            composites[parent] = composites[parent].plus(&carried);
+        }
+    }
+    let freedoms = freedoms(links, joints);
+    let mut rows = vec![vec![Number::ZERO; freedoms.len()]; freedoms.len()];
+    for (row, (body, unit)) in freedoms.iter().enumerate() {
+        let mut wrench = composites[*body].wrench(unit);
+        let mut at = Some(*body);
+        while let Some(body) = at {
+            for (column, (_, along)) in
+                freedoms.iter().enumerate().filter(|(_, (of, _))| *of == body)
+            {
+                let element = along.dot(&wrench);
+                let element = if row == column { element + links[body].rotor } else { element };
+                (rows[row][column], rows[column][row]) = (element, element);
+            }
+            let force = matrices[body].turn(wrench.linear);
+            let moment = matrices[body].turn(wrench.angular).plus_cross(joints[body].arm, force);
+            wrench = Motion { angular: moment, linear: force };
+            at = links[body].parent;
+        }
+    }
+    rows
+}
+
+/// Bodies that hold together, about an origin.
+#[derive(Clone, Copy)]
+struct Composite {
+    mass: Number,
+    moment: Vector,
+    inertia: Matrix,
+}
+
+impl Composite {
+    fn of(link: &Link) -> Self {
+        Self { mass: link.mass, moment: Vector::ZERO, inertia: link.inertia }.moved(link.center)
+    }
+
+    /// At an origin that this one is `arm` away from.
+    fn moved(&self, arm: Vector) -> Self {
+        let way = arm * self.mass;
+        let halfway = self.moment + way.doubled(0.5);
+        let twice = arm.dot(halfway).doubled(2.0);
+        let inertia = self.inertia.map_columns(|k, column| {
+            let (a, h) = (arm.components()[k], halfway.components()[k]);
+            column + (Vector::along(k, twice) - (arm * h + halfway * a))
+        });
+        Self { mass: self.mass, moment: self.moment + way, inertia }
+    }
+
+    fn turned(&self, rotation: &Matrix) -> Self {
+        let half = self.inertia.map_columns(|_, column| rotation.turn(column)).transposed();
+        Self {
+            mass: self.mass,
+            moment: rotation.turn(self.moment),
+            inertia: half.map_columns(|_, column| rotation.turn(column)),
+        }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            moment: self.moment + other.moment,
+            inertia: self.inertia.plus(&other.inertia),
+        }
+    }
+
+    fn wrench(&self, of: &Motion) -> Motion {
+        Motion {
+            angular: self.inertia.turn(of.angular).plus_cross(self.moment, of.linear),
+            linear: (of.linear * self.mass).plus_cross(of.angular, self.moment),
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! Vectors and rotations of [`Number`]s, as the core computes with them.
+
+use std::f64::consts::PI;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use glam::{DQuat, DVec3, Quat, Vec3};
+
+use super::number::Number;
+
+/// Three numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct Vector {
+    /// Along x.
+    pub x: Number,
+    /// Along y.
+    pub y: Number,
+    /// Along z.
+    pub z: Number,
+}
+
+impl Vector {
+    /// Zero.
+    pub const ZERO: Self = Self { x: Number::ZERO, y: Number::ZERO, z: Number::ZERO };
+
+    /// A vector that f32 has as it is.
+    pub fn known(v: Vec3) -> Self {
+        Self::by(v.as_dvec3(), Number::known)
+    }
+
+    /// An input, of which f32 has the nearest one.
+    pub fn given(v: DVec3) -> Self {
+        Self::by(v, Number::given)
+    }
+
+    /// A number along one axis.
+    pub fn along(axis: usize, number: Number) -> Self {
+        let o = Number::ZERO;
+        match axis {
+            0 => Self { x: number, y: o, z: o },
+            1 => Self { x: o, y: number, z: o },
+            _ => Self { x: o, y: o, z: number },
+        }
+    }
+
+    fn by(v: DVec3, number: impl Fn(f64) -> Number) -> Self {
+        Self { x: number(v.x), y: number(v.y), z: number(v.z) }
+    }
+
+    /// Its components.
+    pub fn components(self) -> [Number; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// Without rounding.
+    pub fn exact(&self) -> DVec3 {
+        DVec3::new(self.x.exact(), self.y.exact(), self.z.exact())
+    }
+
+    /// What the error of the whole vector may be.
+    pub fn limit(&self) -> f64 {
+        DVec3::new(self.x.limit(), self.y.limit(), self.z.limit()).length()
+    }
+
+    /// The dot product.
+    pub fn dot(self, other: Self) -> Number {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The cross product.
+    #[must_use]
+    pub fn cross(self, other: Self) -> Self {
+        Self::ZERO.plus_cross(self, other)
+    }
+
+    /// `self + a × b`.
+    #[must_use]
+    pub fn plus_cross(self, a: Self, b: Self) -> Self {
+        Self {
+            x: self.x + a.y * b.z - a.z * b.y,
+            y: self.y + a.z * b.x - a.x * b.z,
+            z: self.z + a.x * b.y - a.y * b.x,
+        }
+    }
+
+    /// Its length.
+    pub fn length(self) -> Number {
+        self.dot(self).sqrt()
+    }
+
+    /// Times a power of two, which rounds nothing.
+    #[must_use]
+    pub fn doubled(self, times: f64) -> Self {
+        let [x, y, z] = self.components().map(|component| component.doubled(times));
+        Self { x, y, z }
+    }
+}
+
+impl Add for Vector {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Sub for Vector {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl Mul<Number> for Vector {
+    type Output = Self;
+
+    fn mul(self, factor: Number) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl Neg for Vector {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        self.doubled(-1.0)
+    }
+}
+
+/// A unit quaternion.
+#[derive(Debug, Clone, Copy)]
+pub struct Rotation {
+    v: Vector,
+    w: Number,
+}
+
+impl Rotation {
+    /// No turn.
+    pub fn identity() -> Self {
+        Self { v: Vector::ZERO, w: Number::known(1.0) }
+    }
+
+    /// By its parts.
+    pub fn of(v: Vector, w: Number) -> Self {
+        Self { v, w }
+    }
+
+    /// An input, of which f32 has the nearest one, made unit again.
+    pub fn given(q: DQuat) -> Self {
+        let number = Number::given;
+        Self { v: Vector::given(DVec3::new(q.x, q.y, q.z)), w: number(q.w) }.unit()
+    }
+
+    /// What f32 has of a rotation whose quaternion is unit but for its rounding.
+    pub fn known(q: Quat) -> Self {
+        let unit = q.as_dquat().normalize();
+        let [x, y, z, w] = [(unit.x, q.x), (unit.y, q.y), (unit.z, q.z), (unit.w, q.w)]
+            .map(|(exact, in_f32)| Number::near(exact, in_f32));
+        Self { v: Vector { x, y, z }, w }
+    }
+
+    /// Without rounding.
+    pub fn exact(&self) -> DQuat {
+        let v = self.v.exact();
+        DQuat::from_xyzw(v.x, v.y, v.z, self.w.exact())
+    }
+
+    /// What the angle may be off by: twice the vector part of a small turn.
+    pub fn limit(&self) -> f64 {
+        2.0 * self.v.limit().hypot(self.w.limit())
+    }
+
+    /// The way back.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self { v: -self.v, w: self.w }
+    }
+
+    /// The product, `other` first. Added up so that products that cancel are no neighbours: the core may do so or not.
+    #[must_use]
+    pub fn after(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        Self { v: (b.v * a.w).plus_cross(a.v, b.v) + a.v * b.w, w: a.w * b.w - a.v.dot(b.v) }
+    }
+
+    /// Of length 1 again.
+    #[must_use]
+    pub fn unit(self) -> Self {
+        let number = Number::known;
+        let excess = self.v.dot(self.v) + self.w * self.w - number(1.0);
+        let share = excess * (number(0.375) * excess - number(0.5));
+        Self { v: self.v + self.v * share, w: self.w + self.w * share }
+    }
+
+    /// A vector turned.
+    #[must_use]
+    pub fn turn(self, v: Vector) -> Vector {
+        let t = self.v.cross(v.doubled(2.0));
+        (v + t * self.w).plus_cross(self.v, t)
+    }
+
+    /// The rotation vector, its angle within [0, π].
+    pub fn log(self) -> Vector {
+        // The same name of the rotation in all lanes.
+        let Self { v, w } =
+            if self.w.exact() < 0.0 { Self { v: -self.v, w: -self.w } } else { self };
+        let scale = v.length().function_with(w, |sine, cosine| {
+            if sine > 0.0 { 2.0 * sine.atan2(cosine) / sine } else { 2.0 / cosine }
+        });
+        v * scale
+    }
+
+    /// The rotation of a rotation vector.
+    pub fn exp(vector: Vector) -> Self {
+        let half = vector.doubled(0.5);
+        let angle = half.length();
+        let share = angle.function(|angle| if angle > 0.0 { angle.sin() / angle } else { 1.0 });
+        Self { v: half * share, w: angle.function(f64::cos) }
+    }
+
+    /// Its matrix.
+    pub fn matrix(self) -> Matrix {
+        let Self { v: Vector { x, y, z }, w } = self;
+        let [x2, y2, z2] = [x, y, z].map(|component| component.doubled(2.0));
+        let (xx, xy, xz, yy, yz, zz) = (x * x2, x * y2, x * z2, y * y2, y * z2, z * z2);
+        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        let one = Number::known(1.0);
+        Matrix {
+            columns: [
+                Vector { x: one - (yy + zz), y: xy + wz, z: xz - wy },
+                Vector { x: xy - wz, y: one - (xx + zz), z: yz + wx },
+                Vector { x: xz + wy, y: yz - wx, z: one - (xx + yy) },
+            ],
+        }
+    }
+}
+
+/// Three columns.
+#[derive(Debug, Clone, Copy)]
+pub struct Matrix {
+    columns: [Vector; 3],
+}
+
+impl Matrix {
+    /// A symmetric one by its columns.
+    pub fn of_columns(columns: [Vector; 3]) -> Self {
+        Self { columns }
+    }
+
+    /// Each column changed, with its index.
+    #[must_use]
+    pub fn map_columns(&self, mut of: impl FnMut(usize, Vector) -> Vector) -> Self {
+        let [x, y, z] = self.columns;
+        Self { columns: [of(0, x), of(1, y), of(2, z)] }
+    }
+
+    /// Rows as columns.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        let [x, y, z] = self.columns.map(Vector::components);
+        let column = |k: usize| Vector { x: x[k], y: y[k], z: z[k] };
+        Self { columns: [column(0), column(1), column(2)] }
+    }
+
+    /// The sum.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        self.map_columns(|k, column| column + other.columns[k])
+    }
+
+    /// Times a vector.
+    #[must_use]
+    pub fn turn(&self, v: Vector) -> Vector {
+        let [x, y, z] = self.columns;
+        x * v.x + y * v.y + z * v.z
+    }
+
+    /// The transpose times a vector.
+    #[must_use]
+    pub fn turn_back(&self, v: Vector) -> Vector {
+        let [x, y, z] = self.columns.map(|column| column.dot(v));
+        Vector { x, y, z }
+    }
+}
+
+/// Length of the difference of two rotation vectors. Beside π a rounding may turn the axis round: the rotation is the same
+/// to that rounding, so the other vector of it counts too.
+pub fn turn_error(got: DVec3, expected: DVec3) -> f64 {
+    if !got.is_finite() {
+        return f64::INFINITY;
+    }
+    let angle = expected.length();
+    let same = (got - expected).length();
+    if angle < PI - 1e-3 {
+        return same;
+    }
+    let other_way_round = expected * (1.0 - 2.0 * PI / angle);
+    same.min((got - other_way_round).length())
+}

@@ -1,0 +1,194 @@
+//! States of bodies and joints, and the differences of them: state errors.
+
+use super::dynamics::{Link, Motion};
+use super::number::Number;
+use super::space::{Rotation, Vector};
+
+/// State of a joint relative to the parent.
+#[derive(Debug, Clone, Copy)]
+pub struct Joint {
+    /// Of the body in the parent.
+    pub rotation: Rotation,
+    /// From the parent's origin to the body's, parent axes.
+    pub arm: Vector,
+    /// Body axes.
+    pub velocity: Motion,
+}
+
+impl Joint {
+    /// A state of the core's, as f32 has it.
+    pub fn known(state: &sinew_core::JointState) -> Self {
+        let of = Vector::known;
+        Self {
+            rotation: Rotation::known(state.pose.rotation),
+            arm: of(state.pose.translation_m),
+            velocity: Motion {
+                angular: of(state.velocity.angular),
+                linear: of(state.velocity.linear),
+            },
+        }
+    }
+
+    /// The same pose at rest.
+    #[must_use]
+    pub fn still(&self) -> Self {
+        Self { velocity: Motion::ZERO, ..*self }
+    }
+
+    /// The same by way of the world: of bodies whose states are kept there.
+    pub fn through_world(links: &[Link], joints: &[Self]) -> Vec<Self> {
+        let states = body_states(links, joints);
+        let joint = |(link, state): (&Link, &State)| {
+            state.joint(&link.parent.map_or_else(State::world, |parent| states[parent]))
+        };
+        links.iter().zip(&states).map(joint).collect()
+    }
+
+    /// As a body's state, seen from the parent and in its axes.
+    #[must_use]
+    pub fn in_parent(&self) -> State {
+        State {
+            rotation: self.rotation,
+            position: self.arm,
+            velocity: turned(self.rotation, self.velocity),
+        }
+    }
+}
+
+/// State of a body.
+#[derive(Debug, Clone, Copy)]
+pub struct State {
+    /// Its orientation.
+    pub rotation: Rotation,
+    /// m.
+    pub position: Vector,
+    /// In the axes that it is seen from.
+    pub velocity: Motion,
+}
+
+fn turned(rotation: Rotation, motion: Motion) -> Motion {
+    Motion { angular: rotation.turn(motion.angular), linear: rotation.turn(motion.linear) }
+}
+
+/// States of all bodies in the world.
+pub fn body_states(links: &[Link], joints: &[Joint]) -> Vec<State> {
+    let mut states: Vec<State> = Vec::with_capacity(links.len());
+    for (link, joint) in links.iter().zip(joints) {
+        let parent = link.parent.map_or_else(State::world, |parent| states[parent]);
+        states.push(parent.child(joint));
+    }
+    states
+}
+
+impl State {
+    /// The world itself.
+    pub fn world() -> Self {
+        Self { rotation: Rotation::identity(), position: Vector::ZERO, velocity: Motion::ZERO }
+    }
+
+    /// State of a body that hangs on this one.
+    #[must_use]
+    pub fn child(&self, joint: &Joint) -> Self {
+        let arm = self.rotation.turn(joint.arm);
+        let rotation = self.rotation.after(joint.rotation);
+        let relative = turned(rotation, joint.velocity);
+        Self {
+            rotation,
+            position: self.position + arm,
+            velocity: Motion {
+                angular: self.velocity.angular + relative.angular,
+                linear: self.velocity.linear.plus_cross(self.velocity.angular, arm)
+                    + relative.linear,
+            },
+        }
+    }
+
+    /// The same as a body sees it.
+    #[must_use]
+    pub fn seen_from(&self, reference: &Self) -> Self {
+        let back = reference.rotation.inverse();
+        let arm = self.position - reference.position;
+        let carried = reference.velocity.angular.cross(arm);
+        let (of_body, of_reference) = (self.velocity, reference.velocity);
+        Self {
+            rotation: back.after(self.rotation),
+            position: back.turn(arm),
+            velocity: Motion {
+                angular: back.turn(of_body.angular - of_reference.angular),
+                linear: back.turn(of_body.linear - of_reference.linear - carried),
+            },
+        }
+    }
+
+    /// The same as a joint of that parent has it.
+    #[must_use]
+    pub fn joint(&self, parent: &Self) -> Joint {
+        let seen = self.seen_from(parent);
+        let velocity = turned(seen.rotation.inverse(), seen.velocity);
+        Joint { rotation: seen.rotation, arm: seen.position, velocity }
+    }
+}
+
+/// A state error.
+#[derive(Debug, Clone, Copy)]
+pub struct Difference {
+    /// Rotation vector.
+    pub angular: Vector,
+    /// m.
+    pub linear: Vector,
+    /// rad/s.
+    pub angular_rate: Vector,
+    /// m/s.
+    pub linear_rate: Vector,
+}
+
+impl Difference {
+    /// Of two states.
+    pub fn between(desired: &State, measured: &State) -> Self {
+        Self::to_rotation(desired.rotation, desired, measured)
+    }
+
+    fn to_rotation(rotation: Rotation, desired: &State, measured: &State) -> Self {
+        Self {
+            angular: rotation.after(measured.rotation.inverse()).log(),
+            linear: desired.position - measured.position,
+            angular_rate: desired.velocity.angular - measured.velocity.angular,
+            linear_rate: desired.velocity.linear - measured.velocity.linear,
+        }
+    }
+}
+
+/// Below this an angle and its sine differ by less than a rounding of f32.
+const SMALL: f64 = 1e-4;
+
+/// Linear Compensation of a body with one goal.
+#[derive(Debug, Clone, Copy)]
+pub struct Compensated {
+    /// Of the body.
+    pub difference: Difference,
+    /// Sine of the angle between the directions to the goal.
+    pub sine: Number,
+}
+
+impl Compensated {
+    /// For a goal that is `arm` away from the desired origin.
+    pub fn new(arm: Vector, beta: Number, desired: &State, measured: &State) -> Self {
+        let world = Difference::between(desired, measured);
+        let way = world.linear + arm;
+        let axis = arm.cross(way);
+        let (sine, cosine) = (axis.length(), arm.dot(way));
+        let lengths = (arm.dot(arm) * way.dot(way)).sqrt();
+        // A small angle is its sine, also where both are zero.
+        let turned = if cosine.exact() > 0.0 && sine.exact() < SMALL * lengths.exact() {
+            axis * (beta / lengths)
+        } else {
+            axis * (beta * sine.function_with(cosine, f64::atan2) / sine)
+        };
+        let turn = Rotation::exp(turned);
+        let turned = turn.after(desired.rotation);
+        let rate = arm.cross(world.linear_rate) * (beta / arm.dot(arm));
+        let mut difference = Difference::to_rotation(turned, desired, measured);
+        difference.angular_rate = difference.angular_rate + rate;
+        Self { difference, sine: sine / lengths }
+    }
+}

@@ -1,0 +1,114 @@
+//! Which axis of a file points up, and how long its unit is.
+
+use glam::{DQuat, DVec3};
+
+use super::note::Notes;
+use super::{NoteKind, Options};
+use crate::description::{Description, JointType, Mount};
+
+/// The world of a file, and who says that it is so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// The axis that points up, unit.
+    pub up: DVec3,
+    /// Why this one.
+    pub up_reason: String,
+    /// Length of a unit, m.
+    pub metres_per_unit: f64,
+    /// Why this long.
+    pub unit_reason: String,
+}
+
+const YOU: &str = "as you say";
+const FORMAT: &str = "as its format says";
+const GRAVITY: &str = "as its gravity says";
+/// Units that gravity tells, m.
+const UNITS: [f64; 4] = [0.01, 0.001, 0.0254, 0.1];
+/// How far gravity may be from 9.81 m/s²: 9.8 and 9.80665 are.
+const GRAVITY_TOLERANCE: f64 = 0.002;
+
+impl World {
+    /// By the user's word, else by gravity, if the file says it; else z and the metre, as formats of robots have them.
+    pub(super) fn of(options: &Options, gravity: Option<DVec3>) -> Self {
+        let against = gravity.and_then(|gravity| {
+            let up = -gravity.try_normalize()?;
+            DVec3::AXES.into_iter().find(|axis| up.dot(*axis) > 1.0 - GRAVITY_TOLERANCE)
+        });
+        let by_gravity = gravity.and_then(|gravity| {
+            let is = |unit: &f64| (gravity.length() * unit / 9.81 - 1.0).abs() < GRAVITY_TOLERANCE;
+            UNITS.into_iter().find(is)
+        });
+        let (up, up_reason) = (options.up.map(|up| (up, YOU)))
+            .or_else(|| against.filter(|up| *up != DVec3::Z).map(|up| (up, GRAVITY)))
+            .unwrap_or((DVec3::Z, FORMAT));
+        let (metres_per_unit, unit_reason) = (options.metres_per_unit.map(|unit| (unit, YOU)))
+            .or_else(|| by_gravity.map(|unit| (unit, GRAVITY)))
+            .unwrap_or((1.0, FORMAT));
+        Self {
+            up,
+            up_reason: up_reason.to_owned(),
+            metres_per_unit,
+            unit_reason: unit_reason.to_owned(),
+        }
+    }
+
+    /// Stands a rig.
+    pub(super) fn stand(&self, description: &mut Description, notes: &mut Notes) {
+        let (up, why) = (self.up, &self.up_reason);
+        if up == DVec3::Y {
+            return notes.add(NoteKind::Changed, format!("y is up ({why}), as in a rig"));
+        }
+        description.mount = if up == DVec3::Z {
+            Mount::z_up()
+        } else {
+            let turn = DQuat::from_rotation_arc(up, DVec3::Y);
+            Mount { rotation_xyzw: turn.to_array(), ..Mount::default() }
+        };
+        let (axis, turn) =
+            if up == DVec3::Z { ("z", "-90 deg about x") } else { ("x", "90 deg about z") };
+        notes.add(
+            NoteKind::Changed,
+            format!(
+                "{axis} is up ({why}), and y in a rig: mount.rotation_xyzw turns the rig by {turn}, once. If another axis \
+                 is up in this file, say so with --up"
+            ),
+        );
+    }
+
+    /// Lengths in metres.
+    pub(super) fn measure(&self, description: &mut Description, notes: &mut Notes) {
+        let unit = self.metres_per_unit;
+        if (unit - 1.0).abs() <= 0.0 {
+            return;
+        }
+        let place = |place: &mut [f64]| place.iter_mut().for_each(|x| *x *= unit);
+        place(&mut description.mount.position_m);
+        for body in &mut description.bodies {
+            place(&mut body.center_of_mass_m);
+            body.box_m.iter_mut().for_each(|size| place(size));
+            body.inertia_kg_m2 = body.inertia_kg_m2.map(|inertia| inertia.scaled(unit * unit));
+        }
+        for joint in &mut description.joints {
+            place(&mut joint.position_m);
+            joint.range_m.iter_mut().for_each(|range| place(range));
+            let ways = [&mut joint.home_m, &mut joint.speed_m_s, &mut joint.acceleration_m_s2];
+            ways.into_iter().flatten().for_each(|way| *way *= unit);
+            if joint.kind != JointType::Prismatic {
+                joint.rotor_inertia = joint.rotor_inertia.map(|inertia| inertia * unit * unit);
+            }
+        }
+        for limit in &mut description.limits {
+            [&mut limit.least_m, &mut limit.most_m]
+                .into_iter()
+                .flatten()
+                .for_each(|way| *way *= unit);
+        }
+        notes.add(
+            NoteKind::Changed,
+            format!(
+                "lengths by {unit}, and inertia by its square, to metres; masses, efforts, friction and damping stay as \
+                 the file has them"
+            ),
+        );
+    }
+}
