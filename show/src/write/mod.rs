@@ -156,7 +156,7 @@ impl<'a> Writer<'a> {
         of_joint.shares.resize(count, 1.0);
         let shares = &mut of_joint.shares;
         let end = samples.end.min(count);
-        let Some(least_now) = shares.get(samples.start..end).map(|shares| least_of(shares)) else {
+        let Some(least_now) = shares.get(samples.start..end).map(least_of) else {
             return false;
         };
         let wanted = (least_now * share).max(least);
