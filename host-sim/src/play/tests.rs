@@ -7,7 +7,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings;
 
 use super::*;
-use crate::performance::{Marks, bake};
+use crate::performance::{Baker, Marks};
 
 /// What a performance of an arm at rest on two buses ends with, after `wrong` has set one register of a servo.
 fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
@@ -19,7 +19,9 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let mechanism = rig.mechanism().unwrap();
     let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
     let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
-    let show = bake(&mechanism, &motion, parts.rig_crc(), &Marks::default(), &Settings::default());
+    let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
+    let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+    let show = baker.bake(&motion, &Marks::default());
     let show = show.unwrap().written.bytes;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig, &mechanism).unwrap();

@@ -19,7 +19,7 @@ use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings as ShowSettings;
 
 use super::{Chip, SimulatedBoard};
-use crate::performance::{Marks, bake};
+use crate::performance::{Baker, Marks};
 use crate::play::{Memory, Options, Parts};
 
 const SECOND: Duration = Duration::from_secs(1);
@@ -72,8 +72,9 @@ fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
         let mechanism = rig.mechanism().unwrap();
         let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
         let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
-        let settings = ShowSettings::default();
-        let show = bake(&mechanism, &motion, parts.rig_crc(), &Marks::default(), &settings);
+        let (rig_crc, settings) = (parts.rig_crc(), ShowSettings::default());
+        let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+        let show = baker.bake(&motion, &Marks::default());
         let show = show.unwrap().written.bytes;
         let chip = Chip::blank();
         if !is_blank {

@@ -14,7 +14,7 @@ use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
 
 use super::*;
-use crate::performance::{Marks, bake};
+use crate::performance::{Baker, Marks};
 use crate::play::{Director, Drive, Ended, Memory, Options, Stand};
 
 /// The node's end.
@@ -64,8 +64,9 @@ impl Swing {
             mechanism.home().iter().map(|home| home + swing).collect()
         };
         let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
-        let (marks, settings) = (Marks::default(), Settings::default());
-        let show = bake(&mechanism, &motion, parts.rig_crc(), &marks, &settings);
+        let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
+        let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+        let show = baker.bake(&motion, &Marks::default());
         Self { show: show.unwrap().written.bytes, rig, mechanism, parts }
     }
 
