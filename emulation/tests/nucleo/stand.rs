@@ -15,7 +15,7 @@ use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
-use sinew_sim::performance::{Marks, bake};
+use sinew_sim::performance::{Baker, Marks};
 use sinew_sim::play::{Memory, Options, Parts};
 
 pub(crate) const SECOND: Duration = Duration::from_secs(1);
@@ -49,8 +49,9 @@ impl Rig {
             mechanism.home().iter().map(|home| home + swing).collect()
         };
         let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
-        let (marks, settings) = (Marks::default(), Settings::default());
-        let show = bake(&mechanism, &motion, parts.rig_crc(), &marks, &settings).unwrap();
+        let (rig, settings) = (parts.rig_crc(), Settings::default());
+        let baker = Baker { mechanism: &mechanism, rig, settings };
+        let show = baker.bake(&motion, &Marks::default()).unwrap();
         Self { show: show.written.bytes, bytes, parts, description, mechanism }
     }
 

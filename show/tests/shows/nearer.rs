@@ -8,15 +8,16 @@ use crate::examples::example;
 const C: usize = 2;
 
 /// Positions of both joints at all samples.
-fn played(bytes: &[u8], samples: u32) -> Vec<[f32; C]> {
-    let mut player = Player::<C>::new(Show::open(bytes).expect("a show")).expect("room");
+fn played(bytes: &[u8]) -> Vec<[f32; C]> {
+    let show = Show::open(bytes).expect("a show");
+    let mut player = Player::<C>::new(show).expect("room");
     let at = |sample| {
         let (mut q, mut qd, mut qdd) = ([0.0; C], [0.0; C], [0.0; C]);
         let position = Position::from_samples(sample);
         player.state_at(position, &mut q, &mut qd, &mut qdd).expect("a whole show");
         q
     };
-    (0..samples).map(at).collect()
+    (0..show.length() + 1).map(at).collect()
 }
 
 #[test]
@@ -42,7 +43,7 @@ fn a_show_is_nearer_where_it_is_asked_to_be_and_the_same_elsewhere() {
     );
     assert!(!writer.bring_nearer(C, samples.clone(), beside, [share, share]), "no such joint");
     let nearer = write(&mut writer);
-    let [before, after] = [&first, &nearer].map(|show| played(&show.bytes, SAMPLES as u32));
+    let [before, after] = [&first, &nearer].map(|show| played(&show.bytes));
     let worst = |played: &[[f32; C]], samples: std::ops::Range<usize>| {
         let error =
             |sample: usize| (f64::from(played[sample][1]) - example.q[C * sample + 1]).abs();
