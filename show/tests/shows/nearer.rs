@@ -17,7 +17,7 @@ fn played(bytes: &[u8]) -> Vec<[f32; C]> {
         player.state_at(position, &mut q, &mut qd, &mut qdd).expect("a whole show");
         q
     };
-    (0..show.length() + 1).map(at).collect()
+    (0..=show.length()).map(at).collect()
 }
 
 #[test]
