@@ -1,6 +1,6 @@
 //! The composite-rigid-body algorithm.
 
-use glam::{Mat3, Quat};
+use glam::{Mat3, Vec3};
 
 use super::body_axes::in_body_axes;
 use super::rigid_inertia::RigidInertia;
@@ -12,7 +12,10 @@ use crate::tree::Body;
 /// A body with all bodies beyond it, held together: scratch of [`mass_matrix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompositeBody {
+    parent: Option<usize>,
     to_parent: Mat3,
+    /// The body's origin in the parent's axes.
+    arm_m: Vec3,
     /// Axes in body axes.
     joint: JointKind,
     /// Row of the joint's first freedom.
@@ -25,7 +28,9 @@ impl Default for CompositeBody {
     /// Contents do not matter.
     fn default() -> Self {
         Self {
+            parent: None,
             to_parent: Mat3::IDENTITY,
+            arm_m: Vec3::ZERO,
             joint: JointKind::Fixed,
             first: 0,
             inertia: RigidInertia::default(),
@@ -103,7 +108,10 @@ pub fn mass_matrix(
         }
         let to_parent = Mat3::from_quat(joint.pose.rotation);
         *slot = CompositeBody {
+            // No parent comes after its child, whatever a hand-made slice says.
+            parent: body.parent.filter(|parent| *parent < count),
             to_parent,
+            arm_m: joint.pose.translation_m,
             joint: in_body_axes(body, &to_parent),
             first: size,
             inertia: RigidInertia::of(&body.inertia),
@@ -115,22 +123,35 @@ pub fn mass_matrix(
 
     // Inward: a body is whole when all beyond it have been added. (Backwards by index: the way back through
     // several iterators at once would hold a panic.)
-    for index in (0..count).rev() {
-        let (Some(body), Some(joint), Some((inner, [this, ..]))) =
-            (bodies.get(index), joints.get(index), scratch.split_at_mut_checked(index))
-        else {
-            break;
-        };
-        let parent = body.parent.and_then(|parent| inner.get_mut(parent));
-        if let Some(parent) = parent {
-            let in_parent = this.inertia.turned(&this.to_parent).moved(joint.pose.translation_m);
+    for (index, body) in bodies.iter().take(count).enumerate().rev() {
+        let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { break };
+        if let Some(parent) = this.parent.and_then(|parent| inner.get_mut(parent)) {
+            let in_parent = this.inertia.turned(&this.to_parent).moved(this.arm_m);
             parent.inertia = parent.inertia.plus(&in_parent);
         }
-        let columns = this.joint.motion_subspace(Quat::IDENTITY);
-        let (first, inertia) = (this.first, this.inertia);
-        for (row, column) in (first..size).zip(&columns) {
-            matrix.set_row(row, inertia.wrench(*column), index, bodies, joints, scratch);
-            if body.rotor_inertia > 0.0 {
+        let CompositeBody { joint, first, inertia, .. } = *this;
+        match joint {
+            JointKind::Fixed => {}
+            JointKind::Revolute { axis } => {
+                matrix.set_rows(first, [inertia.of_turn(axis)], index, scratch);
+            }
+            JointKind::Prismatic { axis } => {
+                matrix.set_rows(first, [inertia.of_slide(axis)], index, scratch);
+            }
+            JointKind::Universal { first: outer, second } => {
+                matrix.set_rows(first, [inertia.of_turn(outer)], index, scratch);
+                let row = first.saturating_add(1);
+                matrix.set_rows(row, [inertia.of_turn(second)], index, scratch);
+            }
+            JointKind::Spherical => matrix.set_rows(first, inertia.of_turns(), index, scratch),
+            JointKind::Free => {
+                matrix.set_rows(first, inertia.of_turns(), index, scratch);
+                let row = first.saturating_add(3);
+                matrix.set_rows(row, inertia.of_slides(), index, scratch);
+            }
+        }
+        if body.rotor_inertia > 0.0 {
+            for row in (first..size).take(joint.degrees_of_freedom()) {
                 matrix.add_on_diagonal(row, body.rotor_inertia);
             }
         }
@@ -138,7 +159,7 @@ pub fn mass_matrix(
     size
 }
 
-/// A square matrix, row by row.
+/// The matrix, row by row.
 struct Square<'a> {
     elements: &'a mut [f32],
     size: usize,
@@ -149,39 +170,48 @@ impl Square<'_> {
         self.elements.iter_mut().take(self.size.saturating_mul(self.size)).for_each(|x| *x = 0.0);
     }
 
-    /// Sets what the freedom `row` of a body's joint, which takes `wrench` on the body, has in common with that
-    /// joint and those that carry it; the columns as well.
-    fn set_row(
+    /// Sets rows, one below the other, up to a body's own columns, and the same columns: the forces along the freedoms
+    /// of all bodies that carry this one. `wrenches`: what moves all beyond the body along each of its freedoms, about
+    /// its origin.
+    fn set_rows<const K: usize>(
         &mut self,
         row: usize,
-        wrench: Wrench,
+        mut wrenches: [Wrench; K],
         body: usize,
-        bodies: &[Body],
-        joints: &[JointState],
         scratch: &[CompositeBody],
     ) {
-        let (mut index, Wrench { mut moment_nm, mut force_n }) = (body, wrench);
-        while let (Some(body), Some(joint), Some(this)) =
-            (bodies.get(index), joints.get(index), scratch.get(index))
-        {
+        let mut next = Some(body);
+        while let Some(this) = next.and_then(|index| scratch.get(index)) {
             match this.joint {
                 JointKind::Fixed => {}
-                JointKind::Revolute { axis } => self.set(row, this.first, &[axis.dot(moment_nm)]),
-                JointKind::Prismatic { axis } => self.set(row, this.first, &[axis.dot(force_n)]),
-                JointKind::Universal { first, second } => {
-                    self.set(row, this.first, &[first.dot(moment_nm), second.dot(moment_nm)]);
+                JointKind::Revolute { axis } => {
+                    self.set(row, this.first, wrenches.map(|wrench| [axis.dot(wrench.moment_nm)]));
                 }
-                JointKind::Spherical => self.set(row, this.first, &moment_nm.to_array()),
+                JointKind::Prismatic { axis } => {
+                    self.set(row, this.first, wrenches.map(|wrench| [axis.dot(wrench.force_n)]));
+                }
+                JointKind::Universal { first, second } => {
+                    let along =
+                        |wrench: Wrench| [first, second].map(|axis| axis.dot(wrench.moment_nm));
+                    self.set(row, this.first, wrenches.map(along));
+                }
+                JointKind::Spherical => {
+                    self.set(row, this.first, wrenches.map(|wrench| wrench.moment_nm.to_array()));
+                }
                 JointKind::Free => {
-                    self.set(row, this.first, &moment_nm.to_array());
-                    self.set(row, this.first.saturating_add(3), &force_n.to_array());
+                    self.set(row, this.first, wrenches.map(|wrench| wrench.moment_nm.to_array()));
+                    let slides = this.first.saturating_add(3);
+                    self.set(row, slides, wrenches.map(|wrench| wrench.force_n.to_array()));
                 }
             }
-            // No parent comes after its child, whatever a hand-made slice says.
-            let Some(parent) = body.parent.filter(|parent| *parent < index) else { return };
-            force_n = this.to_parent * force_n;
-            moment_nm = this.to_parent * moment_nm + joint.pose.translation_m.cross(force_n);
-            index = parent;
+            next = this.parent;
+            if next.is_some() {
+                for wrench in &mut wrenches {
+                    let force_n = this.to_parent * wrench.force_n;
+                    let moment_nm = this.to_parent * wrench.moment_nm + this.arm_m.cross(force_n);
+                    *wrench = Wrench { moment_nm, force_n };
+                }
+            }
         }
     }
 
@@ -192,15 +222,41 @@ impl Square<'_> {
         }
     }
 
-    /// Sets elements of a row from column `first` on, and their mirror images.
-    fn set(&mut self, row: usize, first: usize, values: &[f32]) {
-        for (column, value) in (first..self.size).zip(values) {
-            for (row, column) in [(row, column), (column, row)] {
-                let index = row.saturating_mul(self.size).saturating_add(column);
-                if let Some(slot) = self.elements.get_mut(index) {
-                    *slot = *value;
+    /// Sets a block and its mirror.
+    #[inline]
+    fn set<const K: usize, const M: usize>(
+        &mut self,
+        row: usize,
+        column: usize,
+        block: [[f32; M]; K],
+    ) {
+        let mut mirror = [[0.0; K]; M];
+        for (k, numbers) in block.iter().enumerate() {
+            for (row, number) in mirror.iter_mut().zip(numbers) {
+                if let Some(slot) = row.get_mut(k) {
+                    *slot = *number;
                 }
             }
+        }
+        self.set_block(row, column, &block);
+        self.set_block(column, row, &mirror);
+    }
+
+    #[inline]
+    fn set_block<const K: usize, const M: usize>(
+        &mut self,
+        row: usize,
+        column: usize,
+        block: &[[f32; M]; K],
+    ) {
+        // Within the matrix, so below its number of elements.
+        let mut start = row.wrapping_mul(self.size).wrapping_add(column);
+        for numbers in block {
+            let place = self.elements.get_mut(start..).and_then(|rest| rest.first_chunk_mut::<M>());
+            if let Some(place) = place {
+                *place = *numbers;
+            }
+            start = start.wrapping_add(self.size);
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 
 use crate::inertia::Inertia;
 use crate::symmetric::Symmetric;
-use crate::transform::{Twist, Wrench};
+use crate::transform::Wrench;
 
 /// Of a body, or of bodies that hold together, in one frame's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,13 +61,35 @@ impl RigidInertia {
         }
     }
 
-    /// What gives it an acceleration from rest.
+    /// What turns it at 1 rad/s² about an axis through the origin, from rest.
     #[inline]
-    pub(crate) fn wrench(&self, acceleration: Twist) -> Wrench {
-        let Twist { angular, linear } = acceleration;
+    pub(crate) fn of_turn(&self, axis: Vec3) -> Wrench {
         Wrench {
-            moment_nm: self.rotational_kg_m2 * angular + self.first_moment_kg_m.cross(linear),
-            force_n: angular.cross(self.first_moment_kg_m) + linear * self.mass_kg,
+            moment_nm: self.rotational_kg_m2 * axis,
+            force_n: axis.cross(self.first_moment_kg_m),
         }
+    }
+
+    /// What moves it at 1 m/s² along an axis, from rest.
+    #[inline]
+    pub(crate) fn of_slide(&self, axis: Vec3) -> Wrench {
+        Wrench { moment_nm: self.first_moment_kg_m.cross(axis), force_n: axis * self.mass_kg }
+    }
+
+    /// [`Self::of_turn`] of x, y and z.
+    #[inline]
+    pub(crate) fn of_turns(&self) -> [Wrench; 3] {
+        let Self { first_moment_kg_m: Vec3 { x, y, z }, rotational_kg_m2, .. } = *self;
+        [
+            Wrench::new(rotational_kg_m2.x_axis(), Vec3::new(0.0, -z, y)),
+            Wrench::new(rotational_kg_m2.y_axis(), Vec3::new(z, 0.0, -x)),
+            Wrench::new(rotational_kg_m2.z_axis(), Vec3::new(-y, x, 0.0)),
+        ]
+    }
+
+    /// [`Self::of_slide`] of x, y and z.
+    #[inline]
+    pub(crate) fn of_slides(&self) -> [Wrench; 3] {
+        [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.of_slide(axis))
     }
 }
