@@ -160,6 +160,7 @@ impl<'a> Writer<'a> {
             return false;
         };
         let wanted = (least_now * share).max(least);
+        let mut is_less = false;
         for (sample, of_sample) in shares
             .iter_mut()
             .enumerate()
@@ -168,9 +169,10 @@ impl<'a> Writer<'a> {
         {
             let away = samples.start.saturating_sub(sample).max((sample + 1).saturating_sub(end));
             let part = away as f64 / (beside + 1) as f64;
-            *of_sample = f64::min(*of_sample, wanted + (1.0 - wanted) * part * part);
+            let of_place = wanted + (1.0 - wanted) * part * part;
+            is_less |= away == 0 && of_place < *of_sample;
+            *of_sample = f64::min(*of_sample, of_place);
         }
-        let is_less = wanted < least_now;
         of_joint.is_written &= !is_less;
         is_less
     }
