@@ -1,6 +1,6 @@
 //! Performances: clips of any skeleton, taken over by a rig, within its limits, and stored as shows.
 //!
-//! [`PreparedClip`] reads and cleans a clip; [`take_over`] puts it on a rig; [`RigClip`] is evaluated; [`bake`](bake())
+//! [`PreparedClip`] reads and cleans a clip; [`take_over`] puts it on a rig; [`RigClip`] is evaluated; [`Baker`]
 //! stores it.
 
 mod bake;
