@@ -20,8 +20,8 @@ pub mod subtree_form;
 
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
 
-/// Settings of a property: its cases are the same on every run, unless `PROPTEST_RNG_SEED` asks for others, and failures
-/// that were found once are kept beside the test and run first.
+/// Settings of a property: its cases are the same on every run, unless `PROPTEST_RNG_SEED` asks for others, and
+/// failures that were found once are kept beside the test and run first.
 pub fn property(cases: u32) -> Config {
     // The default has the seed of the environment.
     let rng_seed = match Config::default().rng_seed {

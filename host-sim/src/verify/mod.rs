@@ -1,7 +1,7 @@
 //! Golden numbers made by independent programs, recomputed with the core.
 //!
-//! Each kind of file has a module here. What error each number may have follows from [`rounding`], case by case; the few
-//! promises of another kind are in `tolerance`.
+//! Each kind of file has a module here. What error each number may have follows from [`rounding`], case by case; the
+//! few promises of another kind are in `tolerance`.
 
 #![allow(
     clippy::large_types_passed_by_value,

@@ -4,9 +4,9 @@
 use super::rounding::LAMBDA;
 use crate::geodesic::Options;
 
-/// Volume, centre and inertia of solids, over each number: less than 90 steps on either side, with no difference of like
-/// numbers among them. A rounding has the standard deviation of half a unit in the last place over √3; the root of 180
-/// is below 13.5, that of 3 above 1.73.
+/// Volume, centre and inertia of solids, over each number: less than 90 steps on either side, with no difference of
+/// like numbers among them. A rounding has the standard deviation of half a unit in the last place over √3; the root of
+/// 180 is below 13.5, that of 3 above 1.73.
 pub(super) const SOLID: f64 = LAMBDA * (f64::EPSILON / 2.0) * 13.5 / 1.73;
 
 /// How many times less an energy may bend in one direction than in another for the promises below: in the lengths of a

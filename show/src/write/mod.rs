@@ -142,8 +142,8 @@ impl<'a> Writer<'a> {
     }
 
     /// Asks for less error of a joint at some samples: for a share of what was asked for before, and no less than
-    /// `least` of the bound. Over `beside` samples before and after, for less and less of it: where the error may change
-    /// at once, the curve would have to jump. Whether that is less anywhere among `samples`.
+    /// `least` of the bound. Over `beside` samples before and after, for less and less of it: where the error may
+    /// change at once, the curve would have to jump. Whether that is less anywhere among `samples`.
     pub fn bring_nearer(
         &mut self,
         joint: usize,

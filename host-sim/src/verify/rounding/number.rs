@@ -10,8 +10,8 @@ const LANES: usize = 32;
 /// rounding error analysis* (2019).
 ///
 /// A rounding is taken as a random number within half a unit of the last place. A sum of such is sub-Gaussian: it is
-/// above λ times its standard deviation σ with a probability below `2 exp(-λ² / 2)`, 3e-14 for 8. Known is not σ but what
-/// 32 tries say about it: with that it is Student's distribution of 32 degrees of freedom, 4e-9.
+/// above λ times its standard deviation σ with a probability below `2 exp(-λ² / 2)`, 3e-14 for 8. Known is not σ but
+/// what 32 tries say about it: with that it is Student's distribution of 32 degrees of freedom, 4e-9.
 pub const LAMBDA: f64 = 8.0;
 
 /// What a rounding error of f64 is of one of f32.
@@ -24,8 +24,8 @@ const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
 /// by lane. What one rounding does to the result, by however many ways, a lane does too: nothing is linearised, and
 /// no independence is assumed but that of the roundings.
 ///
-/// The roundings are drawn from the numbers that are computed with: the same computation is rounded alike each time, as a
-/// machine does it.
+/// The roundings are drawn from the numbers that are computed with: the same computation is rounded alike each time, as
+/// a machine does it.
 #[derive(Debug, Clone, Copy)]
 pub struct Number {
     exact: f64,

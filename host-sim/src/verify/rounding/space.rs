@@ -283,8 +283,8 @@ impl Matrix {
     }
 }
 
-/// Length of the difference of two rotation vectors. Beside π a rounding may turn the axis round: the rotation is the same
-/// to that rounding, so the other vector of it counts too.
+/// Length of the difference of two rotation vectors. Beside π a rounding may turn the axis round: the rotation is the
+/// same to that rounding, so the other vector of it counts too.
 pub fn turn_error(got: DVec3, expected: DVec3) -> f64 {
     if !got.is_finite() {
         return f64::INFINITY;

@@ -176,8 +176,8 @@ struct BodyCheck<'a> {
 }
 
 impl BodyCheck<'_> {
-    /// Whether the directions to the goal are opposite, or nearly: their turn has an axis that is off by the rounding of
-    /// the directions over the sine.
+    /// Whether the directions to the goal are opposite, or nearly: their turn has an axis that is off by the rounding
+    /// of the directions over the sine.
     fn opposite(&self) -> bool {
         let angle = self.expected.phi.0.length();
         self.expected.status == Status::Antiparallel

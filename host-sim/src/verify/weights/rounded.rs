@@ -49,8 +49,8 @@ impl<'a> Rounded<'a> {
         weights
     }
 
-    /// By points of the surface, of which a few stand for all: the rounding of more of them, or of a rule, is in the mean
-    /// less.
+    /// By points of the surface, of which a few stand for all: the rounding of more of them, or of a rule, is in the
+    /// mean less.
     pub(super) fn by_surface(&self, base: Scalar) -> Vec<Number> {
         let mut weights = self.start(base);
         for joint in 0..self.parents.len() {

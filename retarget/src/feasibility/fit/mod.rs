@@ -41,8 +41,8 @@ pub struct FitSettings {
     pub share: f64,
     /// How far from the ends of their ranges joints stay, rad or m: room for what a show rounds.
     pub room: f64,
-    /// How often a second the motion is looked at, at least: at every row, where a curve's accelerations are largest, and
-    /// evenly between, where it may swing out of a range.
+    /// How often a second the motion is looked at, at least: at every row, where a curve's accelerations are largest,
+    /// and evenly between, where it may swing out of a range.
     pub rate_hz: f64,
 }
 
