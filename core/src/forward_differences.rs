@@ -159,6 +159,12 @@ impl<const N: usize> ForwardDifferences<N> {
         }
         Ok(())
     }
+
+    /// The last step of each joint: room for another way of differencing, as long as this one is not used. A restart
+    /// does not ask what they are.
+    pub(crate) fn steps_mut(&mut self) -> impl Iterator<Item = &mut Twist> {
+        self.joints.iter_mut().map(|joint| &mut joint.step)
+    }
 }
 
 impl<const N: usize> Default for ForwardDifferences<N> {

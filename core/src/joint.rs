@@ -145,6 +145,7 @@ impl JointKind {
         match self {
             Self::Free => wrench,
             Self::Spherical => Wrench { force_n: Vec3::ZERO, ..wrench },
+            Self::Revolute { axis } => Wrench::new(axis * axis.dot(wrench.moment_nm), Vec3::ZERO),
             _ => {
                 let (moment_nm, force_n) = self.on_axes(rotation, wrench.moment_nm, wrench.force_n);
                 Wrench { moment_nm, force_n }

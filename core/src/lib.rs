@@ -138,6 +138,7 @@
     )
 )]
 
+mod aligned_differences;
 mod body_set;
 mod body_weight;
 pub mod control;

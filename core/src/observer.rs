@@ -251,10 +251,6 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         tree: &Tree<N>,
         measured: &[Transform],
     ) -> Result<(), StateInputError> {
-        let bodies = tree.bodies();
-        if measured.len() != bodies.len() || self.estimates.as_slice().len() != bodies.len() {
-            return Err(StateInputError::NoSuchJoint);
-        }
         for pose in measured {
             if !pose.is_finite() {
                 return Err(StateInputError::NonFinite);
@@ -262,6 +258,19 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             if !math::is_unit(pose.rotation) {
                 return Err(StateInputError::RotationNotUnit);
             }
+        }
+        self.observe_checked(tree, measured)
+    }
+
+    /// The same of poses that are known to be finite, their rotations unit.
+    pub(crate) fn observe_checked(
+        &mut self,
+        tree: &Tree<N>,
+        measured: &[Transform],
+    ) -> Result<(), StateInputError> {
+        let bodies = tree.bodies();
+        if measured.len() != bodies.len() || self.estimates.as_slice().len() != bodies.len() {
+            return Err(StateInputError::NoSuchJoint);
         }
         for (joint, (body, measured)) in bodies.iter().zip(measured).enumerate() {
             self.correct(joint, body, measured);
@@ -271,7 +280,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 
     /// The state at the time when a command made now will act; without a delay, the present state.
     pub fn states(&self) -> &JointStates<N> {
-        &self.ahead
+        if self.delay == 0 { &self.estimates } else { &self.ahead }
     }
 
     /// The estimated disturbances: accelerations of the joints that were not commanded, in body axes.
@@ -282,7 +291,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     /// Subtracts the disturbances from the targets' accelerations, so that they cancel. O(n).
     pub fn compensate(&self, targets: &mut JointTargets<N>) {
         for (joint, (state, disturbance)) in
-            self.ahead.as_slice().iter().zip(&self.disturbances).enumerate()
+            self.states().as_slice().iter().zip(&self.disturbances).enumerate()
         {
             let mut against = Twist::new(-disturbance.angular, Vec3::ZERO);
             // Most joints only turn.
@@ -347,18 +356,17 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
-        if self.estimates.set(joint, state).is_err() {
+        if state.check().is_err() {
             state = JointState { pose: *measured, velocity: Twist::ZERO };
-            let _ = self.estimates.set(joint, state);
+        }
+        let _ = self.estimates.put(joint, state);
+        if self.delay == 0 {
+            return;
         }
         for command in commands {
             state = moved(&state, command.acceleration + disturbance, dt_s, body.joint.slides());
         }
-        let _ = if self.delay == 0 {
-            self.ahead.put(joint, state)
-        } else {
-            self.ahead.set(joint, state)
-        };
+        let _ = self.ahead.set(joint, state);
     }
 }
 

@@ -194,14 +194,15 @@ impl BodyState {
     pub fn child(&self, joint: &JointState) -> Self {
         let arm = math::rotate(self.pose.rotation, joint.pose.translation_m);
         let rotation = self.pose.rotation * joint.pose.rotation;
-        let relative = joint.velocity.rotated(rotation);
+        let turning = math::rotate(rotation, joint.velocity.angular);
+        let mut linear = math::plus_cross(self.velocity.linear, self.velocity.angular, arm);
+        // Most joints only turn.
+        if joint.velocity.linear != Vec3::ZERO {
+            linear += math::rotate(rotation, joint.velocity.linear);
+        }
         Self {
             pose: Transform::new(rotation, self.pose.translation_m + arm),
-            velocity: Twist {
-                angular: self.velocity.angular + relative.angular,
-                linear: math::plus_cross(self.velocity.linear, self.velocity.angular, arm)
-                    + relative.linear,
-            },
+            velocity: Twist { angular: self.velocity.angular + turning, linear },
         }
     }
 }

@@ -370,7 +370,7 @@ fn steps(
     reason = "a few operations of every tick, which several callers share: a call costs as much"
 )]
 #[inline(always)]
-fn put_difference<const N: usize>(
+pub(crate) fn put_difference<const N: usize>(
     out: &mut JointTargets<N>,
     joint: usize,
     pose: &Transform,

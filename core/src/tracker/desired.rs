@@ -1,12 +1,15 @@
 //! The desired side: from frames to targets.
 
+use core::mem;
+
+use crate::aligned_differences;
 use crate::forward_differences::ForwardDifferences;
 use crate::joint_targets::JointTargets;
 use crate::kinematics::of_parent;
 use crate::pose_step::rate;
 use crate::projection::{ManifoldProjection, ProjectionError, ProjectionWorkspace};
 use crate::state::{BodyState, StateInputError};
-use crate::trajectory::{aligned_targets, forward_targets, live_targets};
+use crate::trajectory::{forward_targets, live_targets};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 use crate::{fixed, math};
@@ -34,6 +37,9 @@ pub(super) struct Desired<const N: usize> {
     projected: ProjectionWorkspace<N>,
     /// Remembers frames by itself, and is used alone where the velocities are those of bodies.
     of_bodies: ForwardDifferences<N>,
+    /// Whether the steps in `of_bodies` are those that the next three frames begin with, for aligned differences: they
+    /// are not used beside those of bodies, and boards have no RAM for both.
+    steps_known: bool,
     /// The joints' poses in the last three frames, from the slot `oldest` on.
     window: [[Transform; N]; 3],
     oldest: usize,
@@ -55,6 +61,7 @@ impl<const N: usize> Desired<N> {
             latency: 0,
             projection: None,
             of_bodies: ForwardDifferences::new(),
+            steps_known: false,
             window: [[Transform::IDENTITY; N]; 3],
             oldest: 0,
             kind: None,
@@ -146,6 +153,7 @@ impl<const N: usize> Desired<N> {
     ) -> Result<(), InputError> {
         let newest = self.newest_of(index);
         self.newest = None;
+        self.steps_known = false;
         let dt_s = self.dt_s;
         for back in [3, 2, 1] {
             let frame = frames.frame(newest.saturating_sub(back));
@@ -217,7 +225,15 @@ impl<const N: usize> Desired<N> {
         let (dt_s, targets) = (self.dt_s, &mut self.targets);
         Ok(match self.differences {
             Differences::Forward => forward_targets(window, dt_s, targets),
-            Differences::Aligned => aligned_targets(window, dt_s, targets),
+            Differences::Aligned => {
+                if !mem::replace(&mut self.steps_known, false) {
+                    aligned_differences::begin(window, dt_s, self.of_bodies.steps_mut())?;
+                }
+                let steps = self.of_bodies.steps_mut();
+                aligned_differences::advance(window, dt_s, steps, targets)?;
+                self.steps_known = true;
+                Ok(())
+            }
             Differences::Live => live_targets(window, dt_s, targets),
         }?)
     }

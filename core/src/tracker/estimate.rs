@@ -129,9 +129,9 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         age_ticks: u16,
     ) -> Result<(), StateInputError> {
         if self.observing && age_ticks == 1 {
-            self.observer.observe(tree, poses)?;
-            // In case that the next reading is refused.
-            return self.differenced.set_at_rest(poses);
+            // In case that the next reading is refused. Its speeds are the observer's to know.
+            self.differenced.set_at_rest(poses)?;
+            return self.observer.observe_checked(tree, poses);
         }
         // Commands in between are not known: after a gap the observer begins anew from differences.
         match age_ticks {
@@ -152,12 +152,15 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         age_ticks: u16,
     ) -> Result<(), InputError> {
         let elapsed_s = self.elapsed_s(age_ticks);
+        let observing = self.observing && age_ticks == 1;
         match (qd, age_ticks) {
             (Some(qd), _) => self.differenced.set_coordinates(tree, q, qd)?,
             (None, 0) => self.differenced.set_coordinates_at_rest(tree, q)?,
+            // Its speeds are the observer's to know.
+            (None, _) if observing => self.differenced.set_coordinates_at_rest(tree, q)?,
             (None, _) => self.differenced.update_coordinates(tree, q, elapsed_s)?,
         }
-        if self.observing && age_ticks == 1 {
+        if observing {
             let mut poses = [Transform::IDENTITY; N];
             for (pose, state) in poses.iter_mut().zip(self.differenced.as_slice()) {
                 *pose = state.pose;
