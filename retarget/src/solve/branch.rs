@@ -28,8 +28,8 @@ impl Solver {
         let tried: Vec<usize> = (0..count).step_by(every).collect();
         self.begin_at(performance, tried[0]);
         let mut first = self.state.q.clone();
-        let mut least = self.follow_along(performance, tried[1..].iter()) / tried.len() as f64;
-        if least < FAR_RAD {
+        let mut least = self.follow_along(performance, tried[1..].iter(), f64::INFINITY);
+        if least < FAR_RAD * tried.len() as f64 {
             return first;
         }
         for part in BEGINNINGS {
@@ -41,14 +41,14 @@ impl Solver {
             let middle = (part * (tried.len() - 1) as f64) as usize;
             self.begin_at(performance, tried[middle]);
             let begun = self.state.q.clone();
-            let mut sum = self.follow_along(performance, tried[..middle].iter().rev());
+            let most = BETTER * least;
+            let mut sum = self.follow_along(performance, tried[..middle].iter().rev(), most);
             let at_first = self.state.q.clone();
             self.state.q.copy_from_slice(&begun);
             self.model.place(&mut self.state);
-            sum += self.follow_along(performance, tried[middle + 1..].iter());
-            let found = sum / tried.len() as f64;
-            if found < BETTER * least {
-                (least, first) = (found, at_first);
+            sum += self.follow_along(performance, tried[middle + 1..].iter(), most - sum);
+            if sum < most {
+                (least, first) = (sum, at_first);
             }
         }
         first
@@ -61,14 +61,18 @@ impl Solver {
         self.find_first();
     }
 
-    /// One step a frame; the sum over frames of the limbs' mean error, rad.
+    /// One step a frame; the sum over frames of the limbs' mean error, rad, as far as it is below `most`.
     fn follow_along<'f>(
         &mut self,
         performance: &Performance<'_>,
         indices: impl Iterator<Item = &'f usize>,
+        most: f64,
     ) -> f64 {
         let mut sum = 0.0;
         for frame in performance.frames_of(indices.copied()) {
+            if sum >= most {
+                break;
+            }
             self.aim(&frame);
             self.begin();
             self.sweep(None);

@@ -43,6 +43,10 @@ impl Solver {
             if wins(cost) {
                 best = Some((cost, self.state.q.clone()));
             }
+            // No cost is negative: nothing could win any more.
+            if best.as_ref().is_some_and(|(least, _)| *least <= BETTER_BY) {
+                break;
+            }
         }
         if let Some((_, q)) = best {
             self.state.q.copy_from_slice(&q);
