@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, refit,
+    Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::Freedom;
@@ -226,9 +226,8 @@ impl Baker<'_> {
         loop {
             let baked = content.baked(&mut writer)?;
             let played = Played::new(&baked.written.bytes)?;
-            let at_rows = FitSettings { rate_hz: ROUGH_HZ, ..FitSettings::default() };
-            let at_rows = at_rows.at_rows(motion.dt_s);
-            let mut report = check(self.mechanism, limits, &played, at_rows.rate_hz)?;
+            let rough_hz = rate_at_rows(ROUGH_HZ, motion.dt_s);
+            let mut report = check(self.mechanism, limits, &played, rough_hz)?;
             if report.excesses.is_empty() {
                 report = check(self.mechanism, limits, &played, FITTED_HZ)?;
             }

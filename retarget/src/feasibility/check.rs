@@ -141,6 +141,12 @@ pub enum CheckError {
 /// Two excesses that are nearer than this are one, s.
 const GAP_S: f64 = 0.1;
 
+/// The least rate of looks, not below `rate_hz`, that meets every row of a motion: there a curve's accelerations are
+/// largest. The others lie evenly between.
+pub fn rate_at_rows(rate_hz: f64, dt_s: f64) -> f64 {
+    (rate_hz * dt_s - 1e-6).ceil().max(1.0) / dt_s
+}
+
 /// Looks at a motion `rate_hz` times a second. Positions, speeds and accelerations are the performance's own; efforts
 /// are those of the core's inverse dynamics with rotors and friction. O(duration · rate · bodies).
 ///

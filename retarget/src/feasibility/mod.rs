@@ -22,7 +22,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use check::{CheckError, Excess, FreedomPeaks, Kind, Report, check};
+pub use check::{CheckError, Excess, FreedomPeaks, Kind, Report, check, rate_at_rows};
 pub use curve::{Curve, Instant, Performance};
 pub use efforts::Efforts;
 pub use fit::{Fit, FitError, FitSettings, Lowered, Progress, Smoothed, fit, refit};

@@ -16,7 +16,7 @@ mod within;
 use sinew_rig::Mechanism;
 use thiserror::Error;
 
-use super::check::{CheckError, Excess, Kind, check};
+use super::check::{CheckError, Excess, Kind, check, rate_at_rows};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
 use super::motion::{MotionError, RigMotion};
@@ -49,15 +49,6 @@ pub struct FitSettings {
 impl Default for FitSettings {
     fn default() -> Self {
         Self { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0 }
-    }
-}
-
-impl FitSettings {
-    /// With looks at every row of a motion, and evenly between.
-    #[must_use]
-    pub fn at_rows(self, dt_s: f64) -> Self {
-        let looks_a_row = (self.rate_hz * dt_s - 1e-6).ceil().max(1.0);
-        Self { rate_hz: looks_a_row / dt_s, ..self }
     }
 }
 
@@ -227,13 +218,14 @@ fn go_on(
     let curve = Curve::new(mechanism, motion)?;
     let finer = (LEAST_HZ * motion.dt_s).ceil();
     let is_coarse = finer > 1.0
-        && !check(mechanism, &kept, &curve, settings.at_rows(motion.dt_s).rate_hz)?
+        && !check(mechanism, &kept, &curve, rate_at_rows(settings.rate_hz, motion.dt_s))?
             .excesses
             .is_empty();
     let finer = is_coarse.then(|| curve.resampled(finer / motion.dt_s));
     drop(curve);
     let motion = finer.as_ref().unwrap_or(motion);
-    let settings = settings.at_rows(motion.dt_s);
+    let rate_hz = rate_at_rows(settings.rate_hz, motion.dt_s);
+    let settings = FitSettings { rate_hz, ..settings };
     let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
     if let Some(before) = before.filter(|before| before.is_of(motion)) {
         fitting.go_on_from(before);
