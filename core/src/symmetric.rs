@@ -237,6 +237,12 @@ impl From<&RotationalInertia> for Symmetric {
     }
 }
 
+impl From<&Symmetric> for RotationalInertia {
+    fn from(s: &Symmetric) -> Self {
+        Self { xx: s.xx, xy: s.xy, xz: s.xz, yy: s.yy, yz: s.yz, zz: s.zz }
+    }
+}
+
 impl Add for Symmetric {
     type Output = Self;
 

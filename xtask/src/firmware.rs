@@ -19,18 +19,25 @@ const CAPACITY: usize = 64;
 /// Instructions of ticks over the whole show of the image for QEMU.
 const SECTION: &str = "show_instructions";
 
-/// Builds the images, with a show of the caller's in place of ours, and says what they take.
-pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
+/// Builds all images, and says what they take.
+pub(crate) fn run() -> Result<Figures> {
+    of(BOARDS, None)
+}
+
+/// Builds the images of boards, with a show of the caller's in place of ours, and says what they take.
+fn of(boards: &[Board], given: Option<&Path>) -> Result<Figures> {
     let given = given.map(checked).transpose()?;
     let show_of =
         |board: Board| board.baked.is_some().then(|| given.clone().unwrap_or_else(|| baked(board)));
     if given.is_none() {
-        bake()?;
+        bake(boards)?;
     }
-    build(show_of)?;
+    for &board in boards {
+        build(board, show_of(board))?;
+    }
 
     let mut figures = Figures::default();
-    for &board in BOARDS {
+    for &board in boards {
         let show_bytes =
             show_of(board).map_or(Ok(0), |show| fs::metadata(show).map(|it| it.len()))?;
         let image = Image::of(board).path();
@@ -39,7 +46,7 @@ pub(crate) fn run(given: Option<&Path>) -> Result<Figures> {
             figures.extend(budget::node(board.name, &image)?);
         }
     }
-    for &board in BOARDS.iter().filter(|board| board.qemu_machine.is_some()) {
+    for &board in boards.iter().filter(|board| board.qemu_machine.is_some()) {
         let Some(show) = show_of(board) else { continue };
         let runs = emulated(board)?;
         compare(board, &runs, &host(&show)?)?;
@@ -69,9 +76,13 @@ fn compare(board: Board, runs: &[Run], host: &[u64]) -> Result<()> {
     Ok(())
 }
 
-/// The same, and prints what the images take.
-pub(crate) fn show(given: Option<&Path>) -> Result<()> {
-    let figures = run(given)?;
+/// The same of all boards or of a named one, and prints what the images take.
+pub(crate) fn show(name: Option<&str>, given: Option<&Path>) -> Result<()> {
+    let boards: Vec<Board> =
+        BOARDS.iter().copied().filter(|board| name.is_none_or(|name| name == board.name)).collect();
+    let names = || BOARDS.iter().map(|board| board.name).collect::<Vec<_>>().join(", ");
+    ensure!(!boards.is_empty(), "{}: no such board; there are {}", name.unwrap_or(""), names());
+    let figures = of(&boards, given)?;
     for section in figures.names(|place| Some(&place.section)) {
         println!("{}", budget::section(&figures, None, section));
     }
@@ -92,8 +103,11 @@ fn checked(show: &Path) -> Result<PathBuf> {
     })
 }
 
-/// Bakes the show of each image.
-fn bake() -> Result<()> {
+/// Bakes the show of each image that performs one by itself.
+fn bake(boards: &[Board]) -> Result<()> {
+    if boards.iter().all(|board| board.baked.is_none()) {
+        return Ok(());
+    }
     // With a test beside it, the simulator is built of the very crates that the tests are: nothing is built twice.
     step::run(
         "build the simulator",
@@ -109,7 +123,7 @@ fn bake() -> Result<()> {
     )?;
     let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));
     let simulator = simulator.to_str().context("the target folder's name is not UTF-8")?;
-    for &board in BOARDS {
+    for &board in boards {
         let Some(Baked { seconds, .. }) = board.baked else { continue };
         let show = baked(board);
         fs::create_dir_all(show.parent().context("the show has a folder")?)?;
@@ -124,16 +138,12 @@ fn bake() -> Result<()> {
     Ok(())
 }
 
-/// Builds all images, each with its show, if it performs one by itself.
-fn build(show_of: impl Fn(Board) -> Option<PathBuf>) -> Result<()> {
-    let toolchain = arm::toolchain()?.name();
-    for &board in BOARDS {
-        step::run(
-            &format!("build {} with {toolchain}", board.name),
-            Image::of(board).cargo("build")?.envs(show_of(board).map(|show| ("SINEW_SHOW", show))),
-        )?;
-    }
-    Ok(())
+/// Builds the image of one board, with its show, if it performs one by itself.
+fn build(board: Board, show: Option<PathBuf>) -> Result<()> {
+    step::run(
+        &format!("build {} with {}", board.name, arm::toolchain()?.name()),
+        Image::of(board).cargo("build")?.envs(show.map(|show| ("SINEW_SHOW", show))),
+    )
 }
 
 /// Where the show that is baked for a board lies.

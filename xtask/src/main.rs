@@ -36,7 +36,8 @@ Usage: cargo xtask <COMMAND>
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, Python's venv, rustfmt and clippy
   test      Sets up, then runs all checks and tests
-  firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's
+  firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's;
+            with a board's name, only that board's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
             --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
@@ -92,8 +93,8 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
             Ok(())
         }),
         ["setup"] => Box::new(setup::run),
-        ["budget"] => Box::new(|| budget::run(false, || firmware::run(None))),
-        ["budget", "--accept"] => Box::new(|| budget::run(true, || firmware::run(None))),
+        ["budget"] => Box::new(|| budget::run(false, firmware::run)),
+        ["budget", "--accept"] => Box::new(|| budget::run(true, firmware::run)),
         ["test"] => Box::new(test::run),
         ["parity"] => Box::new(parity::run),
         ["node"] => Box::new(node::run),
@@ -109,8 +110,12 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["audit"] => Box::new(audit::run),
         ["audit", "--self-test"] => Box::new(audit::self_test),
         ["docs"] => Box::new(docs::run),
-        ["firmware"] => {
-            Box::new(|| firmware::show(env::var_os("SINEW_SHOW").as_deref().map(Path::new)))
+        ["firmware", name @ ..] if name.len() <= 1 => {
+            let name = name.first().map(|name| (*name).to_owned());
+            Box::new(move || {
+                let show = env::var_os("SINEW_SHOW");
+                firmware::show(name.as_deref(), show.as_deref().map(Path::new))
+            })
         }
         _ => return None,
     })

@@ -34,7 +34,7 @@ pub(crate) fn run() -> Result<()> {
     )?;
     docs::run()?;
 
-    budget::run(false, || firmware::run(None))?;
+    budget::run(false, firmware::run)?;
     lint_images()?;
     audit::self_test()?;
     audit::run()?;

@@ -8,9 +8,6 @@ use crate::symmetric::Symmetric;
 use crate::transform::{Twist, Wrench};
 
 /// Wrench per acceleration of a body, both at its origin and in one frame's axes: a symmetric 6 x 6 matrix.
-///
-/// [`SpatialInertia`](super::SpatialInertia) is the same in 27 numbers, whose two triangles are rounded each
-/// by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ArticulatedInertia {
     /// Moment per angular acceleration.

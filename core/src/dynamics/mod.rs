@@ -9,7 +9,6 @@ mod reflected;
 mod resolved_acceleration;
 mod rigid_inertia;
 mod rnea;
-mod spatial_inertia;
 
 pub use aba::{ArticulatedBody, forward_dynamics};
 pub(crate) use articulated_inertia::ArticulatedInertia;

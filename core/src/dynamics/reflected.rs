@@ -3,12 +3,12 @@
 use glam::Mat3;
 use heapless::Vec;
 
-use super::spatial_inertia::SpatialInertia;
+use super::articulated_inertia::ArticulatedInertia;
+use super::rigid_inertia::RigidInertia;
 use crate::fixed;
 use crate::inertia::RotationalInertia;
 use crate::joint_states::JointStates;
-use crate::matrix::outer;
-use crate::state::JointState;
+use crate::symmetric::{ROUNDING, Symmetric};
 use crate::transform::{Twist, Wrench};
 use crate::tree::Tree;
 
@@ -104,8 +104,9 @@ pub fn reflected_inertia<const N: usize>(
     outer: OuterJoints,
 ) -> Vec<ReflectedInertia, N> {
     let bodies = tree.bodies();
-    let mut inertias: Vec<SpatialInertia, N> =
-        fixed::collect(bodies.iter().map(|body| SpatialInertia::of(&body.inertia)));
+    let of_body = |inertia| ArticulatedInertia::from(&RigidInertia::of(inertia));
+    let mut inertias: Vec<ArticulatedInertia, N> =
+        fixed::collect(bodies.iter().map(|body| of_body(&body.inertia)));
     let mut reflected: Vec<ReflectedInertia, N> =
         fixed::collect(bodies.iter().map(|_| ReflectedInertia::default()));
     // Inward: a body is done when all beyond it have been added.
@@ -117,50 +118,41 @@ pub fn reflected_inertia<const N: usize>(
             *slot = along(&inertia, &freedoms, body.rotor_inertia);
         }
         if outer == OuterJoints::Free {
-            inertia = inertia.without(&freedoms, body.rotor_inertia);
+            give_way(&mut inertia, &freedoms, body.rotor_inertia);
         }
         if let Some(parent) = body.parent.and_then(|parent| inertias.get_mut(parent)) {
-            *parent = parent.plus(&seen_from_parent(&inertia, joint));
+            parent.add(&inertia, &Mat3::from_quat(joint.pose.rotation), joint.pose.translation_m);
         }
     }
     reflected
 }
 
 /// What an inertia is along a joint's freedoms, each with a rotor.
-fn along(inertia: &SpatialInertia, freedoms: &[Twist], rotor: f32) -> ReflectedInertia {
-    let mut onto = Mat3::ZERO;
+fn along(inertia: &ArticulatedInertia, freedoms: &[Twist], rotor: f32) -> ReflectedInertia {
+    let mut onto = Symmetric::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
     for freedom in freedoms {
-        onto += outer(freedom.angular, freedom.angular);
+        onto += Symmetric::from_outer(freedom.angular, freedom.angular * 0.5);
         let way = freedom.linear.dot(freedom.linear);
         mass += freedom.linear.dot(inertia.linear * freedom.linear) + rotor * way;
         ways += way;
     }
-    let mut m = onto * inertia.angular * onto;
-    if rotor > 0.0 {
-        m += onto * rotor;
-    }
+    let angular = inertia.angular.turned(&onto.to_mat3()) + onto * rotor;
     ReflectedInertia {
-        angular_kg_m2: RotationalInertia {
-            xx: m.x_axis.x,
-            xy: m.x_axis.y,
-            xz: m.x_axis.z,
-            yy: m.y_axis.y,
-            yz: m.y_axis.z,
-            zz: m.z_axis.z,
-        },
+        angular_kg_m2: RotationalInertia::from(&angular),
         linear_kg: if ways > 0.0 { mass / ways } else { 0.0 },
     }
 }
 
-/// The inertia of a joint's body at the parent's origin, in the parent's axes.
-fn seen_from_parent(inertia: &SpatialInertia, joint: &JointState) -> SpatialInertia {
-    let turn = Mat3::from_quat(joint.pose.rotation);
-    let turned = |m: Mat3| turn * m * turn.transpose();
-    let in_parent_axes = SpatialInertia {
-        angular: turned(inertia.angular),
-        coupling: turned(inertia.coupling),
-        linear: turned(inertia.linear),
-    };
-    in_parent_axes.moved(joint.pose.translation_m)
+/// Takes out of an inertia what gives way along a joint's freedoms, each against a rotor: one after the other.
+fn give_way(inertia: &mut ArticulatedInertia, freedoms: &[Twist], rotor: f32) {
+    let whole = *inertia;
+    for freedom in freedoms {
+        let wrench = inertia.wrench(*freedom);
+        let resistance = wrench.power_w(*freedom) + rotor;
+        // What the freedoms before have taken away but for rounding has no direction left.
+        if resistance > ROUNDING * whole.wrench(*freedom).power_w(*freedom) {
+            inertia.give_way(&wrench, 1.0 / resistance);
+        }
+    }
 }

@@ -263,7 +263,7 @@ impl Args {
         if let Some(done) = performed.done() {
             text.extend([format!("\nFitted: {done}")]);
         }
-        let played = played(&baked.written.bytes, motion.dt_s)?;
+        let played = Played::new(&baked.written.bytes)?.motion(motion.dt_s);
         Ok((text, played))
     }
 
@@ -288,20 +288,6 @@ impl Args {
             coordinate(rig, at)
         ))
     }
-}
-
-/// The motion that a show has when it is played.
-fn played(bytes: &[u8], dt_s: f64) -> anyhow::Result<RigMotion> {
-    use sinew_retarget::feasibility::{Instant, Performance as _};
-    let played = Played::new(bytes)?;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
-    let count = (played.duration_s() / dt_s).round() as usize;
-    let row = |index: usize| {
-        let mut instant = Instant::default();
-        played.at(index as f64 * dt_s, &mut instant);
-        instant.q
-    };
-    Ok(RigMotion { dt_s, rows: (0..=count).map(row).collect() })
 }
 
 /// An angle in words.

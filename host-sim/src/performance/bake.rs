@@ -369,6 +369,18 @@ impl<'a> Played<'a> {
         let state = State { q: vec![0.0; show.channel_count()], qd: none.clone(), qdd: none };
         Ok(Self { player: RefCell::new((Player::new(show)?, state)) })
     }
+
+    /// The motion that the show has, a row every `dt_s`.
+    pub fn motion(&self, dt_s: f64) -> RigMotion {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
+        let last = (self.duration_s() / dt_s).round() as usize;
+        let row = |index: usize| {
+            let mut instant = Instant::default();
+            self.at(index as f64 * dt_s, &mut instant);
+            instant.q
+        };
+        RigMotion { dt_s, rows: (0..=last).map(row).collect() }
+    }
 }
 
 impl Performance for Played<'_> {
