@@ -1,6 +1,7 @@
 //! Which clips a list of files and folders names.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use crate::format;
@@ -52,8 +53,39 @@ pub struct ClipFile {
 pub struct Expanded {
     /// The clips.
     pub clips: Vec<ClipFile>,
-    /// What else is in the folders, and why it is no clip.
-    pub left_out: Vec<(PathBuf, &'static str)>,
+    /// What else is in the folders, a line for each: which file, and why it is no clip.
+    pub left_out: Vec<String>,
+}
+
+impl Expanded {
+    /// What was made of the clips, `made` in their order, and a line for each file that is left out: what is no clip,
+    /// and what cannot be used of a folder.
+    ///
+    /// # Errors
+    /// The first of `made` that is of a file which was named itself, or of any file if `is_strict`; the first of all if
+    /// nothing could be used.
+    pub fn take<T, E: Display>(
+        &self,
+        made: impl IntoIterator<Item = Result<T, E>>,
+        is_strict: bool,
+    ) -> Result<(Vec<T>, Vec<String>), E> {
+        let (mut taken, mut left_out, mut first) = (Vec::new(), self.left_out.clone(), None);
+        for (file, made) in self.clips.iter().zip(made) {
+            match made {
+                Ok(made) => taken.push(made),
+                Err(error) if file.from_folder && !is_strict => {
+                    // With the causes, where an error prints them apart.
+                    let why = format!("{error:#}");
+                    let path = file.path.display().to_string();
+                    let is_named = why.contains(&path);
+                    left_out.push(if is_named { why } else { format!("{path}: {why}") });
+                    first = first.or(Some(error));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        first.filter(|_| taken.is_empty()).map_or(Ok((taken, left_out)), Err)
+    }
 }
 
 impl ClipFile {
@@ -103,7 +135,7 @@ pub fn expand_all(paths: &[PathBuf]) -> Result<Expanded, Error> {
     Ok(Expanded { clips, left_out })
 }
 
-type InFolder = (Vec<PathBuf>, Vec<(PathBuf, &'static str)>);
+type InFolder = (Vec<PathBuf>, Vec<String>);
 
 fn in_folder(folder: &Path) -> Result<InFolder, Error> {
     let listed = || -> std::io::Result<Vec<PathBuf>> {
@@ -117,7 +149,8 @@ fn in_folder(folder: &Path) -> Result<InFolder, Error> {
     if clips.is_empty() {
         return Err(Error::NoClips { folder: folder.to_path_buf() });
     }
-    Ok((clips, others.into_iter().map(|file| (file.clone(), why_not(&file))).collect()))
+    let told = |file: PathBuf| format!("{}: {}", file.display(), why_not(&file));
+    Ok((clips, others.into_iter().map(told).collect()))
 }
 
 /// Why a file in a folder is no clip.
@@ -204,9 +237,39 @@ mod tests {
         let paths: Vec<_> = files.iter().map(|file| file.path.clone()).collect();
         let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc", "walk.txt"];
         assert_eq!(paths, expected.map(at));
-        let out: Vec<_> = left_out.iter().map(|(file, _)| file.clone()).collect();
-        assert_eq!(out, ["LICENSE.txt", "c.txt", "more", "settings.txt", "t.asf"].map(at));
+        let out = ["LICENSE.txt", "c.txt", "more", "settings.txt", "t.asf"].map(at);
+        assert_eq!(left_out.len(), out.len());
+        for (told, file) in left_out.iter().zip(out) {
+            assert!(told.starts_with(&format!("{}: ", file.display())), "{told}");
+        }
         assert_eq!(files.iter().filter(|file| file.from_folder).count(), 5);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_left_out_of_folders_alone() {
+        let expanded = |from_folder: [bool; 2]| Expanded {
+            clips: from_folder
+                .into_iter()
+                .zip(["a.bvh", "b.bvh"])
+                .map(|(from_folder, name)| ClipFile {
+                    from_folder,
+                    ..ClipFile::new(Path::new(name))
+                })
+                .collect(),
+            left_out: vec!["c.md: no clip".to_owned()],
+        };
+        let taken = expanded([true, true]).take([Ok(1), Err("a.bvh is cut")], false);
+        let told = ["c.md: no clip", "b.bvh: a.bvh is cut"].map(str::to_owned).to_vec();
+        assert_eq!(taken, Ok((vec![1], told)));
+        let taken = expanded([false, true]).take([Ok(1), Err("b.bvh: is cut")], false);
+        assert_eq!(taken.unwrap().1[1], "b.bvh: is cut");
+        for (from_folder, is_strict, made, error) in [
+            ([true, true], true, [Ok(1), Err("b")], "b"),
+            ([true, false], false, [Err("a"), Err("b")], "b"),
+            ([true, true], false, [Err("a"), Err("b")], "a"),
+        ] {
+            assert_eq!(expanded(from_folder).take(made, is_strict), Err(error));
+        }
     }
 
     #[test]

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
+use crate::encoding;
+
 /// A kind of file that people have in their hands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -58,8 +60,8 @@ impl Kind {
     /// What a file is: by its content where that tells, else by its name. `None` if neither does.
     pub fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
         Self::of_magic(bytes).or_else(|| {
-            let text = String::from_utf8_lossy(&bytes[..bytes.len().min(LOOKED_AT)]);
-            let text = text.trim_start_matches('\u{feff}').trim_start();
+            let text = encoding::lossy(&bytes[..bytes.len().min(LOOKED_AT)]);
+            let text = text.trim_start();
             Self::of_text(text).or_else(|| Self::of_name(path, text))
         })
     }

@@ -34,6 +34,7 @@ pub mod bvh;
 mod clip;
 pub mod damage;
 pub mod deepmimic;
+pub mod encoding;
 pub mod files;
 pub mod filter;
 pub mod flips;

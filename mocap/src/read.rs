@@ -1,10 +1,11 @@
 //! Files as they are read: whole, and never without end.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use crate::Kind;
+use crate::{Kind, encoding};
 
 /// Far above any recording: what bounds the memory that a wrong name can ask for.
 const FILE_BYTES_MAX: u64 = 1 << 30;
@@ -33,9 +34,9 @@ pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 /// The text of a file.
 ///
 /// # Errors
-/// Those of [`bytes`]; [`io::ErrorKind::InvalidData`] if it is not UTF-8.
+/// Those of [`bytes`]; [`io::ErrorKind::InvalidData`] if it is neither UTF-8 nor UTF-16.
 pub fn text(path: &Path) -> io::Result<String> {
-    utf8(bytes(path)?)
+    decoded(&bytes(path)?)
 }
 
 /// The text of a file of one of these kinds, or of none that is known. `expected`: what they are, for the message.
@@ -48,15 +49,12 @@ pub fn text_of(path: &Path, expected: &str, kinds: &[Kind]) -> io::Result<String
         let what = format!("expected {expected}, found {found}");
         return Err(io::Error::new(io::ErrorKind::InvalidData, what));
     }
-    utf8(bytes)
+    decoded(&bytes)
 }
 
-fn utf8(bytes: Vec<u8>) -> io::Result<String> {
-    String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let what = format!("expected text in UTF-8, found other bytes from byte {at} on");
-        io::Error::new(io::ErrorKind::InvalidData, what)
-    })
+fn decoded(bytes: &[u8]) -> io::Result<String> {
+    let text = encoding::decoded(bytes);
+    text.map(Cow::into_owned).map_err(|what| io::Error::new(io::ErrorKind::InvalidData, what))
 }
 
 #[cfg(test)]
@@ -91,7 +89,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         fs::write(at("a"), b"a\xff").unwrap();
         assert_eq!(bytes(&at("a")).unwrap(), b"a\xff");
-        assert!(text(&at("a")).unwrap_err().to_string().ends_with("from byte 1 on"));
+        assert!(text(&at("a")).unwrap_err().to_string().contains("from byte 1 on"));
         assert_eq!(bytes(&at("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
         assert!(bytes(folder.path()).is_err());
         // Sparse: it takes no room on the disk.

@@ -19,6 +19,14 @@ pub(crate) fn shown(word: &str) -> String {
     shown
 }
 
+/// What stands where something else was expected: a word of the file, or in words that it is none.
+pub(crate) fn found(word: &str) -> String {
+    if word.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) {
+        return "bytes that are no text".to_owned();
+    }
+    format!("`{}`", shown(word))
+}
+
 /// `count` things: "1 frame", "2 frames".
 pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DMat3, DVec3};
 use roxmltree::Node;
+use sinew_mocap::encoding;
 use sinew_rig::import::document;
 
 use super::error::{Place, Refusal, refuse};
@@ -20,10 +21,10 @@ use super::{Character, JOINT_COUNT_MAX, Joint};
 /// # Errors
 /// [`Refusal`] with line and column if it is not XML, no robot, or its joints and links are no tree.
 pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
-    let text = core::str::from_utf8(bytes).map_err(|error| {
-        refuse("a URDF", "UTF-8", "other bytes").at(Place::Byte(error.valid_up_to()))
+    let text = encoding::decoded(bytes).map_err(|error| {
+        refuse("a URDF", "text in UTF-8 or UTF-16", "other bytes").at(Place::Byte(error.at()))
     })?;
-    let document = document(text).map_err(|error| {
+    let document = document(&text).map_err(|error| {
         let at = Place::Line(error.place.line, error.place.column);
         refuse("a URDF", error.expected, error.found).at(at)
     })?;

@@ -17,6 +17,7 @@ use sinew_sim::report::blend as picture;
 use sinew_sim::spatial::{BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace};
 
 use super::clips::seconds;
+use super::find::ensure_room;
 use super::told::ToldArgs;
 
 /// Blend from one clip to another where their poses are nearest, and write the motion as
@@ -129,6 +130,7 @@ impl Args {
         let half = half(0.5 * self.seconds * rate_hz);
         let (clip_a, clip_b) = (a.clip.clone(), &b.clip);
         let pair = Pair::new(clip_a, clip_b).with_context(|| self.b.file.display().to_string())?;
+        ensure_room(&self.a.file, pair.body().joints.len())?;
         let places = Places {
             a: room(&self.a, frames_a, 1.0, pair.a.frames.len(), half, rate_hz)?,
             b: room(

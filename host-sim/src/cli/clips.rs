@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use rayon::prelude::*;
-use sinew_mocap::files::{ClipFile, Expanded, expand_all};
+use sinew_mocap::files::{ClipFile, expand_all};
 use sinew_sim::builtin;
 use sinew_sim::evaluate::Take;
 use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
@@ -27,8 +27,9 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// End at a clip in a folder whose skeleton no mapping is for. Default: it is left out, and named.
-    #[arg(long, requires = "clips", conflicts_with = "rig")]
+    /// End at a file in a folder that cannot be used: damaged, or of a skeleton that no mapping is for. Default: it is
+    /// left out, and named.
+    #[arg(long, requires = "clips")]
     strict: bool,
 
     /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew map`. Default: chosen among the
@@ -73,8 +74,6 @@ pub(super) struct ClipArgs {
 /// What is tracked, of either kind.
 type Takes = Vec<Box<dyn Take>>;
 
-type Prepared = Result<(FigureMotion, Vec<Notice>), pipeline::Error>;
-
 /// Rate of control and plant of a user's rig, Hz.
 pub(super) const RIG_RATE_HZ: f64 = 500.0;
 
@@ -113,21 +112,21 @@ impl ClipArgs {
         rig: &Loaded,
         on_rig: &OnRig,
     ) -> anyhow::Result<Vec<RigClip>> {
-        let Expanded { clips: files, left_out } = expand_all(&self.clips)?;
-        tell(&told(&left_out));
+        let expanded = expand_all(&self.clips)?;
         let mechanism = Arc::new(rig.mechanism.clone());
         let rate_hz = self.rate.unwrap_or(RIG_RATE_HZ);
-        files
-            .iter()
-            .map(|file| {
-                let mapping = self.mapping.as_deref();
-                let performed =
-                    on_rig.perform(rig, &file.path, mapping, None, (ON_STAND, self.told))?;
-                let names = [file.name.as_str(), rig.description.name.as_str()];
-                let (taken, fit) = (Arc::new(performed.taken), performed.fit.as_ref());
-                Ok(RigClip::new(names, &mechanism, &taken, fit, rate_hz)?)
-            })
-            .collect()
+        let performed = |file: &ClipFile| -> anyhow::Result<RigClip> {
+            let mapping = self.mapping.as_deref();
+            let performed =
+                on_rig.perform(rig, &file.path, mapping, None, (ON_STAND, self.told))?;
+            let names = [file.name.as_str(), rig.description.name.as_str()];
+            let (taken, fit) = (Arc::new(performed.taken), performed.fit.as_ref());
+            Ok(RigClip::new(names, &mechanism, &taken, fit, rate_hz)?)
+        };
+        let performances = expanded.clips.iter().map(performed);
+        let (performances, left_out) = expanded.take(performances, self.strict)?;
+        tell(&told(&left_out));
+        Ok(performances)
     }
 
     /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
@@ -185,31 +184,23 @@ impl ClipArgs {
             told: self.told.told(),
             ..Settings::default()
         };
-        let mut lines = Vec::new();
-        let prepared: Vec<(bool, Prepared)> = if self.clips.is_empty() {
-            builtin::clips()
+        settings.check()?;
+        let (prepared, left_out) = if self.clips.is_empty() {
+            let prepared: Result<Vec<_>, _> = builtin::clips()
                 .into_par_iter()
-                .map(|clip| (false, pipeline::prepare(clip, &settings)))
-                .collect()
+                .map(|clip| pipeline::prepare(clip, &settings))
+                .collect();
+            (prepared?, Vec::new())
         } else {
-            let Expanded { clips, left_out } = expand_all(&self.clips)?;
-            lines = told(&left_out);
+            let expanded = expand_all(&self.clips)?;
             let prepare =
                 |file: &ClipFile| pipeline::prepare(pipeline::load(file, &settings)?, &settings);
-            let may_lack = |file: &ClipFile| file.from_folder && !self.strict;
-            clips.par_iter().map(|file| (may_lack(file), prepare(file))).collect()
+            let prepared: Vec<_> = expanded.clips.par_iter().map(prepare).collect();
+            expanded.take(prepared, self.strict)?
         };
+        let mut lines = told(&left_out);
         let mut motions = Vec::with_capacity(prepared.len());
-        let mut unknown = None;
-        for (may_lack, prepared) in prepared {
-            let (motion, notices) = match prepared {
-                Err(error) if may_lack && error.is_other_skeleton() => {
-                    lines.push(format!("left out: {error}"));
-                    unknown = unknown.or(Some(error));
-                    continue;
-                }
-                prepared => prepared?,
-            };
+        for (motion, notices) in prepared {
             // What is built in is known.
             let is_told =
                 |notice: &Notice| !(self.clips.is_empty() && matches!(notice, Notice::Measured(_)));
@@ -218,10 +209,7 @@ impl ClipArgs {
             }
             motions.push(motion);
         }
-        match unknown.filter(|_| motions.is_empty()) {
-            Some(error) => Err(error.into()),
-            None => Ok((motions, lines)),
-        }
+        Ok((motions, lines))
     }
 }
 
@@ -239,8 +227,8 @@ pub(super) fn dimensions(rig: Option<&Loaded>, scale: f64) -> String {
 }
 
 /// What is left out of folders, a line for each file.
-fn told(left_out: &[(PathBuf, &'static str)]) -> Vec<String> {
-    left_out.iter().map(|(file, why)| format!("left out: {}: {why}", file.display())).collect()
+fn told(left_out: &[String]) -> Vec<String> {
+    left_out.iter().map(|why| format!("left out: {why}")).collect()
 }
 
 /// Tells what was done to the clips.

@@ -1,7 +1,7 @@
 //! `sinew find`: the nearest moments in a library of clips.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
@@ -41,6 +41,11 @@ pub(super) struct Args {
     /// Clips, or folders of them (not their subfolders).
     #[arg(value_name = "CLIP", required = true)]
     clips: Vec<PathBuf>,
+
+    /// End at a file in a folder that cannot be searched: damaged, or of another skeleton than the query's. Default: it
+    /// is left out, and named.
+    #[arg(long)]
+    strict: bool,
 
     /// The query: FILE@FRAME, FILE@SECONDSs, FILE@FROM..TO or FILE.
     #[arg(long, value_name = "POSE|CLIP")]
@@ -128,18 +133,14 @@ impl Args {
             note(format_args!("{}: {notice}", query.name));
         }
         let files = sinew_mocap::files::expand(&self.clips)?.len();
-        let library =
-            with_progress(files, |done| Library::read(&self.clips, &query, &settings, done))?;
+        let library = with_progress(files, |done| {
+            Library::read(&self.clips, &query, &settings, self.strict, done)
+        })?;
         tell(&library, query.poses.len());
-        ensure!(!library.clips.is_empty(), "no clip has the joints of {}", query.file.display());
         let rigid = library.rigid(&query, self.measure.root.as_deref());
         // Seen from another joint than its root, a skeleton has a body more.
         let bodies = rigid.skeleton.joints.len() + usize::from(self.measure.root.is_some());
-        ensure!(
-            bodies <= BODY_COUNT_MAX,
-            "{}: expected at most {BODY_COUNT_MAX} joints that move, found {bodies}",
-            query.file.display()
-        );
+        ensure_room(&query.file, bodies)?;
         if bodies <= BODY_COUNT {
             self.among::<BODY_COUNT>(measure, &query, &library, &rigid)
         } else {
@@ -217,6 +218,16 @@ impl Args {
     }
 }
 
+/// Refuses a skeleton with more joints that move than are compared.
+pub(super) fn ensure_room(file: &Path, bodies: usize) -> anyhow::Result<()> {
+    ensure!(
+        bodies <= BODY_COUNT_MAX,
+        "{}: expected at most {BODY_COUNT_MAX} joints that move, found {bodies}",
+        file.display()
+    );
+    Ok(())
+}
+
 /// The whole number of frames from a time on.
 #[expect(
     clippy::cast_possible_truncation,
@@ -254,7 +265,7 @@ fn tell(library: &Library, length: usize) {
     for (clip, notice) in others {
         note(format_args!("{}: {notice}", clip.name));
     }
-    for (_, why) in &library.left_out {
+    for why in &library.left_out {
         note(format_args!("left out: {why}"));
     }
     let short = library.clips.iter().filter(|clip| clip.poses.len() < length).count();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DQuat;
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
-use sinew_mocap::files::{self, ClipFile, Expanded};
+use sinew_mocap::files::{self, ClipFile};
 use sinew_mocap::resample::resample;
 use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
@@ -67,17 +67,6 @@ pub enum ReadError {
     },
 }
 
-impl ReadError {
-    /// Whether the file is whole, and of another skeleton.
-    fn is_other_skeleton(&self) -> bool {
-        match self {
-            Self::Mismatch { .. } => true,
-            Self::Clip(error) => error.is_other_skeleton(),
-            Self::Reference(_) | Self::Pose { .. } => false,
-        }
-    }
-}
-
 impl Query {
     /// Reads what is looked for.
     ///
@@ -131,25 +120,26 @@ pub struct Shelved {
 pub struct Library {
     /// In the order given.
     pub clips: Vec<Shelved>,
-    /// Files of folders that are no motions, or of another skeleton, and why.
-    pub left_out: Vec<(PathBuf, String)>,
+    /// A line for each file of a folder that cannot be searched: which, and why.
+    pub left_out: Vec<String>,
 }
 
 impl Library {
-    /// Reads the clips that `paths` name, in parallel; `done` is called for each. Files of another skeleton than the
-    /// query's are left out if they come from a folder, and refused if they are named.
+    /// Reads the clips that `paths` name, in parallel; `done` is called for each. What is damaged, or of another skeleton
+    /// than the query's, is left out if it comes from a folder, unless `is_strict`.
     ///
     /// # Errors
-    /// [`ReadError`] for the first clip that has one.
+    /// [`ReadError`] for the first clip that is not left out, or the first of all if none can be searched.
     pub fn read(
         paths: &[PathBuf],
         query: &Query,
         settings: &Settings,
+        is_strict: bool,
         done: impl Fn(usize) + Sync,
     ) -> Result<Self, ReadError> {
-        let Expanded { clips: files, left_out } =
-            files::expand_all(paths).map_err(pipeline::Error::from)?;
-        let read: Vec<Result<Shelved, ReadError>> = files
+        let expanded = files::expand_all(paths).map_err(pipeline::Error::from)?;
+        let read: Vec<Result<Shelved, ReadError>> = expanded
+            .clips
             .par_iter()
             .map(|file| {
                 let shelved = Shelved::read(file, query, settings);
@@ -157,23 +147,8 @@ impl Library {
                 shelved
             })
             .collect();
-        let told = |(file, why): (PathBuf, &str)| {
-            let why = format!("{}: {why}", file.display());
-            (file, why)
-        };
-        let left_out = left_out.into_iter().map(told).collect();
-        let mut library = Self { clips: Vec::with_capacity(files.len()), left_out };
-        for (file, shelved) in files.into_iter().zip(read) {
-            let is_named = paths.contains(&file.path);
-            match shelved {
-                Ok(shelved) => library.clips.push(shelved),
-                Err(error) if !is_named && error.is_other_skeleton() => {
-                    library.left_out.push((file.path, error.to_string()));
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(library)
+        let (clips, left_out) = expanded.take(read, is_strict)?;
+        Ok(Self { clips, left_out })
     }
 
     /// The joints that move in the query or in a clip, see [`Rigid`]; `root` is kept.

@@ -38,7 +38,7 @@ pub(super) fn by_names(skeleton: &Skeleton) -> Option<&'static str> {
 pub(super) fn by_text(path: &Path) -> Option<String> {
     const HEAD: usize = 1 << 16;
     let bytes = sinew_mocap::read::bytes(path).ok()?;
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
+    let head = sinew_mocap::encoding::lossy(&bytes[..bytes.len().min(HEAD)]);
     if let Some((_, rest)) = head.split_once("\"generator\"") {
         let said = rest.split('"').nth(1)?;
         return Some(said.chars().take(80).collect());

@@ -255,21 +255,6 @@ impl Settings {
     }
 }
 
-impl Error {
-    /// Whether the file is whole, and of a skeleton that is not taken: in a folder it may be left out.
-    pub fn is_other_skeleton(&self) -> bool {
-        use sinew_mocap::deepmimic::{Error as Refused, Problem};
-        let character = |error: &Refused| {
-            matches!(error, Refused::Frames { problem: Problem::OtherCharacter { .. }, .. })
-        };
-        match self {
-            Self::Mapping { .. } => true,
-            Self::Read(format::Error::DeepMimic(error)) => character(error),
-            _ => false,
-        }
-    }
-}
-
 /// Reads one recording that can be prepared: a mapping is known for it, and its frame rate.
 ///
 /// # Errors

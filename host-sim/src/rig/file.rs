@@ -39,16 +39,15 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     let expected = "a rig (rig.toml, URDF or MJCF)";
     let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
     let text = read::text_of(path, expected, &kinds).map_err(|error| refused(error.to_string()))?;
-    let text = text.trim_start_matches('\u{feff}');
     if text.trim_start().starts_with('<') {
-        return imported(text, options).map_err(refused);
+        return imported(&text, options).map_err(refused);
     }
     if options.metres_per_unit.is_some() || options.up.is_some() {
         let reason = "--metres-per-unit and --up are for URDF and MJCF: a rig.toml is in metres, and its \
                       mount.rotation_xyzw says how it stands";
         return Err(refused(reason.to_owned()));
     }
-    let description = toml_file::read(text).map_err(|error| refused(error.to_string()))?;
+    let description = toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
     let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
     Ok(Loaded { description, mechanism, world: None, notes: Vec::new() })
 }

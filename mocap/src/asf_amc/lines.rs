@@ -2,7 +2,7 @@
 
 use super::Problem;
 use crate::recording::MAGNITUDE_MAX;
-use crate::text::{Position, shown};
+use crate::text::{Position, found};
 
 pub(super) type Failure = (Position, Problem);
 
@@ -29,7 +29,7 @@ impl Word<'_> {
         let found = if self.text.is_empty() {
             "the end of the line or file".to_owned()
         } else {
-            format!("`{}`", shown(self.text))
+            found(self.text)
         };
         (self.at, Problem::Unexpected { expected: expected.into(), found })
     }
@@ -75,7 +75,6 @@ pub(super) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         // CR alone ends lines where there is no LF.
         let end = if text.contains('\n') { '\n' } else { '\r' };
         Self { lines: text.split(end).enumerate().peekable(), line: 0 }

@@ -26,6 +26,7 @@ use glam::{DQuat, DVec3};
 pub use error::{Error, Problem};
 
 use super::recording::{self, Recording};
+use crate::encoding;
 
 const METRES_PER_INCH: f64 = 0.0254;
 /// The `length` of CMU's files: a unit of theirs is an inch, and 0.45 of it a number in the file.
@@ -57,9 +58,9 @@ pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Erro
         let file = path.to_path_buf();
         move |(at, problem)| Error::Syntax { file, at, problem }
     };
-    let skeleton = asf::parse(&String::from_utf8_lossy(asf.0)).map_err(in_file(asf.1))?;
+    let skeleton = asf::parse(&encoding::lossy(asf.0)).map_err(in_file(asf.1))?;
     let samples = recording::sample_count_max(asf.0.len() + amc.0.len());
-    let motion = amc::parse(&String::from_utf8_lossy(amc.0), &skeleton, samples);
+    let motion = amc::parse(&encoding::lossy(amc.0), &skeleton, samples);
     let motion = motion.map_err(in_file(amc.1))?;
     // What others mean by `length` is not agreed on: metres, inches, or nothing.
     let is_cmu = (skeleton.length_unit - CMU_LENGTH).abs() < 1e-9;

@@ -19,7 +19,8 @@ use token::{Token, Tokens};
 pub use write::{WriteError, text, write};
 
 use super::recording::{self, FRAME_TIME_S, Frames, JOINT_COUNT_MAX, MAGNITUDE_MAX, Recording};
-use super::text::{Position, shown};
+use super::text::{Position, found, shown};
+use crate::encoding;
 use crate::skeleton::{JointSample, Skeleton, SkeletonJoint};
 
 /// Reads the file at `path`; the clip is named after its stem.
@@ -35,12 +36,12 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
 
 /// Reads the text of a BVH file; `path` names it in errors and its stem names the clip.
 ///
-/// Bytes that are not UTF-8 can only matter in joint names, and are replaced there.
+/// Bytes that are no characters can only matter in joint names, and are replaced there.
 ///
 /// # Errors
 /// [`Error::Syntax`], as [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = encoding::lossy(bytes);
     let mut parser = Parser {
         tokens: Tokens::new(&text),
         sample_count_max: recording::sample_count_max(bytes.len()),
@@ -399,11 +400,7 @@ fn finite(token: Token<'_>) -> Result<f64, Failure> {
 }
 
 fn unexpected(token: Token<'_>, expected: impl Into<String>) -> Failure {
-    let found = if token.is_end() {
-        "the end of the file".to_owned()
-    } else {
-        format!("`{}`", shown(token.text))
-    };
+    let found = if token.is_end() { "the end of the file".to_owned() } else { found(token.text) };
     (token.at, Problem::Unexpected { expected: expected.into(), found })
 }
 

@@ -104,6 +104,16 @@ fn takes_any_white_space_line_end_and_case() {
 }
 
 #[test]
+fn takes_utf16_and_says_of_other_bytes_that_they_are_no_text() {
+    for unit in [u16::to_le_bytes, u16::to_be_bytes] {
+        let bytes: Vec<u8> = format!("\u{feff}{VALID}").encode_utf16().flat_map(unit).collect();
+        assert_eq!(parse(&bytes, Path::new("clip.bvh")).unwrap(), recording(VALID));
+    }
+    let error = parse(b"\x1f\x8b\x08\x99", Path::new("clip.bvh")).unwrap_err().to_string();
+    assert_eq!(error, "clip.bvh:1:1: expected `HIERARCHY`, found bytes that are no text");
+}
+
+#[test]
 fn a_position_channel_takes_the_place_of_that_component_only() {
     let text = VALID
         .replace("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 2 yrotation Zposition")
@@ -158,7 +168,10 @@ fn takes_names_that_are_not_utf_8() {
 #[test]
 fn refuses_what_is_no_bvh() {
     assert_eq!(error_of(""), "1:1: expected `HIERARCHY`, found the end of the file");
-    assert_eq!(error_of("\n\n  PK\u{3}\u{4}"), r"3:3: expected `HIERARCHY`, found `PK\u{3}\u{4}`");
+    assert_eq!(
+        error_of("\n\n  PK\u{3}\u{4}"),
+        "3:3: expected `HIERARCHY`, found bytes that are no text"
+    );
     assert_eq!(error("ROOT", "JOINT"), "2:1: expected `ROOT`, found `JOINT`");
     assert_eq!(
         error("ROOT Hips\n", "ROOT\n"),

@@ -21,6 +21,7 @@ pub use error::{Error, Problem};
 use skeleton::{JOINTS, Kind};
 
 use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording};
+use crate::encoding;
 use crate::skeleton::JointSample;
 
 /// Numbers in a row.
@@ -65,7 +66,7 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
-    let file: File = serde_json::from_slice(bytes)
+    let file: File = serde_json::from_str(&encoding::lossy(bytes))
         .map_err(|source| Error::Json { file: path.to_path_buf(), source })?;
     let motion = motion(&file.frames);
     let (frame_time_s, frames) =

@@ -51,7 +51,7 @@ impl Unit {
 }
 
 /// The unit that makes a body of so many units as tall as people usually are, else the only one that makes it as tall
-/// as people can be; and why.
+/// as people can be; and why, with what else it can be.
 fn of_height(height: f64) -> (Option<f64>, String) {
     let fits = |range: &std::ops::RangeInclusive<f64>| -> Vec<&(f64, &str)> {
         UNITS.iter().filter(|(metres, _)| range.contains(&(metres * height))).collect()
@@ -60,7 +60,12 @@ fn of_height(height: f64) -> (Option<f64>, String) {
         format!("in {name} the body is {:.2} m tall", metres * height)
     };
     if let [unit] = fits(&USUAL_M)[..] {
-        return (Some(unit.0), told(unit));
+        // A doll's height in another unit: who has one must be able to see the mistake.
+        let others = fits(&BODY_HEIGHT_M).into_iter().filter(|other| *other != unit);
+        let reason = others.fold(told(unit), |reason, (metres, name)| {
+            format!("{reason}, less usual: {:.2} m in {name}", metres * height)
+        });
+        return (Some(unit.0), reason);
     }
     match &fits(&BODY_HEIGHT_M)[..] {
         [unit] => (Some(unit.0), told(unit)),
@@ -134,6 +139,12 @@ mod tests {
         ] {
             assert_eq!(of_height(height).0, unit, "{height}");
         }
+        let (unit, reason) = of_height(51.0);
+        assert_eq!(
+            (unit, reason.as_str()),
+            (Some(0.0254), "in inches the body is 1.30 m tall, less usual: 0.51 m in centimetres")
+        );
+        assert_eq!(of_height(170.0).1, "in centimetres the body is 1.70 m tall");
         let (unit, reason) = of_height(40.0);
         assert_eq!(unit, None);
         assert!(
