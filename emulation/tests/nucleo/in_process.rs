@@ -53,10 +53,10 @@ impl InProcess {
 
     /// A tick. `leaves`: when each of its packets begins to leave, ns, and what leaves in its place, if anything; where
     /// that is not told, it leaves at once.
-    pub(crate) fn tick<'p>(
+    pub(crate) fn tick(
         &mut self,
         command: Option<Command>,
-        leaves: &mut dyn Iterator<Item = (u64, Option<&'p [u8]>)>,
+        leaves: &mut dyn Iterator<Item = (u64, Option<&[u8]>)>,
     ) -> Vec<Exchange> {
         let Self { controller, lines, servos, ticks, tick_us } = self;
         let now_us = *ticks * *tick_us;

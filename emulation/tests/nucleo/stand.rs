@@ -58,7 +58,8 @@ impl Rig {
         })
     }
 
-    /// OP3 with XM430 on its 20 joints, driven by position, and a walk of CMU's, fitted as by `sinew play`. `data`: `SINEW_DATA`.
+    /// OP3 with XM430 on its 20 joints, driven by position, and a walk of CMU's, fitted as by `sinew play`.
+    /// `data`: `SINEW_DATA`.
     pub(crate) fn walking_op3(data: &Path) -> Self {
         let import = Import { repair_inertia: true, ..Import::default() };
         let op3 = data.join("urdf/robotis-op3/robotis_op3.urdf");
@@ -87,7 +88,7 @@ impl Rig {
         let bytes = parts.board_rig().unwrap();
         let (rig, settings) = (parts.rig_crc(), Settings::default());
         let show = show(&Baker { mechanism: &mechanism, rig, settings });
-        Self { show, bytes, parts, description, mechanism }
+        Self { description, mechanism, parts, bytes, show }
     }
 
     /// Its servos, just before their power comes on.

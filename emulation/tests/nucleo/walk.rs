@@ -76,7 +76,7 @@ impl Line for Watched {
 }
 
 /// The chip's packets leave when it has computed them, not at the beginning of the tick. So servos tell where they are
-/// some 100 us later or earlier than in process, and a digit of a reading is another. With the chip's times, and nothing
+/// some 100 us later than in process, and a digit of a reading is another. With the chip's times, and nothing
 /// else of it, the controller in process says what the chip says, and its servos answer with the same bytes. The one
 /// difference left is that of [`differ_by_a_count`].
 #[test]
@@ -182,8 +182,8 @@ fn ticks(rig: &Rig, bus: Vec<Burst>) -> Vec<Tick> {
         let begin_ns = end_ns - bytes.len() as u64 * 10_000_000_000 / u64::from(rig.baud());
         let first_ns = *first_ns.get_or_insert(begin_ns);
         // The first packet of a tick comes up to a quarter earlier than that of the first one.
-        let number = (begin_ns + rig.tick_ns() / 4 - first_ns) / rig.tick_ns();
-        ticks.resize_with(ticks.len().max(number as usize + 1), Tick::default);
+        let number = usize::try_from((begin_ns + rig.tick_ns() / 4 - first_ns) / rig.tick_ns());
+        ticks.resize_with(ticks.len().max(number.expect("a test is short") + 1), Tick::default);
         let tick = ticks.last_mut().expect("there is one");
         tick.begins_ns.push(begin_ns);
         tick.exchanges.push(Exchange { sent: bytes, answered: Vec::new() });
