@@ -1,17 +1,14 @@
 //! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
 
+mod faults;
+mod in_process;
 mod stand;
+mod walk;
 
 use sinew_emulation::Heard;
 use sinew_link::message::{Command, Feed, State};
 
-use stand::{Rig, SECOND, arm_it, connected, ready, servos_on, until};
-
-/// Torque off to all, as servos of two makers know it.
-const TORQUE_OFF: [&[u8]; 2] = [
-    &[0xFF, 0xFF, 0xFD, 0, 0xFE, 6, 0, 3, 0x40, 0, 0, 0x2E, 0x16],
-    &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
-];
+use stand::{Rig, SECOND, TORQUE_OFF, arm_it, connected, ready, servos_on, until};
 
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]

@@ -1,32 +1,40 @@
 //! A rig on the emulated NUCLEO: its own image, simulated servos at its bus, a host at its link.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{env, fs};
 
-use sinew_client::{Board, ClientError, item};
+use sinew_client::{Board, ClientError, Line as Link, item};
 use sinew_emulation::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
-use sinew_retarget::feasibility::RigMotion;
+use sinew_mocap::files::ClipFile;
+use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
+use sinew_rig::import::Options as Import;
 use sinew_rig::new::arm;
+use sinew_rig::review::Servos;
 use sinew_rig::{Description, Mechanism};
 use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::line::Line;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
-use sinew_sim::performance::{Baker, Marks};
-use sinew_sim::play::{Memory, Options, Parts};
+use sinew_sim::performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
+use sinew_sim::play::{Drive, Memory, Options, Parts, put_servos};
 
 pub(crate) const SECOND: Duration = Duration::from_secs(1);
+/// Torque off to all, as servos of two makers know it.
+pub(crate) const TORQUE_OFF: [&[u8]; 2] = [
+    &[0xFF, 0xFF, 0xFD, 0, 0xFE, 6, 0, 3, 0x40, 0, 0, 0x2E, 0x16],
+    &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
+];
+
 /// Of an XL330.
 const TORQUE_ENABLE: u16 = 64;
-/// What USART1's clock of 90 MHz divides to exactly.
-const BAUD: u32 = 2_000_000;
 
 pub(crate) type Emulated = EmulatedBoard<Branch<'static, RigPlant>>;
 
-/// An arm of XL330s, and its show.
+/// A rig and its show.
 pub(crate) struct Rig {
     description: Description,
     mechanism: Mechanism,
@@ -37,31 +45,74 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
+    /// An arm of XL330s, and two swings in two seconds.
     pub(crate) fn new(joints: usize) -> Self {
-        let description = arm(joints).unwrap();
-        let mechanism = description.mechanism().unwrap();
-        let options = Options { baud: Some(BAUD), ..Options::default() };
-        let parts = Parts::new(&description, &mechanism, options).unwrap();
-        let bytes = parts.board_rig().unwrap();
-        // Two swings in two seconds.
-        let row = |step: u32| {
-            let swing = 0.2 * (f64::from(step) * std::f64::consts::TAU / 10.0).sin();
-            mechanism.home().iter().map(|home| home + swing).collect()
-        };
-        let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
-        let (rig, settings) = (parts.rig_crc(), Settings::default());
-        let baker = Baker { mechanism: &mechanism, rig, settings };
-        let show = baker.bake(&motion, &Marks::default()).unwrap();
-        Self { show: show.written.bytes, bytes, parts, description, mechanism }
+        Self::with_show(arm(joints).unwrap(), Options::of_board(), |baker| {
+            let home = baker.mechanism.home();
+            let row = |step: u32| {
+                let swing = 0.2 * (f64::from(step) * std::f64::consts::TAU / 10.0).sin();
+                home.iter().map(|home| home + swing).collect()
+            };
+            let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
+            baker.bake(&motion, &Marks::default()).unwrap().written.bytes
+        })
     }
 
-    /// Power-on of its servos, and of a board. `flash`: what the board's held when power was lost; else it is blank.
-    pub(crate) fn power_on(&self, flash: Option<&[u8]>) -> Emulated {
+    /// OP3 with XM430 on its 20 joints, driven by position, and a walk of CMU's, fitted as by `sinew play`.
+    /// `data`: `SINEW_DATA`.
+    pub(crate) fn walking_op3(data: &Path) -> Self {
+        let import = Import { repair_inertia: true, ..Import::default() };
+        let op3 = data.join("urdf/robotis-op3/robotis_op3.urdf");
+        let mut description = sinew_sim::rig::load(&op3, &import).unwrap().description;
+        put_servos(&mut description, &["xm430".parse().unwrap()]).unwrap();
+        let servos = Servos::of(&description, &description.mechanism().unwrap()).unwrap();
+        let options = Options { drive: Some(Drive::Position), ..Options::of_board() };
+        Self::with_show(description, options, |baker| {
+            let clip = ClipFile::new(&data.join("cmu/walk/07_01.bvh"));
+            let clip = PreparedClip::read(&clip, ClipSettings::default()).unwrap();
+            let taken = take_over(baker.mechanism, &clip, None, false).unwrap().motion;
+            let limits = Limits::of(baker.mechanism, &servos);
+            let fitted = fit(baker.mechanism, &limits, &taken, FitSettings::default()).unwrap();
+            let baked = baker.bake_within(&limits, &taken, fitted, Marks::of_none);
+            baked.unwrap().1.written.bytes
+        })
+    }
+
+    fn with_show(
+        description: Description,
+        options: Options,
+        show: impl FnOnce(&Baker<'_>) -> Vec<u8>,
+    ) -> Self {
+        let mechanism = description.mechanism().unwrap();
+        let parts = Parts::new(&description, &mechanism, options).unwrap();
+        let bytes = parts.board_rig().unwrap();
+        let (rig, settings) = (parts.rig_crc(), Settings::default());
+        let show = show(&Baker { mechanism: &mechanism, rig, settings });
+        Self { description, mechanism, parts, bytes, show }
+    }
+
+    /// Its servos, just before their power comes on.
+    pub(crate) fn servos(&self) -> Line<Branch<'static, RigPlant>> {
         let memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.description, &self.mechanism).unwrap();
         let lines = self.parts.simulated(memories.leak(), plant).unwrap();
         let [line] = lines.try_into().map_err(|_| "it has one line").unwrap();
-        EmulatedBoard::new(OnServos::new(machine(flash), line, BAUD, 0))
+        line
+    }
+
+    /// Length of a tick, ns.
+    pub(crate) fn tick_ns(&self) -> u64 {
+        1000 * u64::from(self.parts.tick_us())
+    }
+
+    /// Bits a second of their line.
+    pub(crate) fn baud(&self) -> u32 {
+        self.parts.lines[0].baud
+    }
+
+    /// Power-on of its servos, and of a board. `flash`: what the board's held when power was lost; else it is blank.
+    pub(crate) fn power_on(&self, flash: Option<&[u8]>) -> Emulated {
+        EmulatedBoard::new(OnServos::new(machine(flash), self.servos(), self.baud(), 0))
     }
 
     pub(crate) fn item(&self) -> Item {
@@ -98,24 +149,30 @@ pub(crate) fn connected(board: Emulated) -> Board<Emulated> {
     Board::connect(board, 1, 5 * SECOND).unwrap()
 }
 
-/// A board with rig and show, and telemetry on.
-pub(crate) fn ready(rig: &Rig) -> Board<Emulated> {
+/// A board with a rig.
+pub(crate) fn with_rig(rig: &Rig) -> Board<Emulated> {
     let mut board = connected(rig.power_on(None));
     board.upload(&rig.item(), &rig.bytes, &mut |_| ()).unwrap();
+    board
+}
+
+/// A board with rig and show, and telemetry on.
+pub(crate) fn ready(rig: &Rig) -> Board<Emulated> {
+    let mut board = with_rig(rig);
     board.upload(&rig.show_item(), &rig.show, &mut |_| ()).unwrap();
     load(&mut board, rig);
     board
 }
 
 /// Loads the show that is stored.
-pub(crate) fn load(board: &mut Board<Emulated>, rig: &Rig) {
+pub(crate) fn load<L: Link>(board: &mut Board<L>, rig: &Rig) {
     let slot = board.slot_of(&rig.show_item()).unwrap().expect("its show is stored");
     board.ask(Command::LoadShow { slot }).unwrap();
     board.telemetry(20.0, Told::SUMMARY).unwrap();
 }
 
 /// Runs until it is in a state.
-pub(crate) fn until(board: &mut Board<Emulated>, state: State, seconds: u32) {
+pub(crate) fn until<L: Link>(board: &mut Board<L>, state: State, seconds: u32) {
     let end = board.now() + seconds * SECOND;
     while board.now() < end {
         if board.fresh_state(SECOND).unwrap() == state {
@@ -126,7 +183,7 @@ pub(crate) fn until(board: &mut Board<Emulated>, state: State, seconds: u32) {
 }
 
 /// Arms it as soon as its joints rest.
-pub(crate) fn arm_it(board: &mut Board<Emulated>) {
+pub(crate) fn arm_it<L: Link>(board: &mut Board<L>) {
     until(board, State::Limp, 2);
     let end = board.now() + 10 * SECOND;
     while board.now() < end {

@@ -51,13 +51,16 @@ impl Ports {
 pub(crate) struct Exchange<'l> {
     pub(crate) ports: &'l mut Ports,
     pub(crate) lines: &'l RefCell<Lines>,
-    /// Until when servos are asked for more, µs.
+    /// For so long from the exchange's beginning servos are asked for more, µs.
+    pub(crate) asks_us: u32,
+    /// Until when that is, µs.
     pub(crate) until_us: u64,
 }
 
 impl Wire for Exchange<'_> {
     /// All lines, one after the other: what each plans for itself.
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
+        self.until_us = clock::now_us().saturating_add(self.asks_us.into());
         for (line, place) in self.ports.places.clone().into_iter().enumerate() {
             let mut planned = self.lines.borrow_mut().plan(line, &mut self.ports.out);
             while let Some(Request { len, time_us, .. }) = planned {

@@ -48,8 +48,9 @@ pub const CAPACITY: Capacity = Capacity {
     servos: rounded(SERVOS),
 };
 
-/// Room for the longest item of a rig: its compact form, and its wiring.
-const RIG_ROOM: usize = 4096;
+/// Room for the longest item of a rig, its compact form and its wiring: half of a sector of 16 kB, since the log keeps
+/// the old one until the new one is whole. OP3 with 20 XM430 takes 6.4 kB.
+const RIG_ROOM: usize = 8192;
 
 /// The loop's interrupt is above all but DMA, whose rings count their turns by theirs.
 const LOOP_PRIORITY: u8 = 8 << 4;
@@ -137,7 +138,7 @@ struct Loop<'l> {
     ports: Ports,
     pins: Pins,
     mail: &'static OwnMail,
-    /// For so long from its beginning a tick asks servos for more: the rest is for what it computes, and for the desk.
+    /// For so long a tick's exchange asks servos for more: the rest is for what it computes before and behind it.
     asks_us: u32,
 }
 
@@ -156,8 +157,7 @@ fn TIM3() {
     // SAFETY: the frame that it lies in is never left, and nobody else has it since it was told.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
     let Loop { control, lines, ports, pins, mail, asks_us } = own;
-    let until_us = clock::now_us().saturating_add(u64::from(*asks_us));
-    let mut wire = Exchange { ports, lines, until_us };
+    let mut wire = Exchange { ports, lines, asks_us: *asks_us, until_us: 0 };
     // What was not whole has not fed the watchdog, and the report says why.
     let _ = control.tick(pins, *mail, &mut AllLines(lines), &mut wire, &mut []);
     let fault = control.controller().report().latched.first();

@@ -290,7 +290,7 @@ impl Args {
             DriveArg::Current => Drive::Current,
             DriveArg::Position => Drive::Position,
         });
-        Options { drive, rate_hz: self.rate, baud: self.baud }
+        Options { drive, rate_hz: self.rate, baud: self.baud, ..Options::default() }
     }
 
     /// The bytes of the show: read, or baked of a clip.

@@ -8,12 +8,14 @@ use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 
 use super::SERVOS;
-use super::parts::{Parts, PartsError};
+use super::parts::{Options, Parts, PartsError};
 use super::schedule::Load;
 use super::servo_part::{Drive, ServoPart, current_a, encoder, mode, no_load_rad_s, single, table};
 
 /// What Dynamixel lines talk at, unless told otherwise: all models but the oldest can.
 const DYNAMIXEL_BAUD: u32 = 4_000_000;
+/// The same on a board: what the 90 MHz of an STM32F446's UART divide to exactly. 4 Mbit/s would be 2 % off.
+const BOARD_BAUD: u32 = 3_000_000;
 /// What Feetech servos are shipped with, and their fastest.
 const FEETECH_BAUD: u32 = 1_000_000;
 /// Readings that tell more than twice the servo's own speed are not believed at once.
@@ -63,7 +65,7 @@ impl Line {
 }
 
 /// The lines of a rig, still without servos.
-pub(super) fn lines(servos: &[RigServo], baud: Option<u32>) -> Result<Vec<Line>, PartsError> {
+pub(super) fn lines(servos: &[RigServo], options: Options) -> Result<Vec<Line>, PartsError> {
     let mut lines: Vec<Line> = Vec::new();
     let mut first: HashMap<&str, &RigServo> = HashMap::new();
     for servo in servos {
@@ -73,10 +75,13 @@ pub(super) fn lines(servos: &[RigServo], baud: Option<u32>) -> Result<Vec<Line>,
         let one = *first.entry(&servo.bus).or_insert(servo);
         let Some(line) = lines.iter().find(|line| line.name == servo.bus) else {
             let (known, usual): (&[u32], u32) = match table {
+                RegisterTable::Dynamixel(_) if options.is_of_board => {
+                    (&dynamixel::table::BAUDS, BOARD_BAUD)
+                }
                 RegisterTable::Dynamixel(_) => (&dynamixel::table::BAUDS, DYNAMIXEL_BAUD),
                 RegisterTable::Feetech(_) => (&FEETECH_BAUDS, FEETECH_BAUD),
             };
-            let baud = baud.unwrap_or(usual);
+            let baud = options.baud.unwrap_or(usual);
             let bus = servo.bus.clone();
             if !known.contains(&baud) {
                 let known = known.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");

@@ -27,6 +27,16 @@ pub struct Options {
     pub rate_hz: Option<u32>,
     /// Bits a second of all lines.
     pub baud: Option<u32>,
+    /// For a board, in place of a loop in this program: what the board's processor computes in a tick counts, and its
+    /// clock divides to the rate of its lines.
+    pub is_of_board: bool,
+}
+
+impl Options {
+    /// What a board gets that nobody has asked for anything else.
+    pub fn of_board() -> Self {
+        Self { is_of_board: true, ..Self::default() }
+    }
 }
 
 /// Why a rig cannot be played on.
@@ -140,7 +150,7 @@ impl Parts {
         let board = Board::bake(rig, mechanism)?;
         let (rig_crc, _) = rig_hash(rig, mechanism);
         let own = servos(rig, mechanism)?;
-        let mut lines = lines(&own, options.baud)?;
+        let mut lines = lines(&own, options)?;
         let drives = drives(&board, &own, options.drive)?;
         let mut parts = Vec::new();
         for (index, (own, drive)) in own.into_iter().zip(drives).enumerate() {
@@ -152,9 +162,12 @@ impl Parts {
         let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
         let loads: Vec<(&str, Load)> =
             lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
+        let compute_us = estimated_us(parts.len(), BOARD_HZ);
+        if options.is_of_board {
+            settings.compute_us = compute_us;
+        }
         let needs = Needs { compute_us: settings.compute_us, stale_s: settings.stale_s };
         let (rate_hz, schedules) = choose(&loads, options.rate_hz, needs)?;
-        let compute_us = estimated_us(parts.len(), BOARD_HZ);
         let of_board = Needs { compute_us, ..needs };
         let holds =
             choose(&loads, Some(rate_hz), of_board).or_else(|_| choose(&loads, None, of_board));

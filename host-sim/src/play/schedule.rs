@@ -43,6 +43,21 @@ pub enum RateError {
         /// What does fit.
         fits: String,
     },
+    /// A board computes for too long.
+    #[error(
+        "by the estimate a board computes {ms:.1} ms a tick for {servos} servos by current, and has no time for line \
+         {line:?} besides at {slowest_hz} Hz, the slowest; `--drive position` does with 50 to 100 Hz"
+    )]
+    Board {
+        /// What it computes, ms.
+        ms: f32,
+        /// For how many servos.
+        servos: u32,
+        /// A line that there is no time for.
+        line: String,
+        /// The slowest rate at which currents close a loop, Hz.
+        slowest_hz: u32,
+    },
     /// All are.
     #[error(
         "line {line:?} at {baud} bit/s is too slow for its {servos} servos: choose a higher --baud"
@@ -79,6 +94,11 @@ pub(super) fn choose(
         }
         let (line, load) = lines[slow];
         let (baud, servos) = (load.timing.baud, load.traffic.servos);
+        let slowest_hz = OF_CURRENT[OF_CURRENT.len() - 1];
+        if of_current && load.fits(slowest_hz, Needs { compute_us: 0, ..needs }).is_some() {
+            let (ms, line) = (needs.compute_us as f32 * 1e-3, line.to_owned());
+            return Err(RateError::Board { ms, servos, line, slowest_hz });
+        }
         return Err(RateError::None { line: line.to_owned(), baud, servos });
     };
     fits(asked_hz).map(|schedules| (asked_hz, schedules)).map_err(|slow| {

@@ -252,12 +252,11 @@ kernel = { 18 = 100 }
     fn the_estimate_of_a_tick_is_what_was_measured_and_hardly_more() {
         let text = std::fs::read_to_string(crate::step::root().join(FILE)).unwrap();
         let budget = Budget::parse(&text).unwrap();
-        // Cycles, at a million of them a second.
-        let estimated = |servos| sinew_firmware::controller::estimated_us(servos, 1_000_000);
+        let [fixed, each] = sinew_firmware::controller::TICK_CYCLES;
         for servos in [6, 20, 40] {
             let place = Place::new("estimated_cycles", "loop_recommended", &servos.to_string());
             let measured = budget.accepted(&place).unwrap() as f64;
-            let share = f64::from(estimated(servos)) / measured;
+            let share = f64::from(fixed + each * servos) / measured;
             assert!((1.0..1.03).contains(&share), "{servos} servos: {share}");
         }
     }
