@@ -7,7 +7,7 @@
 pub const TICK_CYCLES: [u32; 2] = [22_400, 16_500];
 
 /// Boards' images are optimized for size, those that [`TICK_CYCLES`] are of for speed. So many per cent of their
-/// instructions a tick takes on the emulated F446: 220, 208 and 190 of arms of 3 and 6 servos and an OP3 of 20.
+/// instructions a tick takes: 220 and 208 of arms of 3 and 6 servos on the emulated F446, 186 of 20 servos in QEMU.
 const SMALL_PERCENT: u64 = 210;
 
 /// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] and its image's size at the clock of its processor,
