@@ -4,6 +4,7 @@ mod bake;
 mod blend;
 mod board;
 mod clips;
+mod driven;
 mod evaluate;
 mod export;
 mod figure;

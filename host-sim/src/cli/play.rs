@@ -10,7 +10,6 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
-use clap::ValueEnum;
 use sinew_firmware::supervisor::{Refused, TABLE};
 use sinew_mocap::Kind;
 use sinew_rig::toml_file;
@@ -21,12 +20,13 @@ use sinew_sim::command::{note, print};
 use sinew_sim::output;
 use sinew_sim::performance::{Baker, Marks, rig_hash};
 use sinew_sim::play::{
-    Director, Drive, Emulator, Ended, Memory, Options, Parts, Recorder, ServoChoice, Stand, Tally,
-    Twin, put_servos,
+    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
+    put_servos,
 };
 use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
+use super::driven::DrivenArgs;
 use super::performance::{ON_STAND, OnRig};
 use super::told::ToldArgs;
 use live::Live;
@@ -62,17 +62,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
-    /// How servos are driven. Default: by current where they have a current mode, else by position.
-    #[arg(long, value_enum)]
-    drive: Option<DriveArg>,
-
-    /// Ticks a second. Default: 500, or what the bus has time for; where all servos are driven by position 100.
-    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    rate: Option<u32>,
-
-    /// Bits per second of all buses. Default: 4000000; of Feetech servos 1000000.
-    #[arg(long, value_name = "RATE")]
-    baud: Option<u32>,
+    #[command(flatten)]
+    driven: DrivenArgs,
 
     /// Let the whole node of boards (link, storage, loop) drive the servos, as an Arm image in QEMU. It gets rig,
     /// settings, show and commands over its link; what it says is compared with the controller in this program.
@@ -126,14 +117,6 @@ pub(super) struct Args {
     seconds: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DriveArg {
-    /// The tracker's effort over the torque constant.
-    Current,
-    /// The target, and what gravity makes the servo sag taken off in advance.
-    Position,
-}
-
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     with_stack(|| play(args))
@@ -172,7 +155,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let of_record =
         || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
     let mut parts =
-        Parts::new(&rig.description, &rig.mechanism, args.options()).with_context(of_rig)?;
+        Parts::new(&rig.description, &rig.mechanism, args.driven.here()).with_context(of_rig)?;
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
     if let Some(port) = &args.board {
@@ -285,14 +268,6 @@ fn tell(parts: &Parts) {
 }
 
 impl Args {
-    fn options(&self) -> Options {
-        let drive = self.drive.map(|drive| match drive {
-            DriveArg::Current => Drive::Current,
-            DriveArg::Position => Drive::Position,
-        });
-        Options { drive, rate_hz: self.rate, baud: self.baud, ..Options::default() }
-    }
-
     /// The bytes of the show: read, or baked of a clip.
     fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);

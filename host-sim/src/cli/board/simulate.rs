@@ -13,9 +13,10 @@ use sinew_firmware::supervisor::State;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
 use sinew_sim::command::print;
-use sinew_sim::play::{Chip, Memory, Options, Parts, SimulatedBoard, put_servos};
+use sinew_sim::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
 use sinew_sim::teach::ScriptedHand;
 
+use crate::cli::driven::DrivenArgs;
 use crate::cli::record::leads;
 use crate::cli::rig::read;
 
@@ -68,6 +69,9 @@ struct BoardArgs {
     /// Servos for a rig whose file has none, as of `sinew play`.
     #[arg(long, value_name = "[JOINTS=]KIND")]
     servo: Vec<sinew_sim::play::ServoChoice>,
+
+    #[command(flatten)]
+    driven: DrivenArgs,
 }
 
 /// Serves until it is told to end.
@@ -86,7 +90,7 @@ fn serve(args: &BoardArgs) -> anyhow::Result<ExitCode> {
     if put_servos(&mut rig.description, &args.servo).with_context(of_rig)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+    let parts = Parts::new(&rig.description, &rig.mechanism, args.driven.on_board());
     let parts = parts.with_context(of_rig)?;
     let chip = match &args.flash {
         Some(path) => Chip::in_file(path).with_context(|| path.display().to_string())?,

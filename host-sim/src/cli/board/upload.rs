@@ -12,9 +12,10 @@ use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
 use sinew_show::Show;
 use sinew_sim::command::{note, print};
-use sinew_sim::play::{Options, Parts, ServoChoice, put_servos};
+use sinew_sim::play::{Parts, ServoChoice, put_servos};
 
 use super::BoardPort;
+use crate::cli::driven::DrivenArgs;
 use crate::cli::rig::read;
 
 /// Bring a rig or a show to a controller. It goes on where the same upload was interrupted; refused while armed.
@@ -35,6 +36,9 @@ enum What {
         /// Servos for a rig whose file has none, as of `sinew play`.
         #[arg(long, value_name = "[JOINTS=]KIND")]
         servo: Vec<ServoChoice>,
+
+        #[command(flatten)]
+        driven: DrivenArgs,
 
         #[command(flatten)]
         common: Common,
@@ -67,20 +71,32 @@ struct Common {
 /// Uploads.
 pub(in crate::cli) fn run(args: &UploadArgs) -> anyhow::Result<ExitCode> {
     match &args.what {
-        What::Rig { file, servo, common } => rig(file, servo, common),
+        What::Rig { file, servo, driven, common } => rig(file, servo, *driven, common),
         What::Show { file, replace, common } => show(file, *replace, common),
     }
 }
 
-fn rig(file: &Path, servo: &[ServoChoice], common: &Common) -> anyhow::Result<ExitCode> {
+fn rig(
+    file: &Path,
+    servo: &[ServoChoice],
+    driven: DrivenArgs,
+    common: &Common,
+) -> anyhow::Result<ExitCode> {
     let of_file = || file.display().to_string();
     let mut rig = read(file)?;
     if put_servos(&mut rig.description, servo).with_context(of_file)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
-    let bytes = parts.with_context(of_file)?.board_rig().map_err(anyhow::Error::msg);
+    let parts = Parts::new(&rig.description, &rig.mechanism, driven.on_board());
+    let parts = parts.with_context(of_file)?;
+    let bytes = parts.board_rig().map_err(anyhow::Error::msg);
     let bytes = bytes.with_context(of_file)?;
+    for line in &parts.lines {
+        note(format_args!(
+            "bus {:?}: the board talks to its servos at {} bit/s, in {} ticks a second",
+            line.name, line.baud, parts.rate_hz
+        ));
+    }
     let mut board = common.board.open()?;
     let item = item(Kind::Rig, RIG_SCHEMA, &bytes, 0, &common.by)?;
     put(&mut board, &item, &bytes)?;

@@ -38,6 +38,8 @@ pub(super) fn led(
     }
     let mut board = open(Some(port))?;
     check_rig(&board, parts)?;
+    // As often as there are ticks: how long one is, the board alone knows.
+    let tick_s = f64::from(board.telemetry(f32::MAX, Told::SUMMARY)?.rate_hz).recip();
     let told = board.telemetry(RATE_HZ, Told::SUMMARY.and(Told::POSE))?;
     ensure!(told.rate_hz > 0.0, "the controller sends no poses");
     let mut lesson = Lesson { board, stop: Stop::new()?, state: None, bar: bar()? };
@@ -48,7 +50,6 @@ pub(super) fn led(
     led?;
     stopped?;
     let poses = lesson.board.seen.poses.take().unwrap_or_default();
-    let tick_s = 1e-6 * f64::from(parts.tick_us());
     Ok(rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip())?)
 }
 
