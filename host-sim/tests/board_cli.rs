@@ -73,7 +73,7 @@ fn a_board_is_looked_over_set_up_and_asked() {
     assert!(wrong.contains("link_hold_s"), "{wrong}");
     let refused = says(&["settings", "--board", &port, "set", "stop_s", "1e9"], 2);
     assert!(refused.contains("must be a number from"), "{refused}");
-    let model = says(&["servo", "ping", "1", "--board", &port, "--baud", "4000000"], 0);
+    let model = says(&["servo", "ping", "1", "--board", &port, "--baud", "3000000"], 0);
     assert!(model.contains("servo 1: XL330"), "{model}");
     let looked = sinew(&["doctor", "--board", &port, "--rig", &rig, "-o", &report]);
     let looked = { looked }.output().unwrap();

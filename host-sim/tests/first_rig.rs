@@ -43,7 +43,7 @@ fn run(folder: &Path, lines: &[String]) -> f64 {
     // A busy machine is no servo line in real time.
     let script = lines.join("\n").replace("--bus ", "--wait 300 --bus ");
     // What a failed line leaves running would keep the output open.
-    let script = format!("trap 'kill $! 2>/dev/null' EXIT\n{script}");
+    let script = format!("trap 'kill $! 2>/dev/null || true' EXIT\n{script}");
     let start = Instant::now();
     let done = Command::new("sh")
         .args(["-e", "-c", &script])
