@@ -56,8 +56,8 @@ pub fn lossy(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// The encoding of a text, and the length of the mark that tells it. Where there is none: a text begins with a letter or
-/// a sign of ASCII, of which UTF-16 makes a zero and another byte.
+/// The encoding of a text, and the length of the mark that tells it. Where there is none: a text begins with a letter
+/// or a sign of ASCII, of which UTF-16 makes a zero and another byte.
 fn of(bytes: &[u8]) -> (Encoding, usize) {
     match bytes {
         [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),

@@ -10,8 +10,8 @@ pub const TICK_CYCLES: [u32; 2] = [22_400, 16_500];
 /// instructions a tick takes: 220 and 208 of arms of 3 and 6 servos on the emulated F446, 186 of 20 servos in QEMU.
 const SMALL_PERCENT: u64 = 210;
 
-/// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] and its image's size at the clock of its processor,
-/// Hz. O(1).
+/// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] and the size of its image, at the clock of its
+/// processor, Hz. O(1).
 ///
 /// An estimate: a board measures its own. It is what `ControllerSettings::compute_us` should be at least.
 pub fn estimated_us(servos: usize, clock_hz: u32) -> u32 {

@@ -125,8 +125,8 @@ pub struct Library {
 }
 
 impl Library {
-    /// Reads the clips that `paths` name, in parallel; `done` is called for each. What is damaged, or of another skeleton
-    /// than the query's, is left out if it comes from a folder, unless `is_strict`.
+    /// Reads the clips that `paths` name, in parallel; `done` is called for each. What is damaged, or of another
+    /// skeleton than the query's, is left out if it comes from a folder, unless `is_strict`.
     ///
     /// # Errors
     /// [`ReadError`] for the first clip that is not left out, or the first of all if none can be searched.
