@@ -8,9 +8,10 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_sim::command::{note, print};
-use sinew_sim::play::{Options, Parts};
+use sinew_sim::play::Parts;
 
 use super::BoardPort;
+use crate::cli::driven::DrivenArgs;
 use crate::cli::rig::read;
 
 /// Look a board over while its rig is limp: versions, faults, time of ticks, link, supply; with --rig each servo's
@@ -26,6 +27,9 @@ pub(in crate::cli) struct DoctorArgs {
     /// The rig that the board has: a rig.toml, a URDF or an MJCF file.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
+
+    #[command(flatten)]
+    driven: DrivenArgs,
 
     /// The file.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
@@ -71,7 +75,7 @@ impl Findings {
 pub(in crate::cli) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let parts = rig.as_ref().map(|rig| {
-        let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+        let parts = Parts::new(&rig.description, &rig.mechanism, args.driven.on_board());
         parts.with_context(|| rig.description.name.clone())
     });
     let parts = parts.transpose()?;
