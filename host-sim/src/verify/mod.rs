@@ -3,7 +3,7 @@
 //! Each kind of file has a module here. What error each number may have follows from [`rounding`], case by case; the
 //! few promises of another kind are in `tolerance`.
 
-#![allow(
+#![expect(
     clippy::large_types_passed_by_value,
     reason = "numbers with their rounding are used as numbers are"
 )]
