@@ -156,12 +156,18 @@ fn damaged_files_are_left_out_of_folders() {
     fs::write(file("packed.bvh"), b"\x1f\x8b\x08\0\x99\xfe").expect("a file");
     let utf16 = text(&other).encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     fs::write(file("wide.bvh"), [&b"\xff\xfe"[..], &utf16].concat()).expect("a file");
+    let arm = sinew(folder.path(), &["rig", "new", "--arm", "6"]);
+    fs::write(folder.path().join("arm.toml"), arm.stdout).expect("a file");
+    let sweep = "[[grid]]\ncontroller.method = ['local']\n";
+    fs::write(folder.path().join("sweep.toml"), sweep).expect("a file");
     let of = |words: &str| -> Vec<String> { words.split(' ').map(str::to_owned).collect() };
     for words in [
         "find clips --like query.bvh@9",
         "evaluate --clips clips --seconds 0.1 --scale 1 --methods local",
         "latency --clips clips --seconds 0.2 --rates 500 --methods world",
         "robustness --clips clips --seconds 0.1 --seeds 1",
+        "evaluate --rig arm.toml --clips clips --seconds 0.1 --methods local",
+        "sweep sweep.toml --clips clips --seconds 0.1 --out swept",
     ] {
         let arguments = of(words);
         let words: Vec<&str> = arguments.iter().map(String::as_str).collect();

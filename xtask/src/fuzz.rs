@@ -6,12 +6,17 @@ use crate::step;
 
 pub(crate) fn run() -> Result<()> {
     for of in ["bus", "link", "firmware"] {
-        let manifest = format!("{of}/fuzz/Cargo.toml");
-        let mut tests = step::cargo();
-        tests.args(["test", "--locked", "--manifest-path", &manifest]);
-        // What it shares with the product's workspace is built once. Bolero would draw other cases in each run.
-        tests.args(["--target-dir", "target", "--no-default-features"]);
-        step::run(&format!("fuzz targets of {of}"), &mut tests)?;
+        step::run(&format!("fuzz targets of {of}"), &mut of_crate("test", of))?;
     }
-    Ok(())
+    // Their corpus is replayed by the tests of the crate.
+    step::run("fuzz targets of host-sim", of_crate("check", "host-sim").arg("--tests"))
+}
+
+fn of_crate(verb: &str, of: &str) -> std::process::Command {
+    let manifest = format!("{of}/fuzz/Cargo.toml");
+    let mut cargo = step::cargo();
+    cargo.args([verb, "--locked", "--manifest-path", &manifest]);
+    // What it shares with the product's workspace is built once. Bolero would draw other cases in each run.
+    cargo.args(["--target-dir", "target", "--no-default-features"]);
+    cargo
 }

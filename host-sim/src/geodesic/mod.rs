@@ -1,8 +1,11 @@
 //! Geodesics between poses: the shortest ways through space that keep bone lengths, and joints within their ranges.
 //! f64, in its own code: the judge of [`sinew_core::pose_space`].
 
-mod block_tridiagonal;
+mod by_joint;
+mod by_pose;
+mod derivatives;
 mod joint;
+mod model;
 mod rig;
 mod solver;
 

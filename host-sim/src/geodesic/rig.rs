@@ -1,7 +1,7 @@
 //! A rig in f64: where a pose puts its joints, and how they move.
 
-use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{DMatrix, DVector};
+use glam::{DQuat, DVec3};
+use nalgebra::DVector;
 use sinew_core::projection::JointRange;
 use sinew_core::{Body, JointKind};
 use thiserror::Error;
@@ -54,7 +54,7 @@ pub(super) struct Joint {
     pub(super) model: Model,
     rotation: DQuat,
     offset_m: DVec3,
-    weight: f64,
+    pub(super) weight: f64,
     pub(super) range: JointRange,
     /// Whether a geodesic moves it: neither left out, nor fixed, nor without any joint that it moves.
     pub(super) moves: bool,
@@ -88,9 +88,9 @@ pub enum RigError {
 pub(super) struct Placed {
     /// F: positions of all joints in one vector, each times the root of its weight.
     pub(super) f: DVector<f64>,
-    positions_m: Vec<DVec3>,
-    /// By column.
-    axes: Vec<(usize, Axis)>,
+    pub(super) positions_m: Vec<DVec3>,
+    /// By column: the joint, and how it moves.
+    pub(super) axes: Vec<(usize, Axis)>,
 }
 
 impl Rig {
@@ -223,83 +223,8 @@ impl Rig {
         Placed { f, positions_m, axes }
     }
 
-    /// W½ J at a pose: a column for each axis of each joint that moves.
-    pub(super) fn jacobian(&self, at: &Placed) -> DMatrix<f64> {
-        let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
-        for (column, (moving, axis)) in at.axes.iter().enumerate() {
-            for (index, joint) in self.joints.iter().enumerate().skip(*moving) {
-                if !self.carries(*moving, index) {
-                    continue;
-                }
-                let arm = at.positions_m[index] - at.positions_m[*moving];
-                let moved = (axis.angular.cross(arm) + axis.linear) * libm::sqrt(joint.weight);
-                jacobian
-                    .fixed_view_mut::<3, 1>(3 * index, column)
-                    .copy_from_slice(&moved.to_array());
-            }
-        }
-        jacobian
-    }
-
-    /// Σ over all joints of `force` times the second derivative of their (weighted) positions: how the surface that F
-    /// makes bends, as seen along a force.
-    ///
-    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders'
-    /// mean.
-    pub(super) fn bend(&self, at: &Placed, force: &DVector<f64>) -> DMatrix<f64> {
-        let count = self.joints.len();
-        // Of what every joint carries: the sum of forces, and Σ r fᵀ about the joint.
-        let mut sum = vec![DVec3::ZERO; count];
-        let mut moment = vec![DMat3::ZERO; count];
-        for index in (0..count).rev() {
-            let joint = &self.joints[index];
-            let own = DVec3::from_slice(&force.as_slice()[3 * index..]) * libm::sqrt(joint.weight);
-            sum[index] += own;
-            if let Some(parent) = joint.parent {
-                let arm = at.positions_m[index] - at.positions_m[parent];
-                let (force, carried) = (sum[index], moment[index]);
-                sum[parent] += force;
-                moment[parent] += carried + outer(arm, force);
-            }
-        }
-        // Σ u × f of each column.
-        let gathered: Vec<DVec3> = at
-            .axes
-            .iter()
-            .map(|(joint, axis)| {
-                let matrix = moment[*joint];
-                let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
-                matrix * axis.angular - axis.angular * trace + axis.linear.cross(sum[*joint])
-            })
-            .collect();
-        let mut bend = DMatrix::zeros(self.columns, self.columns);
-        for (inner, (of_inner, _)) in at.axes.iter().enumerate() {
-            for (outer, (of_outer, axis)) in at.axes.iter().enumerate().take(inner + 1) {
-                if !self.carries(*of_outer, *of_inner) {
-                    continue;
-                }
-                let is_ball = of_outer == of_inner
-                    && matches!(self.joints[*of_outer].model, Model::Spherical | Model::Free);
-                let value = if is_ball {
-                    let (a, b) = (axis.angular, at.axes[inner].1.angular);
-                    // Sliding in the frame that the turn does not carry: nothing.
-                    if a == DVec3::ZERO || b == DVec3::ZERO {
-                        0.0
-                    } else {
-                        0.5 * (a.dot(gathered[inner]) + b.dot(gathered[outer]))
-                    }
-                } else {
-                    axis.angular.dot(gathered[inner])
-                };
-                bend[(outer, inner)] = value;
-                bend[(inner, outer)] = value;
-            }
-        }
-        bend
-    }
-
     /// Whether a joint is another or carries it.
-    fn carries(&self, joint: usize, mut carried: usize) -> bool {
+    pub(super) fn carries(&self, joint: usize, mut carried: usize) -> bool {
         while carried > joint {
             let Some(parent) = self.joints[carried].parent else { return false };
             carried = parent;
@@ -357,11 +282,6 @@ impl Rig {
         let joints = self.joints.iter().zip(from.iter().zip(to));
         joints.map(|(joint, (from, to))| joint.model.between(joint.range, from, to, t)).collect()
     }
-}
-
-/// `a bᵀ`.
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// Whether a joint of this kind can have this range; NaN is in none.

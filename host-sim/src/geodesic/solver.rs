@@ -1,10 +1,8 @@
-//! The least energy of a curve between two poses: Newton's method with a trust region in Levenberg's form, its matrix
-//! block-tridiagonal, joint ranges by holding what is pressed against their ends.
+//! The least energy of a curve between two poses: Newton's method with a trust region in Levenberg's form, joint ranges
+//! by holding what is pressed against their ends.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::block_tridiagonal;
 use super::joint::JointPosition;
+use super::model::Model;
 use super::rig::{Placed, Rig, RigError};
 
 /// How to solve.
@@ -60,11 +58,9 @@ pub struct Iteration {
 /// Factor on the damping of a step that was as good as predicted.
 const SLOWEST: f64 = 1.0 / 3.0;
 
-/// What is added to second derivatives for every unit of the gradient.
-const RIDGE: f64 = 0.3;
-
 /// The curve of least energy (eq. 6) from one pose to another, each brought within the ranges: of several, the one
-/// downhill from every joint's own shortest way. O(steps · columns³) for each iteration.
+/// downhill from every joint's own shortest way. An iteration takes O(steps · columns³), and of a rig with many more
+/// columns than steps O(joints · steps³).
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.
@@ -87,7 +83,7 @@ pub fn solve(
     let line_length_m = curve.length_m();
     let scale = curve.energy_m2;
     let (mut damping, mut growth, mut course) = (1e-3, 2.0, Vec::new());
-    let mut model = Model::new(rig, &curve, options);
+    let mut model = Model::new(rig, &curve, options.second_derivatives);
     // Of poses that are nearly the same, gradients are not known better than positions are rounded.
     let rounding = 64.0 * f64::EPSILON * curve.placed[0].f.norm_squared();
     let is_done = |model: &Model| model.gradient <= (options.tolerance * scale).max(rounding);
@@ -102,7 +98,8 @@ pub fn solve(
         let gain = curve.energy_m2 - next.energy_m2;
         // Near the end, energies differ by their rounding only: there the model is trusted while it gets flatter.
         let is_rounding = predicted < 1e-12 * curve.energy_m2;
-        let next_model = (gain > 0.0 || is_rounding).then(|| Model::new(rig, &next, options));
+        let next_model =
+            (gain > 0.0 || is_rounding).then(|| Model::new(rig, &next, options.second_derivatives));
         match next_model {
             Some(next_model) if !is_rounding || next_model.gradient < model.gradient => {
                 let ratio = if is_rounding { 1.0 } else { gain / predicted };
@@ -136,149 +133,26 @@ pub fn solve(
 }
 
 /// A curve, and where it puts the joints.
-struct Curve {
-    poses: Vec<Vec<JointPosition>>,
-    placed: Vec<Placed>,
+pub(super) struct Curve {
+    pub(super) poses: Vec<Vec<JointPosition>>,
+    pub(super) placed: Vec<Placed>,
     energy_m2: f64,
 }
 
 impl Curve {
-    fn new(rig: &Rig, poses: Vec<Vec<JointPosition>>) -> Self {
+    pub(super) fn new(rig: &Rig, poses: Vec<Vec<JointPosition>>) -> Self {
         let placed: Vec<_> = poses.iter().map(|pose| rig.place(pose)).collect();
         let energy_m2 =
             placed.windows(2).map(|pair| (&pair[1].f - &pair[0].f).norm_squared()).sum();
         Self { poses, placed, energy_m2 }
     }
 
+    /// The poses between the ends.
+    pub(super) fn inner(&self) -> &[Placed] {
+        &self.placed[1..self.placed.len() - 1]
+    }
+
     fn length_m(&self) -> f64 {
         self.placed.windows(2).map(|pair| (&pair[1].f - &pair[0].f).norm()).sum()
     }
-}
-
-/// The energy near a curve, to second order, with what the ranges hold.
-struct Model {
-    diagonal: Vec<DMatrix<f64>>,
-    above: Vec<DMatrix<f64>>,
-    /// Without second derivatives, for where the other is not convex.
-    convex: Vec<DMatrix<f64>>,
-    downhill: Vec<DVector<f64>>,
-    /// Largest component of the gradient that is not held.
-    gradient: f64,
-    /// What is added to the diagonal.
-    ridge: f64,
-}
-
-impl Model {
-    fn new(rig: &Rig, curve: &Curve, options: &Options) -> Self {
-        let inner = 1..curve.placed.len() - 1;
-        let jacobians: Vec<_> = inner.clone().map(|k| rig.jacobian(&curve.placed[k])).collect();
-        let mut model = Self {
-            diagonal: Vec::new(),
-            above: Vec::new(),
-            convex: Vec::new(),
-            downhill: Vec::new(),
-            gradient: 0.0,
-            ridge: 0.0,
-        };
-        let mut held_before: Vec<bool> = Vec::new();
-        for (row, k) in inner.enumerate() {
-            let [before, at, after] = [k - 1, k, k + 1].map(|k| &curve.placed[k]);
-            let force = ((&at.f - &before.f) - (&after.f - &at.f)) * 2.0;
-            let jacobian = &jacobians[row];
-            let mut downhill = -jacobian.tr_mul(&force);
-            let ends = rig.ends(&curve.poses[k]);
-            let held: Vec<bool> = ends
-                .iter()
-                .zip(&downhill)
-                .map(|(end, downhill)| end[usize::from(*downhill > 0.0)])
-                .collect();
-            let mut convex = jacobian.tr_mul(jacobian) * 4.0;
-            let mut diagonal = convex.clone();
-            if options.second_derivatives {
-                diagonal += rig.bend(at, &force);
-            }
-            // Who goes along the end of a turn's range is brought back onto it, uphill.
-            for (column, bend) in rig.spheres(&curve.poses[k]) {
-                if held[column] {
-                    for across in [column + 1, column + 2] {
-                        diagonal[(across, across)] += downhill[column] * bend;
-                        convex[(across, across)] += downhill[column] * bend;
-                    }
-                }
-            }
-            for (index, _) in held.iter().enumerate().filter(|(_, held)| **held) {
-                downhill[index] = 0.0;
-                hold(&mut diagonal, index);
-                hold(&mut convex, index);
-            }
-            if row > 0 {
-                let mut above = jacobians[row - 1].tr_mul(jacobian) * -2.0;
-                for (index, _) in held_before.iter().enumerate().filter(|(_, held)| **held) {
-                    above.row_mut(index).fill(0.0);
-                }
-                for (index, _) in held.iter().enumerate().filter(|(_, held)| **held) {
-                    above.column_mut(index).fill(0.0);
-                }
-                model.above.push(above);
-            }
-            model.gradient = model.gradient.max(downhill.amax());
-            model.diagonal.push(diagonal);
-            model.convex.push(convex);
-            model.downhill.push(downhill);
-            held_before = held;
-        }
-        if options.second_derivatives {
-            model.ridge = RIDGE * model.gradient;
-        }
-        model
-    }
-
-    /// The curve after a step, and how much less its energy should be. `None` if the step cannot be found.
-    fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<(Curve, f64)> {
-        // Turns of two joints that undo each other move nothing; second derivatives along them are as large as the
-        // gradient, of either sign. A ridge of that size keeps them positive, and goes as the end is near.
-        let damped = |blocks: &[DMatrix<f64>], ridge: f64| -> Vec<DMatrix<f64>> {
-            let largest =
-                self.convex.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
-            let pairs = blocks.iter().zip(&self.convex);
-            pairs
-                .map(|(block, convex)| {
-                    let mut block = block.clone();
-                    for (index, own) in convex.diagonal().iter().enumerate() {
-                        // Turns that move next to nothing get a floor: without one they go anywhere.
-                        block[(index, index)] +=
-                            damping * own.max(1e-3 * largest) + 1e-12 * largest + ridge;
-                    }
-                    block
-                })
-                .collect()
-        };
-        let solve = |blocks: &[DMatrix<f64>], ridge: f64| {
-            let damped = damped(blocks, ridge);
-            let step = block_tridiagonal::solve(&damped, &self.above, &self.downhill)?;
-            Some((step, blocks.to_vec()))
-        };
-        let (step, blocks) =
-            solve(&self.diagonal, self.ridge).or_else(|| solve(&self.convex, 0.0))?;
-        // What the model says of the step: -gᵀs - ½ sᵀHs.
-        let mut predicted = 0.0;
-        for (k, step_k) in step.iter().enumerate() {
-            predicted += self.downhill[k].dot(step_k) - 0.5 * step_k.dot(&(&blocks[k] * step_k));
-            if let Some(after) = step.get(k + 1) {
-                predicted -= step_k.dot(&(&self.above[k] * after));
-            }
-        }
-        let mut poses = curve.poses.clone();
-        for (pose, step) in poses[1..].iter_mut().zip(&step) {
-            *pose = rig.stepped(pose, step.as_slice());
-        }
-        Some((Curve::new(rig, poses), predicted))
-    }
-}
-
-/// Takes a coordinate out of a block: it stays where it is.
-fn hold(block: &mut DMatrix<f64>, index: usize) {
-    block.row_mut(index).fill(0.0);
-    block.column_mut(index).fill(0.0);
-    block[(index, index)] = 1.0;
 }

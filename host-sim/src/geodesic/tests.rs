@@ -3,6 +3,7 @@ use sinew_core::JointKind;
 use sinew_core::glam::Vec3;
 use sinew_core::projection::JointRange;
 
+use super::model::{Model, Order};
 use super::*;
 
 /// A joint 0.3 m along x from its parent.
@@ -69,7 +70,14 @@ fn derivatives_are_those_of_positions() {
     };
     let jacobian = rig.jacobian(&placed);
     let force = placed.f.map(|x| libm::sin(17.0 * x) + 0.3);
-    let bend = rig.bend(&placed, &force);
+    let pull = rig.pull(&placed, &force);
+    let bend = rig.bend(&placed, &pull);
+    let along = jacobian.tr_mul(&force);
+    // Sums of a few products of numbers below 1.
+    assert!((&pull.along - along).amax() < 1e-13);
+    let squares = jacobian.column_iter().map(|column| column.norm_squared());
+    let squares = nalgebra::DVector::from_iterator(rig.columns, squares);
+    assert!((rig.squares(&placed) - squares).amax() < 1e-13);
     for column in 0..rig.columns {
         let (after, before) = (moved(&[(column, step)]), moved(&[(column, -step)]));
         let difference = (&after.f - &before.f) / (2.0 * step);
@@ -86,6 +94,61 @@ fn derivatives_are_those_of_positions() {
             );
         }
     }
+}
+
+/// Of a system of equations, in any order: with joints at ends of their ranges, with and without second derivatives.
+#[test]
+fn steps_are_the_same_in_every_order() {
+    let mut joints = rig_of_all_kinds();
+    joints[2].range = JointRange::Turn(0.7);
+    joints[3].range = JointRange::Axis([0.0, 1.0]);
+    let rig = Rig::new(&joints).unwrap();
+    let (from, mut to) = (pose(1.0), pose(-1.0));
+    to[2] = JointPosition::Turn(DQuat::from_scaled_axis(DVec3::new(0.8, -0.2, 0.5)));
+    let steps = 6;
+    let poses = (0..=steps).map(|k| {
+        let pose = rig.between(&from, &to, f64::from(k) / f64::from(steps));
+        rig.stepped(&pose, &vec![0.0; rig.columns])
+    });
+    let curve = solver::Curve::new(&rig, poses.collect());
+    for has_second_derivatives in [true, false] {
+        let step = |order| {
+            let model = Model::in_order(&rig, &curve, has_second_derivatives, order);
+            let held = model.held();
+            assert!(held > 0);
+            model.direction(&rig, &curve, 1e-3).expect("positive definite").0
+        };
+        let by_pose = step(Order::Poses);
+        for (one, other) in by_pose.iter().zip(step(Order::Joints)) {
+            // The matrix's condition, some 1e4 with this damping, times the rounding of f64.
+            let difference = (one - &other).amax() / one.amax();
+            assert!(difference < 1e-11, "{has_second_derivatives}: {difference:e}");
+        }
+    }
+}
+
+/// A chain of as many joints as are taken, all balls: an elimination pose by pose would take a minute for each step.
+#[test]
+fn a_long_chain_gets_shorter() {
+    let joints: Vec<_> = (0..256)
+        .map(|index| RigJoint {
+            offset_m: DVec3::new(0.01, 0.0, 0.0),
+            ..joint(usize::checked_sub(index, 1), JointKind::Spherical)
+        })
+        .collect();
+    let rig = Rig::new(&joints).unwrap();
+    let pose = |phase: f64| -> Vec<_> {
+        let turn = |index: usize| {
+            let angle = 0.1 * libm::sin(0.11 * index as f64 + phase);
+            DQuat::from_scaled_axis(DVec3::new(0.3 * angle, angle, -0.5 * angle))
+        };
+        (0..256).map(|index| JointPosition::Turn(turn(index))).collect()
+    };
+    let options = Options { iterations: 20, ..Options::default() };
+    let found = solve(&rig, &pose(0.0), &pose(1.0), &options).unwrap();
+    assert!(found.length_m < found.line_length_m);
+    assert!(found.course.windows(2).all(|pair| pair[1].energy_m2 <= pair[0].energy_m2));
+    assert!(found.gradient < found.course[0].gradient, "{:?}", found.course);
 }
 
 #[test]

@@ -1,10 +1,90 @@
-//! Symmetric block-tridiagonal systems, by Cholesky factors of their blocks.
+//! Newton's step pose by pose: the matrix is block-tridiagonal, and taken apart by Cholesky factors of its blocks.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::model::PoseModel;
+use super::rig::{Placed, Rig};
+
+/// The matrix of second derivatives, without what is added to its diagonal.
+pub(super) struct Blocks {
+    diagonal: Vec<DMatrix<f64>>,
+    above: Vec<DMatrix<f64>>,
+    /// Without second derivatives of positions.
+    convex: Vec<DMatrix<f64>>,
+}
+
+impl Blocks {
+    pub(super) fn new(
+        rig: &Rig,
+        placed: &[Placed],
+        poses: &[PoseModel],
+        has_second_derivatives: bool,
+    ) -> Self {
+        let jacobians: Vec<_> = placed.iter().map(|at| rig.jacobian(at)).collect();
+        let mut blocks = Self { diagonal: Vec::new(), above: Vec::new(), convex: Vec::new() };
+        for (k, (at, pose)) in placed.iter().zip(poses).enumerate() {
+            let jacobian = &jacobians[k];
+            let mut convex = jacobian.tr_mul(jacobian) * 4.0;
+            for (index, rim) in pose.rim.iter().enumerate() {
+                convex[(index, index)] += rim;
+            }
+            let mut diagonal = convex.clone();
+            if has_second_derivatives {
+                diagonal += rig.bend(at, &pose.pull);
+            }
+            for index in held(pose) {
+                hold(&mut diagonal, index);
+                hold(&mut convex, index);
+            }
+            if k > 0 {
+                let mut above = jacobians[k - 1].tr_mul(jacobian) * -2.0;
+                for index in held(&poses[k - 1]) {
+                    above.row_mut(index).fill(0.0);
+                }
+                for index in held(pose) {
+                    above.column_mut(index).fill(0.0);
+                }
+                blocks.above.push(above);
+            }
+            blocks.diagonal.push(diagonal);
+            blocks.convex.push(convex);
+        }
+        blocks
+    }
+
+    /// The step of each pose, with this added to the diagonal. `None` if the matrix is not positive definite.
+    pub(super) fn solve(
+        &self,
+        bends: bool,
+        added: &[DVector<f64>],
+        poses: &[PoseModel],
+    ) -> Option<Vec<DVector<f64>>> {
+        let blocks = if bends { &self.diagonal } else { &self.convex };
+        let mut diagonal = blocks.clone();
+        for (block, added) in diagonal.iter_mut().zip(added) {
+            for (index, added) in added.iter().enumerate() {
+                block[(index, index)] += added;
+            }
+        }
+        let right: Vec<_> = poses.iter().map(|pose| pose.downhill.clone()).collect();
+        solve(&diagonal, &self.above, &right)
+    }
+}
+
+fn held(pose: &PoseModel) -> impl Iterator<Item = usize> {
+    pose.held.iter().enumerate().filter(|(_, held)| **held).map(|(index, _)| index)
+}
+
+/// Takes a coordinate out of a block: it stays where it is.
+fn hold(block: &mut DMatrix<f64>, index: usize) {
+    block.row_mut(index).fill(0.0);
+    block.column_mut(index).fill(0.0);
+    block[(index, index)] = 1.0;
+}
+
 /// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the
 /// blocks on it, `above[k]` the one in row k, column k + 1. `None` if it is not positive definite. O(blocks · size³).
-pub(super) fn solve(
+fn solve(
     diagonal: &[DMatrix<f64>],
     above: &[DMatrix<f64>],
     right: &[DVector<f64>],

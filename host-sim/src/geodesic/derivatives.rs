@@ -1,0 +1,148 @@
+//! How the positions of a rig's joints move with its pose, to second order.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{DMatrix, DVector};
+
+use super::joint::Model;
+use super::rig::{Placed, Rig};
+
+/// What a force on every joint does to a rig, by column.
+#[derive(Debug, Clone)]
+pub(super) struct Pull {
+    /// Jᵀ times the force.
+    pub(super) along: DVector<f64>,
+    /// Σ over all joints that an axis carries: the velocity that it gives, times the force (a cross product).
+    gathered: Vec<DVec3>,
+}
+
+impl Rig {
+    /// W½ J at a pose: a column for each axis of each joint that moves.
+    pub(super) fn jacobian(&self, at: &Placed) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
+        for (column, (moving, axis)) in at.axes.iter().enumerate() {
+            for (index, joint) in self.joints.iter().enumerate().skip(*moving) {
+                if !self.carries(*moving, index) {
+                    continue;
+                }
+                let arm = at.positions_m[index] - at.positions_m[*moving];
+                let moved = (axis.angular.cross(arm) + axis.linear) * libm::sqrt(joint.weight);
+                jacobian
+                    .fixed_view_mut::<3, 1>(3 * index, column)
+                    .copy_from_slice(&moved.to_array());
+            }
+        }
+        jacobian
+    }
+
+    /// Squared lengths of the Jacobian's columns. O(joints).
+    pub(super) fn squares(&self, at: &Placed) -> DVector<f64> {
+        // Of what every joint carries: Σ w, Σ w r and Σ w r rᵀ, with r from the joint.
+        let count = self.joints.len();
+        let mut weight = vec![0.0; count];
+        let mut first = vec![DVec3::ZERO; count];
+        let mut second = vec![DMat3::ZERO; count];
+        for index in (0..count).rev() {
+            weight[index] += self.joints[index].weight;
+            if let Some(parent) = self.joints[index].parent {
+                let arm = at.positions_m[index] - at.positions_m[parent];
+                let (w, sum) = (weight[index], first[index]);
+                weight[parent] += w;
+                first[parent] += sum + arm * w;
+                let moved = outer(sum, arm) + outer(arm, sum) + outer(arm, arm * w);
+                let carried = second[index];
+                second[parent] += carried + moved;
+            }
+        }
+        let squares = at.axes.iter().map(|(joint, axis)| {
+            let (turn, slide) = (axis.angular, axis.linear);
+            let moment = second[*joint];
+            let turned = turn.length_squared() * trace(moment) - turn.dot(moment * turn);
+            turned
+                + 2.0 * slide.dot(turn.cross(first[*joint]))
+                + weight[*joint] * slide.length_squared()
+        });
+        DVector::from_iterator(self.columns, squares)
+    }
+
+    /// What a force on F does. O(joints).
+    pub(super) fn pull(&self, at: &Placed, force: &DVector<f64>) -> Pull {
+        let count = self.joints.len();
+        // Of what every joint carries: the sum of forces, and Σ r fᵀ about the joint.
+        let mut sum = vec![DVec3::ZERO; count];
+        let mut moment = vec![DMat3::ZERO; count];
+        for index in (0..count).rev() {
+            let joint = &self.joints[index];
+            let own = DVec3::from_slice(&force.as_slice()[3 * index..]) * libm::sqrt(joint.weight);
+            sum[index] += own;
+            if let Some(parent) = joint.parent {
+                let arm = at.positions_m[index] - at.positions_m[parent];
+                let (force, carried) = (sum[index], moment[index]);
+                sum[parent] += force;
+                moment[parent] += carried + outer(arm, force);
+            }
+        }
+        let along = at.axes.iter().map(|(joint, axis)| {
+            let moment = moment[*joint];
+            let [x, y, z] = [moment.x_axis, moment.y_axis, moment.z_axis];
+            // Σ r × f.
+            let torque = DVec3::new(z.y - y.z, x.z - z.x, y.x - x.y);
+            axis.angular.dot(torque) + axis.linear.dot(sum[*joint])
+        });
+        let gathered = at.axes.iter().map(|(joint, axis)| {
+            let (matrix, turn) = (moment[*joint], axis.angular);
+            matrix * turn - turn * trace(matrix) + axis.linear.cross(sum[*joint])
+        });
+        Pull { along: DVector::from_iterator(self.columns, along), gathered: gathered.collect() }
+    }
+
+    /// Σ over all joints of the force times the second derivative of their (weighted) positions: how the surface that
+    /// F makes bends, as seen along the force.
+    pub(super) fn bend(&self, at: &Placed, pull: &Pull) -> DMatrix<f64> {
+        let mut bend = DMatrix::zeros(self.columns, self.columns);
+        for (inner, (of_inner, _)) in at.axes.iter().enumerate() {
+            for (outer, (of_outer, _)) in at.axes.iter().enumerate().take(inner + 1) {
+                if self.carries(*of_outer, *of_inner) {
+                    let value = self.bend_along(at, pull, outer, inner);
+                    bend[(outer, inner)] = value;
+                    bend[(inner, outer)] = value;
+                }
+            }
+        }
+        bend
+    }
+
+    /// [`Rig::bend`] along two columns, of which the outer one carries the inner one or is of the same joint.
+    ///
+    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders'
+    /// mean.
+    pub(super) fn bend_along(&self, at: &Placed, pull: &Pull, outer: usize, inner: usize) -> f64 {
+        let ((of_outer, a), (of_inner, b)) = (&at.axes[outer], &at.axes[inner]);
+        let (a, b) = (a.angular, b.angular);
+        let is_ball = of_outer == of_inner
+            && matches!(self.joints[*of_outer].model, Model::Spherical | Model::Free);
+        if !is_ball {
+            a.dot(pull.gathered[inner])
+        } else if a == DVec3::ZERO || b == DVec3::ZERO {
+            // Sliding in the frame that the turn does not carry: nothing.
+            0.0
+        } else {
+            0.5 * (a.dot(pull.gathered[inner]) + b.dot(pull.gathered[outer]))
+        }
+    }
+}
+
+impl Pull {
+    /// How much more the force pulls along a column, by the angular velocity of what carries its joint.
+    pub(super) fn carried(&self, column: usize) -> DVec3 {
+        self.gathered[column]
+    }
+}
+
+/// `a bᵀ`.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+fn trace(matrix: DMat3) -> f64 {
+    matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
+}
