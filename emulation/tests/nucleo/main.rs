@@ -2,6 +2,7 @@
 
 mod faults;
 mod in_process;
+mod servos;
 mod stand;
 mod walk;
 
