@@ -1,6 +1,6 @@
 //! What servos must hold in their registers: the one list of it, for whoever writes it and whoever compares it.
 
-use crate::dynamixel::table::address as dxl;
+use crate::dynamixel::table::{Only, address as dxl};
 use crate::feetech::table::address as feetech;
 use crate::servo_state::round;
 use crate::table::{Item, Range};
@@ -85,7 +85,7 @@ const SLACK: f32 = 0.02;
 /// By address. A model without a register has one less. Drive mode 0: neither turned round (the rig's `direction` does
 /// that), nor timed, nor on by a goal. Startup 0: limp at power-up, until somebody arms it. Status level 2, all is
 /// answered: the level that a servo has after each power-on, and it costs nothing, for the bus writes to all at once.
-const DYNAMIXEL: &[(u16, Must)] = &[
+const DYNAMIXEL: [(u16, Must); 20] = [
     (dxl::RETURN_DELAY, Must::Be(DYNAMIXEL_DELAY)),
     (dxl::DRIVE_MODE, Must::Be(0)),
     (dxl::OPERATING_MODE, Must::Mode),
@@ -109,7 +109,7 @@ const DYNAMIXEL: &[(u16, Must)] = &[
 ];
 
 /// By address. The highest supply differs by type: it is left alone.
-const STS: &[(u8, Must)] = &[
+const STS: [(u8, Must); 13] = [
     (feetech::RETURN_DELAY, Must::Be(0)),
     (feetech::MIN_POSITION, Must::Least),
     (feetech::MAX_POSITION, Must::Most),
@@ -126,7 +126,7 @@ const STS: &[(u8, Must)] = &[
 ];
 
 /// By address. What the factory sets in an SCS is not known, and it has no register for its mode.
-const SCS: &[(u8, Must)] = &[
+const SCS: [(u8, Must); 6] = [
     (feetech::RETURN_DELAY, Must::Be(0)),
     (feetech::MIN_POSITION, Must::Least),
     (feetech::MAX_POSITION, Must::Most),
@@ -134,6 +134,40 @@ const SCS: &[(u8, Must)] = &[
     (feetech::MAX_TORQUE, Must::Share(1000)),
     (feetech::TORQUE_ENABLE, Must::Limp(0)),
 ];
+
+// The same with their items, put together at build time: a board has these, and not the whole tables with all names.
+static DYNAMIXEL_ITEMS: [(Only, Item, Must); DYNAMIXEL.len()] = dynamixel_items(DYNAMIXEL);
+static STS_ITEMS: [(Item, Must); STS.len()] = feetech_items(feetech_servos::Family::Sts, STS);
+static SCS_ITEMS: [(Item, Must); SCS.len()] = feetech_items(feetech_servos::Family::Scs, SCS);
+
+#[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
+const fn dynamixel_items<const N: usize>(list: [(u16, Must); N]) -> [(Only, Item, Must); N] {
+    let (only, item) = dynamixel_servos::table::of_all(list[0].0);
+    let mut items = [(only, item, list[0].1); N];
+    let mut index = 1;
+    while index < N {
+        let (address, must) = list[index];
+        let (only, item) = dynamixel_servos::table::of_all(address);
+        items[index] = (only, item, must);
+        index += 1;
+    }
+    items
+}
+
+#[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
+const fn feetech_items<const N: usize>(
+    family: feetech_servos::Family,
+    list: [(u8, Must); N],
+) -> [(Item, Must); N] {
+    let mut items = [(family.item(list[0].0), list[0].1); N];
+    let mut index = 1;
+    while index < N {
+        let (address, must) = list[index];
+        items[index] = (family.item(address), must);
+        index += 1;
+    }
+    items
+}
 
 /// What a Dynamixel must hold, by address: mode, return delay, status level, limits, shutdown, gains.
 ///
@@ -166,11 +200,8 @@ fn dynamixel_of(
     };
     // A servo that measures current is limited there.
     let share = if table.model.current.is_some() { 1.0 } else { demand.share() };
-    DYNAMIXEL.iter().filter(move |(_, must)| must.counts(is_limp)).filter_map(
-        move |(address, must)| {
-            let item = table.at(*address).filter(|item| item.address == *address)?;
-            Some(demand.setting(item, *must, mode, share))
-        },
+    DYNAMIXEL_ITEMS.iter().filter(move |(_, _, must)| must.counts(is_limp)).filter_map(
+        move |(only, item, must)| Some(demand.setting(table.own(*only, item)?, *must, mode, share)),
     )
 }
 
@@ -200,13 +231,14 @@ fn feetech_of(
         Mode::Pwm => 2,
         Mode::CurrentPosition | Mode::Current => NO_MODE,
     };
-    let list = match family {
-        feetech_servos::Family::Sts => STS,
-        feetech_servos::Family::Scs => SCS,
+    let items: &[(Item, Must)] = match family {
+        feetech_servos::Family::Sts => &STS_ITEMS,
+        feetech_servos::Family::Scs => &SCS_ITEMS,
     };
-    list.iter().filter(move |(_, must)| must.counts(is_limp)).filter_map(move |(address, must)| {
-        Some(demand.setting(family.at(*address)?, *must, mode, demand.share()))
-    })
+    items
+        .iter()
+        .filter(move |(_, must)| must.counts(is_limp))
+        .map(move |(item, must)| demand.setting(*item, *must, mode, demand.share()))
 }
 
 impl Must {

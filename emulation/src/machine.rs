@@ -142,6 +142,14 @@ impl Machine {
         self.tell("reset")
     }
 
+    /// Hangs its core until a reset; timers, DMA and the watchdog go on.
+    ///
+    /// # Errors
+    /// [`MachineError`] if the tool has ended.
+    pub fn hang(&mut self) -> Result<(), MachineError> {
+        self.tell("hang")
+    }
+
     /// What flash holds: what it would if power were lost now.
     ///
     /// # Errors

@@ -25,6 +25,8 @@ pub struct Lockstep<I, O> {
     /// The flash at power-on; none after that.
     flash: Option<Vec<u8>>,
     eraser: Eraser,
+    /// Whether the core stands still until a reset.
+    is_hung: bool,
     /// How far the host lets it run.
     goal_ns: u64,
     resets: usize,
@@ -40,10 +42,21 @@ pub struct Lockstep<I, O> {
 impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
     pub fn new(input: I, output: O, flash: Vec<u8>) -> Self {
         let (eraser, light) = (Eraser::default(), Level::Low);
-        let (goal_ns, resets, is_stray_told, told) = (0, 0, false, Vec::new());
-        let flash = Some(flash);
-        let pins = Vec::new();
-        Self { input, output, flash, eraser, goal_ns, resets, pins, light, is_stray_told, told }
+        let (goal_ns, resets, told, pins) = (0, 0, Vec::new(), Vec::new());
+        let (is_hung, is_stray_told, flash) = (false, false, Some(flash));
+        Self {
+            input,
+            output,
+            flash,
+            eraser,
+            is_hung,
+            goal_ns,
+            resets,
+            pins,
+            light,
+            is_stray_told,
+            told,
+        }
     }
 
     /// What the firmware has sent since the last stop.
@@ -97,10 +110,12 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
                     drive(session, stop.at, (port, pin), level);
                 }
                 Ok(Command::Reset) => {
-                    self.eraser.cut(host);
                     session.reset_by_pin(stop.at, stop.instruction_count, host);
-                    self.resets = session.resets().len();
-                    self.drive_pins(session, stop.at);
+                    self.begin_anew(session, stop.at, host);
+                }
+                Ok(Command::Hang) => {
+                    self.is_hung = true;
+                    self.hold(host);
                 }
                 Ok(Command::Flash) => {
                     writeln!(self.output, "flash {}", hex(&flash::read(host))).ok()?;
@@ -108,6 +123,25 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
                 Err(why) => writeln!(self.output, "error {why}").ok()?,
             }
         }
+    }
+
+    /// The core stands still while flash is erased, and while it hangs.
+    fn hold(&self, host: &mut dyn Host) {
+        host.hold(self.is_hung || self.eraser.is_busy());
+    }
+
+    /// It was reset.
+    fn begin_anew(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        at: VirtualNanos,
+        host: &mut dyn Host,
+    ) {
+        self.resets = session.resets().len();
+        self.eraser.cut();
+        self.is_hung = false;
+        self.hold(host);
+        self.drive_pins(session, at);
     }
 
     /// The models of pins forget at a reset what drives them.
@@ -135,9 +169,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
             if let Some(reset) = session.resets().last() {
                 self.told.push(format!("reset {now_ns} {}", cause(reset.cause)));
             }
-            self.resets = resets;
-            self.eraser.cut(host);
-            self.drive_pins(session, stop.at);
+            self.begin_anew(session, stop.at, host);
             self.goal_ns = now_ns;
         }
         let board = session.board_mut();
@@ -146,6 +178,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
             let sr = registers.get(rigless::soc::stm32f427::generated::flash::Register::Sr);
             if let Some(sector) = self.eraser.end(sr, host) {
                 self.told.push(format!("erased {now_ns} {sector}"));
+                self.hold(host);
             }
         }
         let (light, registers) = board.mcu.port(LIGHT.0);
@@ -175,6 +208,7 @@ impl<I: BufRead + Send, O: Write + Send> Driver<Nucleo> for Lockstep<I, O> {
                     && let Some(sector) = self.eraser.begin(value, host)
                 {
                     self.told.push(format!("erase {now_ns} {sector}"));
+                    self.hold(host);
                 }
                 let is_bus = access.address == 0x4001_1000 + u64::from(Register::Cr1.spec().offset);
                 if is_bus && is_over(session.board_mut(), now_ns) {

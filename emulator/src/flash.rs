@@ -42,11 +42,10 @@ impl Eraser {
         self.sector = Some(sector);
         let (from, len) = place(sector);
         clear(host, from, len / 2);
-        host.hold(true);
         Some(sector)
     }
 
-    /// Lets the core go on when `FLASH_SR` says that the erase is over. Which sector it was.
+    /// Ends it when `FLASH_SR` says that it is over. Which sector it was.
     pub fn end(&mut self, sr: u64, host: &mut dyn Host) -> Option<usize> {
         if sr & BSY != 0 {
             return None;
@@ -54,17 +53,15 @@ impl Eraser {
         let sector = self.sector.take()?;
         let (from, len) = place(sector);
         clear(host, from + len as u64 / 2, len / 2);
-        host.hold(false);
         Some(sector)
     }
 
     /// A reset: what was not erased stays.
-    pub fn cut(&mut self, host: &mut dyn Host) {
-        if self.sector.take().is_some() {
-            host.hold(false);
-        }
+    pub fn cut(&mut self) {
+        self.sector = None;
     }
 
+    /// Whether one is under way: the core stands still.
     pub fn is_busy(&self) -> bool {
         self.sector.is_some()
     }

@@ -15,6 +15,8 @@ pub enum Command {
     Pin(usize, u8, bool),
     /// To press the reset button.
     Reset,
+    /// To hang: the core stands still until a reset, and all else goes on.
+    Hang,
     /// To tell what flash holds.
     Flash,
 }
@@ -44,6 +46,7 @@ fn parsed(words: &[&str]) -> Option<Command> {
             Command::Pin(port, pin.parse().ok().filter(|pin| *pin < 16)?, *level == "1")
         }
         ["reset"] => Command::Reset,
+        ["hang"] => Command::Hang,
         ["flash"] => Command::Flash,
         _ => return None,
     })

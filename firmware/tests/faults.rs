@@ -86,7 +86,7 @@ fn tables() -> String {
     for row in TABLE {
         let (number, name) = (row.fault.number(), row.fault.name());
         let latches = if row.latches() { "yes" } else { "no" };
-        let (when, remedy, clears) = (row.when, row.remedy, row.clears);
+        let (when, remedy, clears) = (row.fault.when(), row.fault.remedy(), row.clears);
         writeln!(text, "| {number} | {name} | {when} | {remedy} | {latches} | {clears} |").unwrap();
     }
     let states = State::ALL.map(|state| format!(" {state} |")).concat();

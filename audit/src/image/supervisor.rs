@@ -35,7 +35,7 @@ pub(crate) fn faults() {
     let fault = black_box(Fault::LinkLate);
     findings.note(fault);
     findings.note_of(fault, black_box(1));
-    black_box((findings.servo(fault), fault.name()));
+    black_box((findings.servo(fault), fault.name(), fault.when(), fault.remedy()));
     let present: FaultSet = findings.present().iter().collect();
     black_box(present.minus(black_box(present)).and(black_box(present)).first());
 }

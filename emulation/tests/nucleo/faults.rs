@@ -4,12 +4,13 @@ use std::io;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use sinew_client::{Board, ClientError, Line};
+use sinew_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Feed, State};
 
 use crate::stand::{
-    Emulated, Rig, SECOND, arm_it, connected, load, ready, servos_on, until, with_rig,
+    Emulated, LOWER_S, Rig, SECOND, arm_it, connected, has_told, load, ready, servos_on,
+    set_lowering, until, with_rig,
 };
 
 /// A board that plays the show of an arm of three servos, which its flash had.
@@ -23,10 +24,6 @@ fn playing(rig: &Rig) -> Board<Emulated> {
     board.ask(Command::Play(Feed::Show)).unwrap();
     until(&mut board, State::Playing, 1);
     board
-}
-
-fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
-    board.seen.faults.iter().any(|record| record.fault == fault.number())
 }
 
 #[test]
@@ -133,15 +130,9 @@ fn emulated_nucleo_takes_an_upload_again_after_a_reset_in_it() {
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]
 fn emulated_nucleo_keeps_rig_show_and_settings_over_a_power_cut() {
-    /// `lower_s`: for so long a rig is lowered, s.
-    const LOWER_S: u16 = 7;
     let rig = Rig::new(3);
     let mut board = ready(&rig);
-    assert!((board.setting(LOWER_S).unwrap() - 2.0).abs() > 0.5, "it is another one");
-    // It begins anew with it, maybe before its answer has come.
-    let set = board.set_setting(LOWER_S, 2.0);
-    assert!(matches!(set, Ok(_) | Err(ClientError::SessionOver)), "{set:?}");
-    board.reconnect(5 * SECOND).unwrap();
+    set_lowering(&mut board, 2.0);
     let flash = board.line_mut().servos.machine.flash().unwrap();
     let mut board = connected(rig.power_on(Some(&flash)));
     assert_eq!(board.about().rig, rig.parts.rig_crc());

@@ -1,7 +1,9 @@
 //! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
 
 mod faults;
+mod hang;
 mod in_process;
+mod servos;
 mod stand;
 mod walk;
 

@@ -7,6 +7,7 @@ use std::{env, fs};
 use sinew_client::{Board, ClientError, Line as Link, item};
 use sinew_emulation::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
+use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
 use sinew_mocap::files::ClipFile;
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
@@ -28,6 +29,9 @@ pub(crate) const TORQUE_OFF: [&[u8]; 2] = [
     &[0xFF, 0xFF, 0xFD, 0, 0xFE, 6, 0, 3, 0x40, 0, 0, 0x2E, 0x16],
     &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
 ];
+
+/// The setting `lower_s`: for so long a rig is lowered, s.
+pub(crate) const LOWER_S: u16 = 7;
 
 /// Of an XL330.
 const TORQUE_ENABLE: u16 = 64;
@@ -200,4 +204,18 @@ pub(crate) fn arm_it<L: Link>(board: &mut Board<L>) {
 pub(crate) fn servos_on(board: &mut Emulated) -> usize {
     let servos = board.servos.line.servos.bench();
     servos.servos().iter().filter(|servo| servo.get(TORQUE_ENABLE) == 1).count()
+}
+
+/// Whether it has told of a fault.
+pub(crate) fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
+    board.seen.faults.iter().any(|record| record.fault == fault.number())
+}
+
+/// Sets for how long a rig is lowered, s, to another time than it has.
+pub(crate) fn set_lowering(board: &mut Board<Emulated>, lower_s: f32) {
+    assert!((board.setting(LOWER_S).unwrap() - lower_s).abs() > 0.5, "it is another one");
+    // It begins anew with it, maybe before its answer has come.
+    let set = board.set_setting(LOWER_S, lower_s);
+    assert!(matches!(set, Ok(_) | Err(ClientError::SessionOver)), "{set:?}");
+    board.reconnect(5 * SECOND).unwrap();
 }

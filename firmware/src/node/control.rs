@@ -184,9 +184,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         self.timing.tick(begun_at, board.cycles());
         self.supply.note(&self.controller);
         let ended = ended.map(|tick| board.feed(tick));
-        if let Some(served) = self.serve(board, bus, wire) {
-            mail.with(|mail| mail.put_served(served));
-        }
+        self.serve(board, mail, bus, wire);
         ended
     }
 

@@ -6,7 +6,7 @@ use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
 
 use super::board::Safety;
 use super::control::Control;
-use super::mail::{Mail, OfServos, Said, Ticket};
+use super::mail::{Mail, OfServos, Said, Shared, Ticket};
 use super::timing::{Spread, Timings};
 use crate::controller::{Controller, Wire};
 use crate::supervisor::State;
@@ -20,7 +20,7 @@ pub(super) enum Asked {
 
 /// What came of it.
 #[expect(clippy::large_enum_variant, reason = "no heap to put it on; there is one at a time")]
-pub(super) enum Served {
+enum Served {
     Passed(OfServos),
     NotPassed(State),
     NoLine,
@@ -48,22 +48,28 @@ impl Lowest {
 impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_, B, V, S, C> {
     /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as servos are
     /// waited for, at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
+    // Not within the tick: what servos say would lie on the stack in all of it.
     #[inline(never)]
-    pub(super) fn serve(
+    pub(super) fn serve<'m>(
         &mut self,
         board: &impl Safety,
+        mail: &impl Shared<Mail<'m, V, S, C>>,
         bus: &mut impl ServoBus,
         wire: &mut impl Wire,
-    ) -> Option<(Ticket, Served)> {
-        let (ticket, asked) = self.service.take()?;
-        let pass = match asked {
-            Asked::Health => return Some((ticket, Served::Measured(self.health(board)))),
-            Asked::Pass(pass) => pass,
+    ) {
+        let Some((ticket, asked)) = self.service.take() else { return };
+        let served = match asked {
+            Asked::Health => Served::Measured(self.health(board)),
+            Asked::Pass(pass) => self.pass(&pass, bus, wire),
         };
+        mail.with(|mail| mail.put_served(ticket, served));
+    }
+
+    fn pass(&mut self, pass: &Pass, bus: &mut impl ServoBus, wire: &mut impl Wire) -> Served {
         let state = self.controller.report().state;
         let is_still = matches!(state, State::Off | State::Limp | State::Faulted);
         if self.controller.permission().torque || !is_still {
-            return Some((ticket, Served::NotPassed(state)));
+            return Served::NotPassed(state);
         }
         let mut came = Vec::new();
         let took = wire.pass(pass.line, pass.baud, &pass.bytes, pass.wait_us, |bytes| {
@@ -74,12 +80,7 @@ impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_,
         });
         // A register may have been written.
         self.controller.forget_registers(bus);
-        Some((
-            ticket,
-            took.map_or(Served::NoLine, |took_us| {
-                Served::Passed(OfServos { bytes: came, took_us })
-            }),
-        ))
+        took.map_or(Served::NoLine, |took_us| Served::Passed(OfServos { bytes: came, took_us }))
     }
 
     fn health(&mut self, board: &impl Safety) -> Health {
@@ -101,7 +102,7 @@ fn cycles(Spread { least, mean, most, count }: Spread) -> Cycles {
 
 impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
     /// The loop has served the host.
-    pub(super) fn put_served(&mut self, (ticket, served): (Ticket, Served)) {
+    fn put_served(&mut self, ticket: Ticket, served: Served) {
         let said = match served {
             Served::Passed(of_servos) => {
                 self.of_servos = of_servos;

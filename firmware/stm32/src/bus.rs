@@ -4,7 +4,8 @@ use core::cell::RefCell;
 
 use sinew_bus::Request;
 use sinew_firmware::controller::Wire;
-use sinew_wiring::Protocol;
+use sinew_wiring::{Line, Protocol};
+use static_cell::ConstStaticCell;
 
 use crate::node::{LINES, SERVOS};
 use crate::{ServoLine, clock, pulses};
@@ -17,14 +18,15 @@ pub(crate) type Lines = sinew_wiring::Lines<sinew_wiring::Bus<SERVOS>, LINES, SE
 /// Where a line of the wiring is on this board.
 #[derive(Clone, Copy)]
 pub(crate) enum Place {
-    Serial,
+    /// At so many bits a second.
+    Serial(u32),
     I2c,
 }
 
 impl Place {
-    pub(crate) fn of(protocol: &Protocol) -> Self {
-        match protocol {
-            Protocol::Dynamixel(_) | Protocol::Feetech(_) => Self::Serial,
+    pub(crate) fn of(line: &Line) -> Self {
+        match line.protocol {
+            Protocol::Dynamixel(_) | Protocol::Feetech(_) => Self::Serial(line.timing.baud),
             Protocol::Pca9685(_) => Self::I2c,
         }
     }
@@ -35,16 +37,19 @@ pub(crate) struct Ports {
     pub(crate) serial: ServoLine,
     pub(crate) i2c: pulses::Bus,
     pub(crate) places: heapless::Vec<Place, LINES>,
-    pub(crate) out: [u8; OUT_LEN],
+    pub(crate) out: &'static mut [u8; OUT_LEN],
 }
 
 impl Ports {
+    /// To be made once.
     pub(crate) fn new(
         serial: ServoLine,
         i2c: pulses::Bus,
         places: heapless::Vec<Place, LINES>,
     ) -> Self {
-        Self { serial, i2c, places, out: [0; OUT_LEN] }
+        // Not on the stack, where each function that it comes through would have one.
+        static OUT: ConstStaticCell<[u8; OUT_LEN]> = ConstStaticCell::new([0; OUT_LEN]);
+        Self { serial, i2c, places, out: OUT.take() }
     }
 }
 
@@ -62,12 +67,12 @@ impl Wire for Exchange<'_> {
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
         self.until_us = clock::now_us().saturating_add(self.asks_us.into());
         for (line, place) in self.ports.places.clone().into_iter().enumerate() {
-            let mut planned = self.lines.borrow_mut().plan(line, &mut self.ports.out);
+            let mut planned = self.lines.borrow_mut().plan(line, self.ports.out);
             while let Some(Request { len, time_us, .. }) = planned {
                 let bytes = self.ports.out.get(..len).unwrap_or_default();
                 match place {
                     _ if bytes.is_empty() => {}
-                    Place::Serial => self
+                    Place::Serial(_) => self
                         .ports
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
@@ -75,7 +80,7 @@ impl Wire for Exchange<'_> {
                 }
                 let left_us = self.left_us();
                 let mut lines = self.lines.borrow_mut();
-                planned = lines.plan_more(line, left_us, &mut self.ports.out);
+                planned = lines.plan_more(line, left_us, self.ports.out);
             }
         }
     }
@@ -83,5 +88,32 @@ impl Wire for Exchange<'_> {
     fn left_us(&self) -> u32 {
         let left_us = self.until_us.saturating_sub(clock::now_us());
         u32::try_from(left_us).unwrap_or(u32::MAX)
+    }
+
+    fn pass(
+        &mut self,
+        line: u8,
+        baud: u32,
+        bytes: &[u8],
+        wait_us: u32,
+        mut reply: impl FnMut(&[u8]),
+    ) -> Option<u32> {
+        let Ports { serial, places, .. } = &mut *self.ports;
+        // A PCA9685 is no servo: nobody there understands a packet.
+        let Place::Serial(own) = *places.get(usize::from(line))? else { return None };
+        let is_set = baud == 0 || serial.set_rate(baud);
+        let begun_us = clock::now_us();
+        let mut last_us = begun_us;
+        if is_set {
+            serial.talk(bytes, wait_us, |said| {
+                last_us = clock::now_us();
+                reply(said);
+                false
+            });
+        }
+        // The start has seen that it can be.
+        serial.set_rate(own);
+        let took_us = u32::try_from(last_us.saturating_sub(begun_us)).unwrap_or(u32::MAX);
+        is_set.then_some(took_us)
     }
 }

@@ -28,7 +28,7 @@ use static_cell::StaticCell;
 use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
-/// Servos that these boards hold: those of a small humanoid. 28 kB of RAM are static, 56 the loop, on the stack. With
+/// Servos that these boards hold: those of a small humanoid. 29 kB of RAM are static, 56 the loop, on the stack. With
 /// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: ARCHITECTURE.md has why it is
 /// made in its place.
 pub const SERVOS: usize = 20;
@@ -195,9 +195,8 @@ impl Port<'static> for Desktop {
 
 /// Where the lines of a wiring are; none if there are two of a kind.
 fn places(wiring: &OwnWiring) -> Option<Vec<Place, LINES>> {
-    let places: Vec<Place, LINES> =
-        wiring.lines.iter().map(|line| Place::of(&line.protocol)).collect();
-    let serial = places.iter().filter(|place| matches!(place, Place::Serial)).count();
+    let places: Vec<Place, LINES> = wiring.lines.iter().map(Place::of).collect();
+    let serial = places.iter().filter(|place| matches!(place, Place::Serial(_))).count();
     (serial <= 1 && places.len() - serial <= 1).then_some(places)
 }
 

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_firmware::supervisor::{Refused, TABLE};
+use sinew_firmware::supervisor::{Fault, Refused};
 use sinew_mocap::Kind;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -214,8 +214,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(match ended {
         Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
         Some(Ended::Faults(faults)) => {
-            for row in TABLE.iter().filter(|row| faults.contains(row.fault)) {
-                note(format_args!("{}: {} {}", row.fault, row.when, row.remedy));
+            for fault in Fault::ALL.into_iter().filter(|fault| faults.contains(*fault)) {
+                note(format_args!("{fault}: {} {}", fault.when(), fault.remedy()));
             }
             ExitCode::from(1)
         }

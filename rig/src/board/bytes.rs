@@ -8,7 +8,7 @@ use super::BoardRigError;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const CRC_LEN: usize = 4;
 
-/// Reads what a [`Writer`] has written.
+/// Reads what a [`Writer`] has written. Behind the last byte it reads zeros, which [`Self::check_length`] refuses.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -19,39 +19,35 @@ impl<'a> Reader<'a> {
         Self { bytes, at: 0 }
     }
 
-    fn take<const K: usize>(&mut self) -> Result<[u8; K], BoardRigError> {
+    fn take<const K: usize>(&mut self) -> [u8; K] {
         let end = self.at.saturating_add(K);
         let field = self.bytes.get(self.at..end).and_then(|field| field.try_into().ok());
         self.at = end;
-        field.ok_or(BoardRigError::Length { expected: end, found: self.bytes.len() })
+        field.unwrap_or([0; K])
     }
 
-    pub(super) fn magic(&mut self) -> Result<[u8; 4], BoardRigError> {
+    pub(super) fn magic(&mut self) -> [u8; 4] {
         self.take()
     }
 
-    pub(super) fn u16(&mut self) -> Result<u16, BoardRigError> {
-        self.take().map(u16::from_le_bytes)
+    pub(super) fn u16(&mut self) -> u16 {
+        u16::from_le_bytes(self.take())
     }
 
-    pub(super) fn f32(&mut self) -> Result<f32, BoardRigError> {
-        self.take().map(f32::from_le_bytes)
+    pub(super) fn f32(&mut self) -> f32 {
+        f32::from_le_bytes(self.take())
     }
 
-    pub(super) fn numbers<const K: usize>(&mut self) -> Result<[f32; K], BoardRigError> {
-        let mut numbers = [0.0; K];
-        for number in &mut numbers {
-            *number = self.f32()?;
-        }
-        Ok(numbers)
+    pub(super) fn numbers<const K: usize>(&mut self) -> [f32; K] {
+        [0.0; K].map(|_: f32| self.f32())
     }
 
-    pub(super) fn vec3(&mut self) -> Result<Vec3, BoardRigError> {
-        self.numbers().map(Vec3::from_array)
+    pub(super) fn vec3(&mut self) -> Vec3 {
+        Vec3::from_array(self.numbers())
     }
 
-    pub(super) fn quat(&mut self) -> Result<Quat, BoardRigError> {
-        self.numbers().map(Quat::from_array)
+    pub(super) fn quat(&mut self) -> Quat {
+        Quat::from_array(self.numbers())
     }
 
     /// Refuses bytes that were damaged, before any of them counts.
@@ -61,6 +57,12 @@ impl<'a> Reader<'a> {
         let (content, stored) = self.bytes.split_last_chunk::<CRC_LEN>().ok_or(short)?;
         let (stored, computed) = (u32::from_le_bytes(*stored), CHECKSUM.checksum(content));
         if stored == computed { Ok(()) } else { Err(BoardRigError::Checksum { stored, computed }) }
+    }
+
+    /// Refuses what has fewer bytes than were asked for.
+    pub(super) fn check_length(&self) -> Result<(), BoardRigError> {
+        let (expected, found) = (self.at, self.bytes.len());
+        if expected <= found { Ok(()) } else { Err(BoardRigError::Length { expected, found }) }
     }
 
     /// Refuses bytes behind the last one that was asked for, but for the CRC.

@@ -100,17 +100,27 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     #[inline(never)]
     fn fill(&mut self, bytes: &[u8]) -> Result<(), BoardRigError> {
         let mut from = Reader::new(bytes);
-        let magic = from.magic()?;
+        let parts = self.read(&mut from);
+        // What is too short says so, whatever its zeros seem to be.
+        from.check_length()?;
+        parts?;
+        from.check_end()?;
+        self.check()
+    }
+
+    /// Its parts, each for itself.
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), BoardRigError> {
+        let magic = from.magic();
         if magic != MAGIC {
             return Err(BoardRigError::Magic { found: magic });
         }
-        let version = from.u16()?;
+        let version = from.u16();
         if version != VERSION {
             return Err(BoardRigError::Version { found: version });
         }
         from.check_crc()?;
         let mut count = |what, holds| -> Result<usize, BoardRigError> {
-            let found = usize::from(from.u16()?);
+            let found = usize::from(from.u16());
             if found > holds {
                 Err(BoardRigError::Capacity { what, found, holds })
             } else {
@@ -123,21 +133,20 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
         let drives = count("drives", S)?;
         let servos = count("servos", S)?;
         for index in 0..bodies {
-            self.tree.push(read_body(&mut from, index)?).map_err(BoardRigError::Tree)?;
+            self.tree.push(read_body(from, index)?).map_err(BoardRigError::Tree)?;
         }
         items_in(&mut self.freedoms, freedoms, |_| {
-            let [least, most, home, speed, acceleration, effort] = from.numbers()?;
+            let [least, most, home, speed, acceleration, effort] = from.numbers();
             Ok(Freedom { range: [least, most], home, speed, acceleration, effort })
         })?;
         items_in(&mut self.limits, limits, |_| {
-            let (freedom, other) = (from.u16()?, from.u16()?);
-            let [factor, other_factor, least, most] = from.numbers()?;
+            let (freedom, other) = (from.u16(), from.u16());
+            let [factor, other_factor, least, most] = from.numbers();
             Ok(LinkedLimit { freedom, other, factor, other_factor, range: [least, most] })
         })?;
-        items_in(&mut self.drives, drives, |index| read_drive(&mut from, index))?;
-        items_in(&mut self.servos, servos, |index| read_servo(&mut from, index))?;
-        from.check_end()?;
-        self.check()
+        items_in(&mut self.drives, drives, |index| read_drive(from, index))?;
+        items_in(&mut self.servos, servos, |index| read_servo(from, index))?;
+        Ok(())
     }
 }
 
@@ -187,7 +196,7 @@ fn write_body(to: &mut Writer<'_>, body: &Body) {
 }
 
 fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError> {
-    let parent = match from.u16()?.cast_signed() {
+    let parent = match from.u16().cast_signed() {
         -1 => None,
         found => Some(usize::try_from(found).map_err(|_| BoardRigError::Index {
             what: "body",
@@ -196,8 +205,8 @@ fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError>
             found: usize::from(found.cast_unsigned()),
         })?),
     };
-    let kind = from.u16()?;
-    let (first, second) = (from.vec3()?, from.vec3()?);
+    let kind = from.u16();
+    let (first, second) = (from.vec3(), from.vec3());
     let joint = match kind {
         0 => JointKind::Fixed,
         1 => JointKind::Revolute { axis: first },
@@ -207,13 +216,13 @@ fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError>
         5 => JointKind::Free,
         found => return Err(BoardRigError::Kind { what: "joint of body", index, found, most: 5 }),
     };
-    let placement = Transform::new(from.quat()?, from.vec3()?);
-    let mass_kg = from.f32()?;
-    let center_of_mass_m = from.vec3()?;
-    let [xx, xy, xz, yy, yz, zz] = from.numbers()?;
+    let placement = Transform::new(from.quat(), from.vec3());
+    let mass_kg = from.f32();
+    let center_of_mass_m = from.vec3();
+    let [xx, xy, xz, yy, yz, zz] = from.numbers();
     let rotational_kg_m2 = RotationalInertia { xx, xy, xz, yy, yz, zz };
     let inertia = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
-    Ok(Body { parent, joint, placement, inertia, rotor_inertia: from.f32()? })
+    Ok(Body { parent, joint, placement, inertia, rotor_inertia: from.f32() })
 }
 
 fn write_drive(to: &mut Writer<'_>, drive: &BoardDrive) {
@@ -247,23 +256,23 @@ fn write_drive(to: &mut Writer<'_>, drive: &BoardDrive) {
 
 fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRigError> {
     let mut indices = |what| -> Result<Vec<u16, MOST>, BoardRigError> {
-        let found = usize::from(from.u16()?);
+        let found = usize::from(from.u16());
         if found > MOST {
             let error = DriveError::TooMany { what, found, most: MOST };
             return Err(BoardRigError::Drive { index, error });
         }
-        items(found, |_| from.u16())
+        items(found, |_| Ok(from.u16()))
     };
     let (freedoms, servos) = (indices("freedoms")?, indices("servos")?);
     let refused = |error| BoardRigError::Drive { index, error };
-    let drive = match from.u16()? {
+    let drive = match from.u16() {
         kind @ (0 | 1) => {
             let found = freedoms.len().saturating_mul(servos.len());
             if found > ENTRIES {
                 return Err(refused(DriveError::TooMany { what: "numbers", found, most: ENTRIES }));
             }
-            let numbers: Vec<f32, ENTRIES> = items(found, |_| from.f32())?;
-            let offset: Vec<f32, MOST> = items(freedoms.len(), |_| from.f32())?;
+            let numbers: Vec<f32, ENTRIES> = items(found, |_| Ok(from.f32()))?;
+            let offset: Vec<f32, MOST> = items(freedoms.len(), |_| Ok(from.f32()))?;
             // At least one a row, or the chunks have no size; `new` refuses a matrix without rows.
             let mut rows = Vec::<&[f32], MOST>::new();
             for row in numbers.chunks_exact(servos.len().max(1)) {
@@ -279,18 +288,18 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
             matrix.map_err(refused)?.into()
         }
         2 => {
-            let found = usize::from(from.u16()?);
+            let found = usize::from(from.u16());
             if found > POINTS {
                 return Err(refused(DriveError::TooMany { what: "points", found, most: POINTS }));
             }
-            let points: Vec<[f32; 2], POINTS> = items(found, |_| from.numbers())?;
+            let points: Vec<[f32; 2], POINTS> = items(found, |_| Ok(from.numbers()))?;
             Curve::new(&points).map_err(refused)?.into()
         }
         3 => {
-            let [ground_m, crank_m, coupler_m, rocker_m] = from.numbers()?;
-            let [crank_zero_rad, rocker_zero_rad] = from.numbers()?;
-            let range_rad = from.numbers()?;
-            let crossed = match from.u16()? {
+            let [ground_m, crank_m, coupler_m, rocker_m] = from.numbers();
+            let [crank_zero_rad, rocker_zero_rad] = from.numbers();
+            let range_rad = from.numbers();
+            let crossed = match from.u16() {
                 0 => false,
                 1 => true,
                 found => {
@@ -334,8 +343,8 @@ fn write_servo(to: &mut Writer<'_>, servo: &BoardServo) {
 }
 
 fn read_servo(from: &mut Reader<'_>, index: usize) -> Result<BoardServo, BoardRigError> {
-    let bus = from.u16()?;
-    let found = from.u16()?;
+    let bus = from.u16();
+    let found = from.u16();
     let number = |address: u16| u8::try_from(address).unwrap_or(u8::MAX);
     let address = match found {
         0..=252 => Address::Id(number(found)),
@@ -346,10 +355,10 @@ fn read_servo(from: &mut Reader<'_>, index: usize) -> Result<BoardServo, BoardRi
             return Err(BoardRigError::Index { what: "servo", index, part, found });
         }
     };
-    let [gear, offset_rad, least, most] = from.numbers()?;
-    let [torque_nm, speed_rad_s, acceleration_rad_s2, torque_constant_nm_a] = from.numbers()?;
-    let [position_gain_nm_rad, friction_nm, damping_nm_s, rotor_inertia_kg_m2] = from.numbers()?;
-    let on_signal_loss = match from.u16()? {
+    let [gear, offset_rad, least, most] = from.numbers();
+    let [torque_nm, speed_rad_s, acceleration_rad_s2, torque_constant_nm_a] = from.numbers();
+    let [position_gain_nm_rad, friction_nm, damping_nm_s, rotor_inertia_kg_m2] = from.numbers();
+    let on_signal_loss = match from.u16() {
         0 => SignalLoss::Limp,
         1 => SignalLoss::Hold,
         2 => SignalLoss::Home,
@@ -362,7 +371,7 @@ fn read_servo(from: &mut Reader<'_>, index: usize) -> Result<BoardServo, BoardRi
             });
         }
     };
-    match from.u16()? {
+    match from.u16() {
         0 => {}
         found => {
             return Err(BoardRigError::Kind { what: "last field of servo", index, found, most: 0 });

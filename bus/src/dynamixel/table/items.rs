@@ -87,7 +87,7 @@ pub mod address {
 
 /// Which models have an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Only {
+pub(crate) enum Only {
     All,
     /// Those that measure current.
     Current,

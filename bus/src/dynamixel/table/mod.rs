@@ -6,13 +6,32 @@
 mod items;
 mod models;
 
-pub(crate) use items::FULL_PWM;
 pub use items::address;
+pub(crate) use items::{FULL_PWM, Only};
 pub(super) use items::{POSITION, PWM_COUNTS, VELOCITY};
 pub use models::{Current, Family, MODELS, Model};
 
 use crate::table::{Access, Area, Item, Range, Sign, Unit};
-use items::{ITEMS, Only};
+use items::ITEMS;
+
+/// The one item that begins at an address, at build time, and which models have it; what those have of their own is
+/// left out.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::arithmetic_side_effects,
+    clippy::panic,
+    reason = "at build time"
+)]
+pub(crate) const fn of_all(address: u16) -> (Only, Item) {
+    let mut index = 0;
+    while index < ITEMS.len() {
+        if ITEMS[index].1.address == address {
+            return ITEMS[index];
+        }
+        index += 1;
+    }
+    panic!("no item begins at this address");
+}
 
 /// The control table of a model with a firmware.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +71,7 @@ impl Table {
 
     /// All items but the indirect ones, by address.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
-        ITEMS.iter().filter(|(only, _)| self.has(*only)).map(|(_, item)| self.adapted(*item))
+        ITEMS.iter().filter_map(|(only, item)| self.own(*only, item))
     }
 
     /// The item that has this address.
@@ -77,6 +96,11 @@ impl Table {
                 Some(Indirect { addresses: 578, data: 634, count: 28 }),
             ],
         }
+    }
+
+    /// An item as this model has it, if it has it.
+    pub(crate) fn own(&self, only: Only, item: &Item) -> Option<Item> {
+        self.has(only).then(|| self.adapted(*item))
     }
 
     fn has(&self, only: Only) -> bool {

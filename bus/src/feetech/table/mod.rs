@@ -102,9 +102,23 @@ impl Family {
         }
     }
 
-    /// The item at an address; what models have of their own is left out.
-    pub(crate) fn at(self, address: u8) -> Option<Item> {
-        self.items().iter().copied().find(|item| item.address == u16::from(address))
+    /// The item at an address, at build time; what models have of their own is left out.
+    #[expect(
+        clippy::indexing_slicing,
+        clippy::arithmetic_side_effects,
+        clippy::panic,
+        reason = "at build time"
+    )]
+    pub(crate) const fn item(self, address: u8) -> Item {
+        let items = self.items();
+        let mut index = 0;
+        while index < items.len() {
+            if items[index].address == address as u16 {
+                return items[index];
+            }
+            index += 1;
+        }
+        panic!("no item begins at this address");
     }
 
     /// One count of its encoder, rad.

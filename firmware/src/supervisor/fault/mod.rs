@@ -1,4 +1,4 @@
-//! Faults: their numbers, what they do, what is found in a tick, and what is kept.
+//! Faults: their numbers and words, what they do, what is found in a tick, and what is kept.
 
 mod findings;
 mod log;
@@ -6,6 +6,7 @@ mod record;
 mod row;
 mod set;
 mod table;
+mod words;
 
 pub use findings::Findings;
 pub use log::FaultLog;

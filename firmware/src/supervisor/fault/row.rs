@@ -55,16 +55,12 @@ impl fmt::Display for Clears {
     }
 }
 
-/// All about one fault.
+/// What is done about one fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Row {
     /// Which.
     pub fault: Fault,
-    /// When it is there, for people.
-    pub when: &'static str,
-    /// What is to be done about it, for people.
-    pub remedy: &'static str,
     /// The reaction in each state, by the state's number.
     pub reactions: [Reaction; State::COUNT],
     /// What clears it.

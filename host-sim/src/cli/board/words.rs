@@ -1,21 +1,24 @@
 //! Faults in words.
 
-use sinew_firmware::supervisor::{Fault, TABLE};
+use sinew_firmware::supervisor::Fault;
 use sinew_link::message::FaultRecord;
 use sinew_sim::command::note;
 
 use super::PortBoard;
 
+/// The fault of a number, if this program knows it.
+fn known(number: u8) -> Option<Fault> {
+    Fault::ALL.into_iter().find(|fault| fault.number() == number)
+}
+
 /// The fault of a number; its number alone if this program does not know it.
 pub(in crate::cli) fn named(number: u8) -> String {
-    let known = Fault::ALL.into_iter().find(|fault| fault.number() == number);
-    known.map_or_else(|| format!("fault {number}"), |fault| fault.to_string())
+    known(number).map_or_else(|| format!("fault {number}"), |fault| fault.to_string())
 }
 
 /// When a fault comes, and what to do.
 pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
-    let row = TABLE.iter().find(|row| row.fault.number() == number)?;
-    Some(format!("{} {}", row.when, row.remedy))
+    known(number).map(|fault| format!("{} {}", fault.when(), fault.remedy()))
 }
 
 /// Says what faults a controller has told of, and what to do.

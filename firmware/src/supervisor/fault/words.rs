@@ -1,0 +1,68 @@
+//! Faults in words, for people. Apart from the table, since a board says numbers: what it never says it does not have.
+
+use super::Fault;
+
+impl Fault {
+    /// When it is there.
+    pub const fn when(self) -> &'static str {
+        match self {
+            Self::LinkLate => "no valid message came for 0.2 s (setting)",
+            Self::LinkLost => "no valid message came for 2 s (setting)",
+            Self::ServoSilent => {
+                "a servo missed 5 replies in a row (setting), or its reading is too old"
+            }
+            Self::ServoError => "a servo reports an error: overload, encoder, shock",
+            Self::HotMeasured => "a servo is at its own limit of temperature, less 5 degC",
+            Self::HotWinding => {
+                "by its current, a winding has the heat of the continuous current and more"
+            }
+            Self::SupplyLow => "the filtered voltage is at a servo's minimum, plus 5 %",
+            Self::SupplyHigh => "the filtered voltage is at a servo's maximum, less 5 %",
+            Self::FollowingError => {
+                "a servo is 15 deg from where it should be, for 0.2 s (settings)"
+            }
+            Self::Range => "a servo was measured outside of its range",
+            Self::NotFinite => "a number is NaN or infinite: a reading, a target, a command",
+            Self::Overrun => "more than 3 ticks in 500 took too long (settings)",
+            Self::SettingsBad => {
+                "settings or rig cannot be read, cannot be, or only older ones are whole"
+            }
+            Self::ShowBad => "the show that is played cannot be read",
+            Self::ShowForeign => "the show that is played is of another rig",
+            Self::EStop => "the emergency stop is pressed, or was commanded",
+            Self::WatchdogReset => "the board begins, since its watchdog has reset it",
+            Self::BrownOut => "the board begins, since its own supply broke down",
+            Self::Panic => "the board begins, since its program stopped itself",
+            Self::ServoStopped => {
+                "a servo with torque heard nothing for 0.1 s: its own watchdog has stopped it"
+            }
+            Self::TorqueStuck => {
+                "torque was switched off, and a servo's register says that it is on"
+            }
+        }
+    }
+
+    /// What is to be done about it.
+    pub const fn remedy(self) -> &'static str {
+        match self {
+            Self::LinkLate => "look at cable and host; play again",
+            Self::LinkLost => "look at cable and host",
+            Self::ServoSilent => "look at its plug, its id and its supply",
+            Self::ServoError => "read the error with `sinew servo`; restart the servo",
+            Self::HotMeasured | Self::HotWinding => "let it cool; lighten its load",
+            Self::SupplyLow => "a stronger supply, thicker wires, or less at once",
+            Self::SupplyHigh => "the right supply; one that takes what brakes give back",
+            Self::FollowingError => "look what holds it; check its load",
+            Self::Range => "bring it back by hand; calibrate it",
+            Self::NotFinite | Self::WatchdogReset | Self::Panic => "keep the record, and report it",
+            Self::Overrun => "a lower rate, a faster bus, or a smaller rig",
+            Self::SettingsBad => "upload them again",
+            Self::ShowBad => "upload it again",
+            Self::ShowForeign => "bake it for this rig",
+            Self::EStop => "look why; release it",
+            Self::BrownOut => "feed the board apart from the servos",
+            Self::ServoStopped => "look at the bus and its cable; keep the record",
+            Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
+        }
+    }
+}
