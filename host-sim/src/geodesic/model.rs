@@ -36,6 +36,14 @@ pub(super) struct PoseModel {
     pub(super) pull: Pull,
 }
 
+/// Where the curve goes to.
+pub(super) struct Direction {
+    /// The step of each pose.
+    pub(super) step: Vec<DVector<f64>>,
+    /// What was added to the diagonal for it.
+    added: Vec<DVector<f64>>,
+}
+
 /// In which order the unknowns are eliminated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
@@ -80,7 +88,7 @@ impl Model {
 
     /// The curve after a step, and how much less its energy should be. `None` if the step cannot be found.
     pub(super) fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<(Curve, f64)> {
-        let (step, added) = self.direction(rig, curve, damping)?;
+        let Direction { step, added } = self.direction(rig, curve, damping)?;
         // What the model says of the step: -gᵀs - ½ sᵀHs, with (H + D) s = -g.
         let mut predicted = 0.0;
         for ((pose, step), added) in self.poses.iter().zip(&step).zip(&added) {
@@ -93,13 +101,8 @@ impl Model {
         Some((Curve::new(rig, poses), predicted))
     }
 
-    /// The step of each pose, and what was added to the diagonal for it.
-    pub(super) fn direction(
-        &self,
-        rig: &Rig,
-        curve: &Curve,
-        damping: f64,
-    ) -> Option<(Vec<DVector<f64>>, Vec<DVector<f64>>)> {
+    /// Newton's step. `None` if it cannot be found.
+    pub(super) fn direction(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<Direction> {
         let largest = self.poses.iter().map(|pose| pose.own.max()).fold(0.0, f64::max);
         let solve = |bends: bool, ridge: f64| {
             // Turns that move next to nothing get a floor: without one they go anywhere.
@@ -110,7 +113,7 @@ impl Model {
                 Some(blocks) => blocks.solve(bends, &added, &self.poses),
                 None => by_joint::solve(rig, curve.inner(), &self.poses, bends, &added),
             };
-            Some((step?, added))
+            Some(Direction { step: step?, added })
         };
         // Turns of two joints that undo each other move nothing; second derivatives along them are as large as the
         // gradient, of either sign. A ridge of that size keeps them positive, and goes as the end is near. Where even

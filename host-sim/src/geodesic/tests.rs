@@ -116,7 +116,7 @@ fn steps_are_the_same_in_every_order() {
             let model = Model::in_order(&rig, &curve, has_second_derivatives, order);
             let held = model.held();
             assert!(held > 0);
-            model.direction(&rig, &curve, 1e-3).expect("positive definite").0
+            model.direction(&rig, &curve, 1e-3).expect("positive definite").step
         };
         let by_pose = step(Order::Poses);
         for (one, other) in by_pose.iter().zip(step(Order::Joints)) {
