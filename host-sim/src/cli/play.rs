@@ -236,6 +236,13 @@ fn tell(parts: &Parts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
         let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
+        if line.is_of_pulses() {
+            note(format_args!(
+                "bus {:?}: {count} servos on pulses of a PCA9685, I2C at {} bit/s; {} Hz, nothing is read",
+                line.name, line.baud, parts.rate_hz
+            ));
+            continue;
+        }
         let (currents, positions) = (by(Drive::Current), by(Drive::Position));
         let each = match parts.groups(index) {
             1 => "all read in each tick".to_owned(),
