@@ -1,6 +1,7 @@
 //! Commands for a controller at a serial port, and a simulated one.
 
 mod arm;
+mod cycles;
 mod doctor;
 mod faults;
 mod flash;
