@@ -64,8 +64,8 @@ fn a_board_is_looked_over_set_up_and_asked() {
     }
     // The file has kept it.
     let _board = Served::start(&[&simulate[..], &["--blank"]].concat());
-    let line = says(&["monitor", "--board", &port, "--lines", "1"], 0);
-    assert!(line.contains("tick"), "{line}");
+    let line = says(&["monitor", "--board", &port, "--lines", "3", "--every", "0.2"], 0);
+    assert_spreads(&line);
     let set = says(&["settings", "--board", &port, "set", "stop_s", "3"], 0);
     assert!(set.contains("stop_s is 3 now"), "{set}");
     assert_eq!(says(&["settings", "--board", &port, "get", "stop_s"], 0), "3\n");
@@ -81,6 +81,28 @@ fn a_board_is_looked_over_set_up_and_asked() {
     let kept = std::fs::read_to_string(&report).unwrap();
     for of in ["firmware", "link", "period of ticks", "(id 3)", "57600 baud", "supply under load"] {
         assert!(looked.contains(of) && kept.contains(of), "{of}: {looked}");
+    }
+    assert_spreads(&kept);
+}
+
+/// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A simulated
+/// board's cycles are us of simulated time.
+#[track_caller]
+fn assert_spreads(text: &str) {
+    for part in ["tick", "bus", "link", "period"] {
+        let rows = text.lines().filter_map(|line| line.trim_start().strip_prefix(part));
+        let numbers = |row: &str| -> Option<Vec<f64>> {
+            row.split_whitespace().map(|number| number.parse().ok()).collect()
+        };
+        let row = rows.filter_map(numbers).find(|row| row.len() == 9);
+        let row = row.unwrap_or_else(|| panic!("no row of {part}: {text}"));
+        assert!(row[0] >= 10.0, "{part}: {text}");
+        let [in_us, in_cycles] = [&row[1..5], &row[5..]];
+        assert_eq!(in_us, in_cycles, "{part}: {text}");
+        let [least, mean, most, jitter] = in_us else { panic!("{text}") };
+        assert!(least <= mean && mean <= most, "{part}: {text}");
+        // They are whole numbers.
+        assert!((jitter - (most - least)).abs() < 0.5, "{part}: {text}");
     }
 }
 

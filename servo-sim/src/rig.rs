@@ -29,8 +29,8 @@ pub struct RigServo {
     pub name: String,
     /// Its bus.
     pub bus: String,
-    /// Its id; none of a servo that takes pulses.
-    pub id: Option<u8>,
+    /// Where on it: an id, or a channel of what makes pulses.
+    pub address: Address,
     /// What it is made of.
     pub kind: Parameters,
     /// What it moves, at its own shaft, zero where its encoder counts zero.
@@ -58,9 +58,19 @@ pub enum RigServosError {
     /// The figures of a kind of servo contradict each other.
     #[error(transparent)]
     Parameters(#[from] ParametersError),
-    /// It has no servo of this name that has an id.
-    #[error("it has no servo {0:?} with an id")]
+    /// It has no servo of this name.
+    #[error("it has no servo {0:?}")]
     NoServo(String),
+}
+
+impl RigServo {
+    /// Its id; none of a servo that takes pulses.
+    pub fn id(&self) -> Option<u8> {
+        match self.address {
+            Address::Id(id) => Some(id),
+            Address::Channel(_) => None,
+        }
+    }
 }
 
 /// All servos of a rig, in its order. O(servos · bodies).
@@ -82,10 +92,7 @@ pub fn servos(
         servos.push(RigServo {
             name: described.name.clone(),
             bus: described.bus.clone(),
-            id: match described.address {
-                Address::Id(id) => Some(id),
-                Address::Channel(_) => None,
-            },
+            address: described.address,
             load: Arm {
                 stops_rad: servo.settings().range_rad.map(|end| f64::from(end) + middle),
                 ..Arm::default()

@@ -168,8 +168,7 @@ fn the_bus_watchdog_stops_what_nobody_commands() {
 #[test]
 fn a_hobby_servo_follows_pulses_and_lets_go_without() {
     let kind = Parameters::built_in("MG996R").unwrap();
-    let mut memory = [0; MEMORY_LEN];
-    let servo = Servo::new(&kind, 0, &mut memory).unwrap();
+    let servo = Servo::on_pulses(&kind);
     let arm = Arm { inertia_kg_m2: 1e-3, torque_nm: -0.2, ..Arm::default() };
     let mut bench = Bench::new(vec![servo], vec![arm], Supply::stiff(6.0));
     bench.servos_mut()[0].set_pulse(Some(2_000.0));

@@ -28,7 +28,7 @@ fn bench(memory: &mut Registers, mode: Mode, supply: Supply) -> Bench<'_, RigPla
     let names: Vec<&str> = own.iter().map(|servo| servo.name.as_str()).collect();
     let plant = RigPlant::new(&description, &mechanism, &names).unwrap();
     let simulated = own.iter().zip(memory).map(|(own, memory)| {
-        let mut servo = Servo::new(&own.kind, own.id.unwrap(), memory).unwrap();
+        let mut servo = Servo::new(&own.kind, own.id().unwrap(), memory).unwrap();
         servo.set_baud(BAUD).unwrap();
         // Return delay 2 us, no answers to writes, no shutdown but by heat.
         for (register, value) in
@@ -128,7 +128,7 @@ fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
         .zip(buses)
         .map(|(servo, bus)| Wanted {
             bus: bus.to_owned(),
-            id: servo.id.unwrap(),
+            id: servo.id().unwrap(),
             name: servo.name,
             kind: Kind::Servo(Box::new(servo.kind)),
             load: servo.load,

@@ -35,7 +35,9 @@ pub(crate) fn run() -> Result<()> {
 pub(crate) fn test() -> Command {
     let mut test = step::cargo();
     // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "chip", "--test", "nucleo"]);
+    test.args(["test", "--locked", "--workspace"]);
+    // Those of `sinew play --emulate` are among the shows.
+    test.args(["chip", "nucleo", "shows"].iter().flat_map(|of| ["--test", of]));
     test.args(["--", "emulated", "--include-ignored"]);
     if std::env::var_os("SINEW_DATA").is_none() {
         test.args(["--skip", "walks"]);

@@ -46,7 +46,7 @@ Commands:
             of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
             `sinew play`: an arm, and with SINEW_DATA two robots
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
-            an image; says `ignored` where there is none
+            an image, the NUCLEO's own one, and `sinew play --emulate`; says `ignored` where there is none
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   retargeting

@@ -2,13 +2,14 @@
 
 use embedded_storage::nor_flash::NorFlash;
 use sinew_link::message::{
-    Applied, Command, Limit, Outcome, PASS_WAIT_US, Parts, Pass, Refusal, TelemetrySetting,
+    Applied, Command, Health, Limit, Outcome, PASS_WAIT_US, Parts, Pass, Refusal, TelemetrySetting,
 };
 use sinew_link::rate::{RigSize, telemetry_hz};
 
 use super::board::Port;
 use super::desk::Desk;
 use super::mail::{Mail, Order, Said, Shared, Ticket};
+use super::service::cycles;
 use super::words;
 use crate::supervisor::{self, Fault};
 
@@ -166,7 +167,11 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             (Said::Passed, _) => outcome(mail.with(|mail| mail.of_servos(0))),
             (Said::NotPassed(state), _) => Outcome::Refused(Refusal::State(words::state(state))),
             (Said::NoLine, _) => Outcome::Refused(Refusal::Unsupported),
-            (Said::Measured, _) => Outcome::Applied(Applied::Health(mail.with(|mail| mail.health))),
+            (Said::Measured, _) => {
+                let link = cycles(core::mem::take(&mut self.steps).read());
+                let health = mail.with(|mail| mail.health);
+                Outcome::Applied(Applied::Health(Health { link, ..health }))
+            }
         };
         self.answer(ticket, outcome);
     }

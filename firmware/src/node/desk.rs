@@ -15,7 +15,7 @@ use super::mail::{FAULTS_WAITING, Mail, Shared, Ticket};
 use super::outbox::Outbox;
 use super::settings::NodeSettings;
 use super::telemetry::Telemeter;
-use super::timing::Timing;
+use super::timing::Sum;
 use super::words;
 use crate::controller::Jog;
 use crate::supervisor::FaultNews;
@@ -63,7 +63,8 @@ pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: 
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,
     pub(super) telemeter: Telemeter<V, S, C>,
-    timing: Timing,
+    /// Cycles of its steps, with the ticks that interrupted them.
+    pub(super) steps: Sum,
     /// Of faults what storage has not taken yet.
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// What was stored counts after a restart: until then nobody arms.
@@ -86,7 +87,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             lent: None,
             upload: None,
             telemeter: Telemeter::new(),
-            timing: Timing::default(),
+            steps: Sum::default(),
             faults: Deque::new(),
             kept: None,
         }
@@ -95,11 +96,6 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     /// The store.
     pub fn store(&mut self) -> &mut Store<F> {
         &mut self.store
-    }
-
-    /// How long steps take, in [`Port::cycles`].
-    pub fn timing(&mut self) -> &mut Timing {
-        &mut self.timing
     }
 
     /// Bytes in, bytes out, and what is to be done between: at most one thing that writes flash. It may take as long as
@@ -127,7 +123,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let counts = (self.decoder.damage().total(), self.session.counts().1.lost);
         self.telemeter.step(port.now_us(), mail, counts, &mut self.outbox);
         self.outbox.send(|bytes| port.send(bytes));
-        self.timing.link(begun_at, port.cycles());
+        self.steps.add(begun_at, port.cycles());
         if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
     }
 

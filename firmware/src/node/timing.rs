@@ -20,20 +20,18 @@ impl Spread {
     }
 }
 
-/// What was measured since it was read last.
+/// What was measured of the loop since it was read last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Timings {
     /// A whole tick of the loop, with the bus.
     pub tick: Spread,
     /// Its exchange with the servos.
     pub bus: Spread,
-    /// A step of link and storage, with the ticks that interrupted it.
-    pub link: Spread,
     /// From the beginning of a tick to that of the next.
     pub period: Spread,
 }
 
-/// Measures by a counter of cycles that wraps, such as the DWT's: what takes longer than 2³² cycles (24 s at 180 MHz)
+/// Measures the loop by a counter of cycles that wraps, such as the DWT's: what takes longer than 2³² cycles (24 s at 180 MHz)
 /// is told too short.
 ///
 /// ```
@@ -51,7 +49,6 @@ pub struct Timings {
 pub struct Timing {
     tick: Sum,
     bus: Sum,
-    link: Sum,
     period: Sum,
     begun: Option<u32>,
 }
@@ -74,21 +71,17 @@ impl Timing {
         self.bus.add(begun, ended);
     }
 
-    /// A step of link and storage has ended.
-    pub fn link(&mut self, begun: u32, ended: u32) {
-        self.link.add(begun, ended);
-    }
-
     /// What was measured; it begins anew. The next period still counts from the last tick.
     pub fn take(&mut self) -> Timings {
-        let Self { tick, bus, link, period, begun } = *self;
+        let Self { tick, bus, period, begun } = *self;
         *self = Self { begun, ..Self::default() };
-        Timings { tick: tick.read(), bus: bus.read(), link: link.read(), period: period.read() }
+        Timings { tick: tick.read(), bus: bus.read(), period: period.read() }
     }
 }
 
+/// One thing that comes again and again.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sum {
+pub(super) struct Sum {
     least: u32,
     most: u32,
     total: u64,
@@ -96,7 +89,8 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, begun: u32, ended: u32) {
+    /// It came once more.
+    pub(super) fn add(&mut self, begun: u32, ended: u32) {
         let took = ended.wrapping_sub(begun);
         self.least = if self.count == 0 { took } else { self.least.min(took) };
         self.most = self.most.max(took);
@@ -104,7 +98,7 @@ impl Sum {
         self.count = self.count.saturating_add(1);
     }
 
-    fn read(self) -> Spread {
+    pub(super) fn read(self) -> Spread {
         let mean = self.total.checked_div(self.count.into()).unwrap_or(0);
         let mean = u32::try_from(mean).unwrap_or(u32::MAX);
         Spread { least: self.least, mean, most: self.most, count: self.count }
@@ -124,7 +118,7 @@ mod tests {
         let read = timing.take();
         assert_eq!(read.period, Spread { least: 1000, mean: 1000, most: 1000, count: 1 });
         assert_eq!(read.bus, Spread { least: 10, mean: 10, most: 10, count: 1 });
-        assert_eq!((read.tick, read.link), (Spread::default(), Spread::default()));
+        assert_eq!(read.tick, Spread::default());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! `sinew play`: a show on simulated servos, under the controller of the boards.
 
 mod board;
+mod emulated;
 mod live;
 pub(super) mod stop;
 
@@ -72,6 +73,13 @@ pub(super) struct Args {
     #[arg(long)]
     qemu: bool,
 
+    /// On the NUCLEO-F446RE's own image, on an emulated chip: a blank board takes rig and show over its link, arms,
+    /// performs and is limp, with simulated servos at its bus. All is in the chip's time, some times slower than real.
+    ///
+    /// `cargo xtask emulate` builds emulator and image; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
+    #[arg(long, conflicts_with_all = ["qemu", "board", "record", "fast", "real_time"])]
+    emulate: bool,
+
     /// On the controller at this serial port, not on simulated servos; without a value, or `auto`, at the USB port that
     /// answers. The board must have this rig; the show is uploaded if it is not there. Ctrl-C stops the rig: it goes to
     /// its rest pose, is lowered, and is limp.
@@ -84,13 +92,8 @@ pub(super) struct Args {
     )]
     board: Option<PathBuf>,
 
-    /// As fast as it goes. Default where standard output is no terminal.
-    #[arg(long, conflicts_with = "real_time")]
-    fast: bool,
-
-    /// In real time. Default where standard output is a terminal.
-    #[arg(long)]
-    real_time: bool,
+    #[command(flatten)]
+    pace: Pace,
 
     /// Which joint of a clip follows which, in TOML: see `sinew map`.
     #[arg(long, value_name = "FILE")]
@@ -115,6 +118,18 @@ pub(super) struct Args {
     /// Only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
+}
+
+/// How fast it goes.
+#[derive(Debug, clap::Args)]
+struct Pace {
+    /// As fast as it goes. Default where standard output is no terminal.
+    #[arg(long, conflicts_with = "real_time")]
+    fast: bool,
+
+    /// In real time. Default where standard output is a terminal.
+    #[arg(long)]
+    real_time: bool,
 }
 
 /// Runs the subcommand.
@@ -143,6 +158,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     output::distinct(&written, &read)?;
     // What is missing is said before anything is fitted.
     let emulator = args.qemu.then(Emulator::start).transpose()?;
+    let emulated = args.emulate.then(emulated::found).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
     let count = put_servos(&mut rig.description, &args.servo)
@@ -154,17 +170,12 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let of_rig = || args.rig.display().to_string();
     let of_record =
         || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
-    let mut parts =
-        Parts::new(&rig.description, &rig.mechanism, args.driven.here()).with_context(of_rig)?;
+    let options = if args.emulate { args.driven.on_board() } else { args.driven.here() };
+    let mut parts = Parts::new(&rig.description, &rig.mechanism, options).with_context(of_rig)?;
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
-    if let Some(port) = &args.board {
-        ensure!(
-            Show::open(&bytes)?.is_loop() || args.rounds.is_none(),
-            "--rounds: {} is no loop: `sinew bake --loop` makes one",
-            args.show
-        );
-        return board::perform(port, &parts, &bytes, args.rounds);
+    if let Some(ended) = args.on_board(emulated.as_ref(), &rig, &parts, &bytes)? {
+        return Ok(ended);
     }
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
@@ -173,7 +184,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         stand = stand.with_twin(Twin::new(emulator, &parts, &bytes)?);
     }
     let mut recorder = args.recorder(&rig, &parts)?;
-    let is_real_time = args.real_time || !args.fast && io::stdout().is_terminal();
+    let is_real_time = args.pace.real_time || !args.pace.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
     let show = Show::open(&bytes)?;
     let rounds = args.rounds(&show, is_real_time)?;
@@ -236,6 +247,13 @@ fn tell(parts: &Parts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
         let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
+        if line.is_of_pulses() {
+            note(format_args!(
+                "bus {:?}: {count} servos on pulses of a PCA9685, I2C at {} bit/s; {} Hz, nothing is read",
+                line.name, line.baud, parts.rate_hz
+            ));
+            continue;
+        }
         let (currents, positions) = (by(Drive::Current), by(Drive::Position));
         let each = match parts.groups(index) {
             1 => "all read in each tick".to_owned(),
@@ -268,6 +286,23 @@ fn tell(parts: &Parts) {
 }
 
 impl Args {
+    /// On a controller of its own, at a port or emulated; none if it is to be in this program.
+    fn on_board(
+        &self,
+        emulated: Option<&[PathBuf; 2]>,
+        rig: &Loaded,
+        parts: &Parts,
+        bytes: &[u8],
+    ) -> anyhow::Result<Option<ExitCode>> {
+        // Nobody watches an emulated one in real time.
+        let rounds = || self.rounds(&Show::open(bytes)?, self.board.is_some());
+        match (&self.board, emulated) {
+            (Some(port), _) => board::perform(port, parts, bytes, rounds()?).map(Some),
+            (None, Some(found)) => emulated::perform(found, rig, parts, bytes, rounds()?).map(Some),
+            (None, None) => Ok(None),
+        }
+    }
+
     /// The bytes of the show: read, or baked of a clip.
     fn bytes(&self, rig: &Loaded, parts: &mut Parts, bare: u32) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);

@@ -187,7 +187,7 @@ fn of_rig(loaded: &Loaded, path: &Path) -> anyhow::Result<Vec<Wanted>> {
         .with_context(|| path.display().to_string())?;
     let mut wanted = Vec::new();
     for servo in servos {
-        let Some(id) = servo.id else {
+        let Some(id) = servo.id() else {
             note(format_args!("servo {:?} takes pulses: it is left out", servo.name));
             continue;
         };

@@ -14,6 +14,7 @@ mod director;
 mod exchange;
 mod line;
 mod parts;
+mod pulses;
 mod record;
 mod recording;
 mod schedule;

@@ -55,9 +55,18 @@ pub enum PartsError {
     /// It has no servos.
     #[error("the rig has no servos")]
     NoServos,
-    /// A servo takes pulses.
-    #[error("servo `{0}` takes pulses and hangs on no bus: `sinew play` has no line for it yet")]
-    Pulses(String),
+    /// A servo is where its kind cannot be.
+    #[error("servo `{servo}` is a {model}: expected {expected}, found {found}")]
+    Address {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+        /// Where it could be.
+        expected: &'static str,
+        /// Where it is.
+        found: String,
+    },
     /// Servos of two makers share a line.
     #[error(
         "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
@@ -223,6 +232,11 @@ impl Parts {
     /// In how many ticks each servo of a line is read once.
     pub fn groups(&self, line: usize) -> u32 {
         self.schedules[line].groups()
+    }
+
+    /// Whether a freedom is moved by servos that tell nothing: what becomes of it nobody knows.
+    pub fn tells_nothing(&self, freedom: usize) -> bool {
+        self.drives[freedom] == Some(Drive::Pulses)
     }
 
     /// Length of a tick, µs.

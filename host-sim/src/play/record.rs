@@ -140,9 +140,11 @@ impl Recorder {
         let [commanded, measured] = stand.freedoms();
         for (index, joint) in self.joints.iter_mut().enumerate() {
             let freedom = report.freedoms[index];
-            let numbers = [commanded[index], measured[index], freedom.error, freedom.effort];
+            let told = |number| (!stand.parts.tells_nothing(index)).then_some(number);
+            let [measured, error] = [measured[index], freedom.error].map(told);
+            let numbers = [Some(commanded[index]), measured, error, Some(freedom.effort)];
             for (column, number) in joint.numbers.iter_mut().zip(numbers) {
-                column.push(Some(number));
+                column.push(number);
             }
             joint.limiter.push(stand.limiter(index).map(|limiter| limiter.as_str().into()));
         }

@@ -2,7 +2,9 @@
 
 use sinew_bus::dynamixel;
 use sinew_firmware::controller::ServoSetup;
-use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
+use sinew_firmware::drives::{
+    CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
+};
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_rig::Description;
 use sinew_servo_sim::registers::RegisterTable;
@@ -25,6 +27,8 @@ pub enum Drive {
     Current,
     /// By position: the loop is the servo's own.
     Position,
+    /// By the length of pulses: the loop is the servo's own, and it tells nothing.
+    Pulses,
 }
 
 impl Drive {
@@ -33,6 +37,7 @@ impl Drive {
         match self {
             Self::Current => "current",
             Self::Position => "position",
+            Self::Pulses => "pulses",
         }
     }
 }
@@ -52,7 +57,7 @@ pub struct ServoPart {
 pub(super) fn mode(drive: Drive) -> dynamixel::Mode {
     match drive {
         Drive::Current => dynamixel::Mode::Current,
-        Drive::Position => dynamixel::Mode::Position,
+        Drive::Position | Drive::Pulses => dynamixel::Mode::Position,
     }
 }
 
@@ -83,7 +88,7 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
     Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
 }
 
-/// How each servo is driven: by current if it can, unless one that shares its drive cannot.
+/// How each servo is driven: by current if it can, unless one that shares its drive cannot; by pulses if it takes them.
 pub(super) fn drives(
     board: &Board,
     servos: &[RigServo],
@@ -94,14 +99,17 @@ pub(super) fn drives(
         _ => false,
     };
     if asked == Some(Drive::Current)
-        && let Some(servo) = servos.iter().find(|servo| !can(servo))
+        && let Some(servo) = servos.iter().find(|servo| table(servo).is_some() && !can(servo))
     {
         let (servo, model) = (servo.name.clone(), servo.kind.name.clone());
         return Err(PartsError::NoCurrent { servo, model });
     }
-    let of = |servo: &RigServo| if can(servo) { Drive::Current } else { Drive::Position };
-    let mut drives: Vec<Drive> =
-        servos.iter().map(|servo| asked.unwrap_or_else(|| of(servo))).collect();
+    let of = |servo: &RigServo| match table(servo) {
+        None => Drive::Pulses,
+        Some(_) if can(servo) => asked.unwrap_or(Drive::Current),
+        Some(_) => Drive::Position,
+    };
+    let mut drives: Vec<Drive> = servos.iter().map(of).collect();
     for shared in board.drives() {
         let all = || shared.servos.iter().map(|servo| usize::from(*servo));
         if all().any(|servo| drives[servo] == Drive::Position) {
@@ -143,6 +151,7 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
                 cut_off,
                 ..PositionSettings::default()
             }),
+            Drive::Pulses => DriveSettings::Target(TargetSettings { encoder: None }),
         },
         heat,
         supply: SupplySettings::of(voltage_v, least_v, most_v),

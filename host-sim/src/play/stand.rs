@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use sinew_bus::dynamixel::table::address;
+use sinew_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
 use sinew_bus::{Effort, ServoBus as _, settings};
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
@@ -21,8 +22,9 @@ use thiserror::Error;
 use super::bus::Buses;
 use super::exchange::exchange;
 use super::parts::{Parts, PartsError};
+use super::servo_part::{Drive, ServoPart, single};
 use super::twin::{Twin, TwinError};
-use super::{FREEDOMS, Loop, SERVOS};
+use super::{FREEDOMS, Loop, SERVOS, pulses};
 
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
@@ -147,6 +149,10 @@ impl<'a, P: Plant> Stand<'a, P> {
         }
         let Self { controller, buses, lines, wires, .. } = self;
         let begun = controller.begin(&inputs, &mut (), buses);
+        let is_on = controller.permission().torque;
+        for line in &mut *lines {
+            line.servos.enable_pulses(is_on);
+        }
         let begin_ns = lines[0].servos.now_ns();
         let end_ns = self.ticks * tick_us * 1000;
         // The tick's computing takes its part: what is asked besides the schedule ends before it.
@@ -187,25 +193,29 @@ impl<'a, P: Plant> Stand<'a, P> {
         permission.source == Source::Feed(Feed::Show) && permission.runs
     }
 
-    /// Commanded and measured position of each freedom: of a ball joint the rotation vector.
+    /// Commanded and measured position of each freedom: of a ball joint the rotation vector. What no servo tells counts
+    /// as measured where it was commanded: see [`Parts::tells_nothing`].
     pub fn freedoms(&self) -> [Vec<f32>; 2] {
         let q = [self.controller.commanded().0, self.controller.measured()];
-        q.map(|mut q| {
-            let mut positions = Vec::new();
-            for body in self.parts.board.tree().bodies() {
-                let kind = body.joint;
-                let (own, rest) = q.split_at(kind.coordinate_count().min(q.len()));
-                q = rest;
-                match (kind, own) {
-                    (JointKind::Spherical, &[x, y, z, w]) => {
-                        positions.extend(math::log(Quat::from_xyzw(x, y, z, w)).to_array());
-                    }
-                    // A free joint, which has other numbers, is refused.
-                    _ => positions.extend_from_slice(own),
+        q.map(|q| self.positions(q))
+    }
+
+    /// Positions of freedoms, of coordinates of the rig.
+    fn positions(&self, mut q: &[f32]) -> Vec<f32> {
+        let mut positions = Vec::new();
+        for body in self.parts.board.tree().bodies() {
+            let kind = body.joint;
+            let (own, rest) = q.split_at(kind.coordinate_count().min(q.len()));
+            q = rest;
+            match (kind, own) {
+                (JointKind::Spherical, &[x, y, z, w]) => {
+                    positions.extend(math::log(Quat::from_xyzw(x, y, z, w)).to_array());
                 }
+                // A free joint, which has other numbers, is refused.
+                _ => positions.extend_from_slice(own),
             }
-            positions
-        })
+        }
+        positions
     }
 
     /// What was measured last, in the rig's coordinates.
@@ -236,9 +246,10 @@ impl<'a, P: Plant> Stand<'a, P> {
         effort.or_else(of_servo).map(|limit| limit.to_lowercase())
     }
 
-    /// Whether every servo has told its temperature: drives give nothing before.
+    /// Whether every servo that tells has told its temperature: drives give nothing before.
     pub fn is_known(&self) -> bool {
-        self.report().servos.iter().all(|servo| servo.temperature_c.is_some())
+        let mut all = self.report().servos.iter().zip(&self.parts.servos);
+        all.all(|(told, part)| part.drive == Drive::Pulses || told.temperature_c.is_some())
     }
 
     /// Ticks since power-on.
@@ -268,16 +279,18 @@ impl<'a, P: Plant> Stand<'a, P> {
         self.lines[0].servos.bench_mut().servos_mut()[place].set(register, raw);
     }
 
-    /// How many simulated servos have their torque on, by their registers.
+    /// How many simulated servos have their torque on, by their registers or because they get pulses.
     pub fn servos_on(&self) -> usize {
         let on = |servo: &usize| {
             let part = &self.parts.servos[*servo];
+            let bench = self.lines[0].servos.bench();
+            let simulated = &bench.servos()[self.parts.place_on_bench(*servo)];
             let register = match RegisterTable::of(&part.own.kind.name) {
                 Some(RegisterTable::Dynamixel(_)) => address::TORQUE_ENABLE,
-                _ => sinew_bus::feetech::table::address::TORQUE_ENABLE.into(),
+                Some(RegisterTable::Feetech(_)) => FEETECH_TORQUE_ENABLE.into(),
+                None => return simulated.pulse_us().is_some(),
             };
-            let bench = self.lines[0].servos.bench();
-            bench.servos()[self.parts.place_on_bench(*servo)].get(register) == 1
+            simulated.get(register) == 1
         };
         (0..self.parts.servos.len()).filter(on).count()
     }
@@ -322,15 +335,27 @@ pub(super) fn lines<'a, P: Plant>(
         Some(supply) => Bench::new(servos, plant, supply),
         None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
     };
-    Ok(Branch::of(bench, &counts).into_iter().map(Line::of_master).collect())
+    let mut branches = Branch::of(bench, &counts);
+    for (branch, line) in branches.iter_mut().zip(&parts.lines) {
+        if line.is_of_pulses() {
+            let own: Vec<&ServoPart> = line.servos.iter().map(|at| &parts.servos[*at]).collect();
+            branch.put_chip(pulses::chip(&own), line.baud);
+            branch.start_chip(pulses::prescale());
+        }
+    }
+    Ok(branches.into_iter().map(Line::of_master).collect())
 }
 
 /// A servo at home, with the registers that the controller compares before it arms.
 fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Servo<'a>, StandError> {
     let part = &parts.servos[index];
     let failed = |reason| StandError::Servo { servo: part.own.name.clone(), reason };
-    let mut servo =
-        Servo::new(&part.own.kind, part.own.id.unwrap_or_default(), memory).map_err(failed)?;
+    let Some(id) = part.own.id() else {
+        let mut servo = Servo::on_pulses(&part.own.kind);
+        servo.place(part.own.home_rad);
+        return Ok(servo);
+    };
+    let mut servo = Servo::new(&part.own.kind, id, memory).map_err(failed)?;
     servo.set_baud(parts.lines[part.place.0].baud).map_err(failed)?;
     let demand = parts.setups[index].demand(&parts.board.servos()[index].servo);
     let mut set = |setting: settings::Setting| servo.set(setting.item.address, setting.raw);
@@ -341,7 +366,7 @@ fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Serv
         Some(RegisterTable::Feetech(table)) => {
             settings::feetech(table.model.family, demand).for_each(&mut set);
         }
-        // `Parts` has refused servos that take pulses.
+        // `Parts` has refused kinds with an id that have none.
         None => {}
     }
     servo.place(part.own.home_rad);
@@ -357,6 +382,13 @@ impl Stand<'_, RigPlant> {
     /// Where the simulated rig is, in its coordinates.
     pub fn q(&self) -> Vec<f64> {
         self.lines[0].servos.bench().plant.q().to_vec()
+    }
+
+    /// Where each freedom of the simulated rig is, less where it is commanded, rad or m: what no servo tells.
+    pub fn simulated_errors(&self) -> Vec<f32> {
+        let q: Vec<f32> = self.q().into_iter().map(single).collect();
+        let commanded = self.positions(self.controller.commanded().0);
+        commanded.iter().zip(self.positions(&q)).map(|(sent, is)| is - sent).collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use comfy_table::Table;
 use sinew_firmware::supervisor::FaultSet;
 use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::RigPlant;
 
 use super::parts::Parts;
 use super::servo_part::Drive;
@@ -49,16 +50,19 @@ impl Tally {
         Self { freedoms: vec![Sums::default(); parts.names.len()], ticks: 0 }
     }
 
-    /// Looks at a tick.
-    pub fn note<P: Plant>(&mut self, stand: &Stand<'_, P>) {
+    /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
+    pub fn note(&mut self, stand: &Stand<'_, RigPlant>) {
         if !stand.runs() {
             return;
         }
         let report = stand.report();
         let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
         self.ticks += 1;
+        let simulated = stand.simulated_errors();
         for (index, (sums, freedom)) in self.freedoms.iter_mut().zip(&report.freedoms).enumerate() {
-            let error = f64::from(freedom.error.abs());
+            let tells_nothing = stand.parts.tells_nothing(index);
+            let error = if tells_nothing { simulated[index] } else { freedom.error };
+            let error = f64::from(error.abs());
             sums.error += error;
             if error > sums.largest {
                 (sums.largest, sums.largest_s) = (error, time_s);
@@ -108,8 +112,13 @@ impl Tally {
         let wires = stand.wires();
         let (incomplete, why) = stand.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
+        let pulses = if (0..parts.names.len()).any(|freedom| parts.tells_nothing(freedom)) {
+            "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
+        } else {
+            ""
+        };
         format!(
-            "Following error while the show ran, {:.2} s; angles in deg, ways in mm.\n{by_drive}\n{by_joint}\n\
+            "Following error while the show ran, {:.2} s; angles in deg, ways in mm.\n{pulses}{by_drive}\n{by_joint}\n\
              faults: {faults}\nticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
              wire: {} bytes sent, {} answered, hash {:016x}\n",
             self.ticks as f64 / f64::from(parts.rate_hz),
@@ -125,9 +134,9 @@ impl Tally {
     fn by_drive(&self, parts: &Parts) -> String {
         let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
         let mut table = table(header, 2..header.len());
-        let all = [Some(Drive::Current), Some(Drive::Position), None];
+        let all = [Some(Drive::Current), Some(Drive::Position), Some(Drive::Pulses), None];
         let found = all.map(|drive| (drive, self.errors(parts, drive)));
-        let is_mixed = found[..2].iter().all(|(_, errors)| errors.is_some());
+        let is_mixed = found[..3].iter().filter(|(_, errors)| errors.is_some()).count() > 1;
         for (drive, errors) in found {
             let Some(errors) = errors else { continue };
             if drive.is_none() && !is_mixed {
@@ -166,15 +175,17 @@ impl Tally {
                 format!("{number:.2}")
             };
             let ticks = self.ticks.max(1) as f64;
+            // Nothing is told by such a servo, and no effort is asked of it.
+            let known = |number| if drive == Drive::Pulses { "-".to_owned() } else { number };
             table.add_row([
                 parts.names[freedom].clone(),
                 drive.name().to_owned(),
                 shown(sums.error / ticks),
                 shown(sums.largest),
                 format!("{:.2}", sums.largest_s),
-                format!("{:.3}", sums.effort),
-                format!("{:.2}", sums.current_a),
-                format!("{:.0}", sums.celsius),
+                known(format!("{:.3}", sums.effort)),
+                known(format!("{:.2}", sums.current_a)),
+                known(format!("{:.0}", sums.celsius)),
                 format!("{:.0} %", 100.0 * sums.limited as f64 / ticks),
             ]);
         }

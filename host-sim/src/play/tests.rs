@@ -1,8 +1,10 @@
 use sinew_bus::dynamixel::table::address;
 use sinew_bus::feetech::table::address as feetech_address;
-use sinew_firmware::supervisor::{Refused, RegisterDiffers};
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
 use sinew_retarget::feasibility::RigMotion;
+use sinew_rig::Description;
 use sinew_rig::new::arm;
+use sinew_rig::servo::Address;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings;
 
@@ -55,4 +57,97 @@ fn a_wrong_register_refuses_with_what_is_wrong() {
         };
         assert_eq!(differs, RegisterDiffers { servo, item, address, found, expected });
     }
+}
+
+/// The eight servos of `docs/first-rig.md`, on the channels of that page.
+fn face() -> Description {
+    const ON_IT: [&str; 8] = [
+        "neck_turn",
+        "jaw",
+        "eye_turn_left",
+        "eye_nod_left",
+        "lid_upper_left",
+        "eye_turn_right",
+        "eye_nod_right",
+        "lid_upper_right",
+    ];
+    let mut rig = sinew_rig::new::face();
+    rig.servos.retain(|servo| ON_IT.contains(&servo.name.as_str()));
+    rig.drives.retain(|drive| ON_IT.contains(&drive.joints[0].as_str()));
+    rig
+}
+
+/// Bytes to a simulated PCA9685 move simulated servos; its pin OE takes all pulses away, at the end and at an e-stop.
+#[test]
+fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
+    for is_stopped in [false, true] {
+        let rig = face();
+        let mechanism = rig.mechanism().unwrap();
+        let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+        let jaw = parts.names.iter().position(|name| name == "jaw").unwrap();
+        let eye = parts.names.iter().position(|name| name == "eye_turn_left").unwrap();
+        assert!(parts.tells_nothing(jaw) && parts.servos.len() == 8);
+        // Over 3 s the jaw opens and shuts, and the eye looks to the left and back.
+        let rows = (0..=30).map(|row| {
+            let share = (f64::from(row) / 30.0 * std::f64::consts::TAU).cos().mul_add(-0.5, 0.5);
+            let mut q = mechanism.home();
+            (q[jaw], q[eye]) = (-0.3 * share, 0.5 * share);
+            q
+        });
+        let motion = RigMotion { dt_s: 0.1, rows: rows.collect() };
+        let settings = Settings::default();
+        let baker = Baker { mechanism: &mechanism, rig: parts.rig_crc(), settings };
+        let show = baker.bake(&motion, &Marks::default()).unwrap().written.bytes;
+        let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+        let plant = parts.plant(&rig, &mechanism).unwrap();
+        let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
+        let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
+        let (mut least, mut most) = (0.0_f64, 0.0_f64);
+        let ended = (0..20 * parts.rate_hz).find_map(|_| {
+            if is_stopped && tally.ticks() == 100 {
+                assert_eq!(stand.servos_on(), 8);
+                stand.tick(Some(Command::EStop));
+                return Some(None);
+            }
+            let ended = director.tick(&mut stand, false);
+            tally.note(&stand);
+            (least, most) = (least.min(stand.q()[jaw]), most.max(stand.q()[eye]));
+            // Pulses come with torque alone.
+            assert_eq!(stand.servos_on(), if stand.permission().torque { 8 } else { 0 });
+            ended.map(Some)
+        });
+        assert_eq!(stand.servos_on(), 0);
+        let errors = tally.errors(&parts, Some(Drive::Pulses)).unwrap();
+        assert_eq!(errors.joints, 8);
+        if is_stopped {
+            assert_eq!((ended, stand.report().state), (Some(None), State::Faulted));
+            continue;
+        }
+        assert_eq!(ended, Some(Some(Ended::Done)));
+        // It got there but for its dead band, its play and friction; and it is never quite where it is sent.
+        assert!((least + 0.3).abs() < 0.05 && (most - 0.5).abs() < 0.05, "{least} {most}");
+        assert!(errors.most_rad > 1e-3 && errors.most_rad < 0.1, "{errors:?}");
+        // Nothing answers.
+        assert!(stand.wires().answered == 0 && stand.wires().sent > 0);
+        assert_eq!(director.raised(), FaultSet::EMPTY);
+    }
+}
+
+#[test]
+fn a_servo_is_refused_where_its_kind_cannot_be() {
+    let refused = |change: fn(&mut Description)| {
+        let mut rig = face();
+        change(&mut rig);
+        let mechanism = rig.mechanism().unwrap();
+        Parts::new(&rig, &mechanism, Options::default()).err().expect("it is refused").to_string()
+    };
+    let with_id = refused(|rig| rig.servos[1].address = Address::Id(3));
+    assert!(with_id.contains("`jaw` is a MG90S") && with_id.contains("found id 3"), "{with_id}");
+    let on_channel = refused(|rig| "XL330-M288-T".clone_into(&mut rig.servos[0].model));
+    assert!(on_channel.contains("expected an `id`"), "{on_channel}");
+    let mixed = refused(|rig| {
+        "XL330-M288-T".clone_into(&mut rig.servos[0].model);
+        rig.servos[0].address = Address::Id(1);
+    });
+    assert!(mixed.contains("two protocols (neck_turn, jaw)"), "{mixed}");
 }

@@ -28,6 +28,11 @@ pub enum LessonError {
         "the rig cannot carry itself: servo `{0}` is driven by position, and takes no effort; teach it limp (`--limp`)"
     )]
     NoEffort(String),
+    /// Servos that tell nothing.
+    #[error(
+        "nothing can be taught by hand: servo `{0}` takes pulses, and does not tell where it is"
+    )]
+    TellsNothing(String),
     /// A command was refused.
     #[error("the controller refused: {0}")]
     Refused(Refused),
@@ -60,6 +65,24 @@ pub struct Lesson<'s, 'a> {
     hand: ScriptedHand,
 }
 
+/// That the servos of a rig can be taught so.
+///
+/// # Errors
+/// [`LessonError`] names the first one that cannot.
+pub fn check_servos(parts: &Parts, mode: Mode) -> Result<(), LessonError> {
+    let name = |refused: fn(Drive) -> bool| {
+        let found = parts.servos.iter().find(|part| refused(part.drive));
+        found.map(|part| part.own.name.clone())
+    };
+    if let Some(name) = name(|drive| drive == Drive::Pulses) {
+        return Err(LessonError::TellsNothing(name));
+    }
+    match name(|drive| drive != Drive::Current) {
+        Some(name) if mode == Mode::Float => Err(LessonError::NoEffort(name)),
+        _ => Ok(()),
+    }
+}
+
 impl<'s, 'a> Lesson<'s, 'a> {
     /// With a stand just before power comes on.
     pub fn new(stand: &'s mut Stand<'a, RigPlant>, mechanism: &Mechanism, leads: Leads) -> Self {
@@ -77,12 +100,7 @@ impl<'s, 'a> Lesson<'s, 'a> {
         let_go_s: f64,
         mut each: impl FnMut(f64, State),
     ) -> Result<Taken, LessonError> {
-        let parts: &Parts = self.stand.parts;
-        if mode == Mode::Float
-            && let Some(servo) = parts.servos.iter().find(|part| part.drive != Drive::Current)
-        {
-            return Err(LessonError::NoEffort(servo.own.name.clone()));
-        }
+        check_servos(self.stand.parts, mode)?;
         let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
         self.hold(0.0);
         while self.stand.report().state != taught {

@@ -14,6 +14,6 @@ mod taught;
 
 pub use hand::ScriptedHand;
 pub use leads::Leads;
-pub use lesson::{Lesson, LessonError, Mode, Taken};
+pub use lesson::{Lesson, LessonError, Mode, Taken, check_servos};
 pub use received::{ReceivedError, rows};
 pub use taught::{REST_RAD, Taught, TaughtError, beside};

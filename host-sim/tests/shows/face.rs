@@ -1,8 +1,10 @@
-//! A face of servos that follow a clip's jaw and brows by curves.
+//! A face of servos: they follow a clip's jaw and brows by curves, and perform by pulses.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use sinew_show::{Player, Show};
+use sinew_sim::play::Recording;
 
 use super::{done, path};
 
@@ -102,4 +104,34 @@ fn eight_servos_of_a_face_follow_by_curves() {
 fn ends(home: f64, [least, most]: [f64; 2]) -> [f64; 2] {
     let far = if most - home > home - least { most } else { least };
     [home, home + (far - home) / 3.0]
+}
+
+/// Eyes and jaw by pulses of a PCA9685: nothing is told, so nothing is recorded as measured.
+#[test]
+fn a_face_performs_by_pulses() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, csv, show, recorded] = ["face.toml", "talk.csv", "talk.show", "talk.parquet"]
+        .map(|name| path(folder.path(), name));
+    done(&["rig", "new", "--face", "-o", &rig]);
+    std::fs::write(&csv, "time,jaw,eye_turn_left\n0,0,0\n0.5,-0.3,0.2\n1,0,0\n").unwrap();
+    done(&["bake", &csv, "--rig", &rig, "--fit", "-o", &show]);
+    let [table, told] = done(&["play", &show, "--rig", &rig, "--record", &recorded]);
+    assert!(told.contains("14 servos on pulses of a PCA9685"), "{told}");
+    assert!(table.contains("faults: none") && table.contains(" 0 answered"), "{table}");
+    let jaw = table.lines().find(|line| line.starts_with(" jaw ")).unwrap();
+    let cells: Vec<&str> = jaw.split_whitespace().collect();
+    assert_eq!([cells[1], cells[5], cells[6], cells[7]], ["pulses", "-", "-", "-"], "{table}");
+    let largest: f64 = cells[3].parse().unwrap();
+    // It lags, and does not move at all without its pulses: the jaw opens by 17 deg.
+    assert!(largest > 0.1 && largest < 6.0, "{table}");
+    let recording = Recording::open(Path::new(&recorded)).unwrap();
+    let at = recording.joints().iter().position(|joint| joint == "jaw").unwrap();
+    for part in recording.parts() {
+        let part = part.unwrap();
+        let rows = &part.joints[at];
+        assert!(rows.measured.iter().chain(&rows.error).all(|x| x.is_nan()));
+        assert!(rows.commanded.iter().all(|x| x.is_finite()));
+        assert!(part.servos.iter().all(|servo| servo.current.iter().all(|x| x.is_nan())));
+    }
+    super::refused(&["record", "--simulate", "--rig", &rig, "-o", &csv], "takes pulses");
 }

@@ -1,5 +1,6 @@
 //! A clip on a rig, as a person calls it: map, bake, export, evaluate.
 
+mod emulated;
 mod face;
 mod humanoid;
 mod in_qemu;

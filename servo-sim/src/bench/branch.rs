@@ -5,8 +5,9 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use sinew_bus::BusDevice;
+use sinew_bus::pca9685::Prescale;
 
-use super::Bench;
+use super::{Bench, Chip, chip};
 use crate::device::Servo;
 use crate::line::Wired;
 use crate::load::Plant;
@@ -19,6 +20,8 @@ pub struct Branch<'m, P> {
     /// Its own servos, as places on the bench.
     servos: Range<usize>,
     baud: u32,
+    /// Between the master and servos that take pulses.
+    chip: Option<Box<Chip>>,
 }
 
 impl<'m, P: Plant> Branch<'m, P> {
@@ -37,8 +40,39 @@ impl<'m, P: Plant> Branch<'m, P> {
         });
         let ranges: Vec<_> = ranges.collect();
         let bench = Rc::new(RefCell::new(bench));
-        let branch = |(servos, baud)| Self { bench: Rc::clone(&bench), servos, baud };
+        let branch = |(servos, baud)| Self { bench: Rc::clone(&bench), servos, baud, chip: None };
         ranges.into_iter().map(branch).collect()
+    }
+
+    /// Puts a chip between the master, who talks I2C at this rate, and the servos of this line, which take pulses.
+    pub fn put_chip(&mut self, chip: Chip, i2c_hz: u32) {
+        (self.chip, self.baud) = (Some(Box::new(chip)), i2c_hz.max(1));
+        self.pulse();
+    }
+
+    /// Starts its chip, if it has one, as a board does.
+    pub fn start_chip(&mut self, prescale: Prescale) {
+        if let Some(chip) = &mut self.chip {
+            chip.start(prescale);
+            self.pulse();
+        }
+    }
+
+    /// Drives the pin OE of its chip, if it has one: without it no servo of this line gets a pulse.
+    pub fn enable_pulses(&mut self, on: bool) {
+        if let Some(chip) = &mut self.chip {
+            chip.enable(on);
+            self.pulse();
+        }
+    }
+
+    /// Servos get the pulses that the chip makes.
+    fn pulse(&mut self) {
+        let Some(chip) = &self.chip else { return };
+        let servos = &mut self.bench.borrow_mut().servos[self.servos.clone()];
+        for (index, servo) in servos.iter_mut().enumerate() {
+            servo.set_pulse(chip.pulse_us(index));
+        }
     }
 
     /// The bench of all lines.
@@ -62,7 +96,11 @@ impl<P: Plant> Wired for Branch<'_, P> {
     }
 
     fn wire_ns(&self, bytes: usize) -> u64 {
-        wire::took_ns(bytes, self.baud)
+        if self.chip.is_some() {
+            chip::took_ns(bytes, self.baud)
+        } else {
+            wire::took_ns(bytes, self.baud)
+        }
     }
 
     fn set_rate(&mut self, baud: u32) {
@@ -70,6 +108,11 @@ impl<P: Plant> Wired for Branch<'_, P> {
     }
 
     fn hear(&mut self, bytes: &[u8], speaker: Option<usize>) {
+        if let Some(chip) = &mut self.chip {
+            chip.write(bytes);
+            self.pulse();
+            return;
+        }
         let servos = &mut self.bench.borrow_mut().servos[self.servos.clone()];
         wire::hear(servos, self.baud, bytes, speaker);
     }

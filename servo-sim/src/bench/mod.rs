@@ -1,6 +1,7 @@
 //! Servos in simulated time: on one line, or on several ([`Branch`]).
 
 mod branch;
+mod chip;
 
 use std::collections::VecDeque;
 
@@ -14,6 +15,7 @@ use crate::model::Draw;
 use crate::supply::Supply;
 use crate::wire::{self, SILENCE_US};
 pub use branch::Branch;
+pub use chip::{Chip, OSCILLATOR_HZ};
 
 const STEP_NS: u64 = 250_000;
 

@@ -59,32 +59,32 @@ pub struct Servo<'m> {
 
 impl<'m> Servo<'m> {
     /// A servo as it left the factory, which has just started, at the middle of its range. `memory` holds its
-    /// registers: [`MEMORY_LEN`] bytes. A hobby servo takes pulses: `id` and `memory` are then not used.
+    /// registers: [`MEMORY_LEN`] bytes.
     ///
     /// # Errors
-    /// [`ServoError`]: `memory` is too short, or a bus servo has no table.
+    /// [`ServoError`]: `memory` is too short, or its kind has no table.
     pub fn new(kind: &Parameters, id: u8, memory: &'m mut [u8]) -> Result<Self, ServoError> {
-        let is_pulse = kind.name.starts_with("MG");
-        let rad_per_count = if is_pulse {
-            // Its resolution is a dead band; the potentiometer itself has no steps.
-            kind.resolution_rad / 64.0
-        } else {
-            kind.resolution_rad
-        };
-        let program = if is_pulse {
-            let range = kind.range_rad;
-            Program::Pulse(pulse::Firmware::new(duty_per_rad(kind), rad_per_count, range))
-        } else {
-            match RegisterTable::of(&kind.name) {
-                Some(RegisterTable::Dynamixel(table)) => {
-                    Program::Dynamixel(Box::new(Dynamixel::new(kind, table, id, memory)?))
-                }
-                Some(RegisterTable::Feetech(table)) => {
-                    Program::Feetech(Box::new(Feetech::new(kind, table, id, memory)?))
-                }
-                None => return Err(ServoError::NoTable(kind.name.clone())),
+        let program = match RegisterTable::of(&kind.name) {
+            Some(RegisterTable::Dynamixel(table)) => {
+                Program::Dynamixel(Box::new(Dynamixel::new(kind, table, id, memory)?))
             }
+            Some(RegisterTable::Feetech(table)) => {
+                Program::Feetech(Box::new(Feetech::new(kind, table, id, memory)?))
+            }
+            None => return Err(ServoError::NoTable(kind.name.clone())),
         };
+        Ok(Self::with(kind, program, kind.resolution_rad))
+    }
+
+    /// A hobby servo, at the middle of its range, without a pulse.
+    pub fn on_pulses(kind: &Parameters) -> Self {
+        // Its resolution is a dead band; the potentiometer itself has no steps.
+        let rad_per_count = kind.resolution_rad / 64.0;
+        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind.range_rad);
+        Self::with(kind, Program::Pulse(firmware), rad_per_count)
+    }
+
+    fn with(kind: &Parameters, program: Program<'m>, rad_per_count: f64) -> Self {
         let steps = whole(1.0 / (kind.loop_hz * STEP_S)).max(1).unsigned_abs();
         let mut servo = Self {
             program,
@@ -108,7 +108,7 @@ impl<'m> Servo<'m> {
             is_torque_stuck: false,
         };
         servo.place(0.5 * kind.range_rad);
-        Ok(servo)
+        servo
     }
 
     /// Puts its shaft somewhere, at rest, before it starts; rad.
@@ -175,6 +175,14 @@ impl<'m> Servo<'m> {
     pub fn set_pulse(&mut self, pulse_us: Option<f64>) {
         if let Program::Pulse(firmware) = &mut self.program {
             firmware.pulse_us = pulse_us;
+        }
+    }
+
+    /// The pulse that a hobby servo gets, us; none of any other.
+    pub fn pulse_us(&self) -> Option<f64> {
+        match &self.program {
+            Program::Pulse(firmware) => firmware.pulse_us,
+            _ => None,
         }
     }
 

@@ -16,7 +16,6 @@ use std::ops::Range;
 use glam::DVec3;
 use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{Freedom, GRAVITY_M_S2};
-use sinew_rig::servo::Address;
 use sinew_rig::{Description, Mechanism};
 
 use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_NM_RAD, Shaft};
@@ -87,7 +86,7 @@ impl RigPlant {
     /// A rig at rest at its home pose. `servos`: names of those on the bench, in their order there.
     ///
     /// # Errors
-    /// [`RigServosError`], also if a name is none of a servo with an id.
+    /// [`RigServosError`], also if a name is none of a servo.
     pub fn new(
         description: &Description,
         mechanism: &Mechanism,
@@ -107,10 +106,7 @@ impl RigPlant {
         let mut benched = vec![None; description.servos.len()];
         let mut stops_rad = Vec::new();
         for (place, name) in servos.iter().enumerate() {
-            let index = description
-                .servos
-                .iter()
-                .position(|servo| servo.name == *name && matches!(servo.address, Address::Id(_)));
+            let index = description.servos.iter().position(|servo| servo.name == *name);
             let index = index.ok_or_else(|| RigServosError::NoServo((*name).to_owned()))?;
             let described = &description.servos[index];
             // `actuation` has refused models that are not known.

@@ -10,6 +10,7 @@ use sinew_bus::dynamixel::Instruction;
 use sinew_rig::description::{Drive, DriveKind};
 use sinew_rig::mechanism::{InverseDynamics, Link};
 use sinew_rig::new::arm;
+use sinew_rig::servo::Address;
 
 use super::*;
 use crate::bench::Bench;
@@ -188,7 +189,7 @@ fn run<P: Plant>(
     let mut memory = vec![[0; MEMORY_LEN]; own.len()];
     let mut simulated = Vec::new();
     for ((servo, memory), on) in own.iter().zip(&mut memory).zip(on) {
-        let mut device = Servo::new(&servo.kind, servo.id.unwrap(), memory).unwrap();
+        let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
         device.place(servo.home_rad);
         if !on {
             // A mode without a goal: it is limp.
@@ -201,8 +202,8 @@ fn run<P: Plant>(
     for (place, servo) in own.iter().enumerate() {
         let home = (servo.home_rad / servo.kind.resolution_rad).round() as i32;
         let to = home + if goal.0 == place { goal.1 } else { 0 };
-        write(&mut bench, servo.id.unwrap(), 64, &[1]);
-        write(&mut bench, servo.id.unwrap(), 116, &to.to_le_bytes());
+        write(&mut bench, servo.id().unwrap(), 64, &[1]);
+        write(&mut bench, servo.id().unwrap(), 116, &to.to_le_bytes());
     }
     let mut shafts = vec![Vec::new(); own.len()];
     for _ in 0..steps {
@@ -360,7 +361,7 @@ fn it_is_stable_with_stiff_gears_and_light_bodies() {
         let mut memory = vec![[0; MEMORY_LEN]; own.len()];
         let mut simulated = Vec::new();
         for (servo, memory) in own.iter().zip(&mut memory) {
-            let mut device = Servo::new(&servo.kind, servo.id.unwrap(), memory).unwrap();
+            let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
             device.place(servo.home_rad);
             // PWM.
             device.set(11, 16);

@@ -3,11 +3,9 @@
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_client::ClientError;
+use sinew_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Refusal};
 use sinew_sim::play::Parts;
-
-use super::PortBoard;
 
 /// For so long a rig may not be ready to be armed.
 pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
@@ -15,7 +13,7 @@ pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// That the board has the rig of the file.
-pub(in crate::cli) fn check_rig(board: &PortBoard, parts: &Parts) -> anyhow::Result<()> {
+pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &Parts) -> anyhow::Result<()> {
     const HELP: &str = "`sinew upload rig FILE --board PORT` brings it";
     let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
     let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
@@ -26,7 +24,7 @@ pub(in crate::cli) fn check_rig(board: &PortBoard, parts: &Parts) -> anyhow::Res
 }
 
 /// Asks a rig to be armed, or not yet: whether it was. `waits`: it may become ready.
-pub(in crate::cli) fn arm(board: &mut PortBoard, waits: bool) -> anyhow::Result<bool> {
+pub(in crate::cli) fn arm<L: Line>(board: &mut Board<L>, waits: bool) -> anyhow::Result<bool> {
     match board.ask(Command::Arm) {
         Err(ClientError::Refused(
             Refusal::Moving { .. }

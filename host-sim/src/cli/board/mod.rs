@@ -1,6 +1,7 @@
 //! Commands for a controller at a serial port, and a simulated one.
 
 mod arm;
+mod cycles;
 mod doctor;
 mod faults;
 mod flash;
@@ -21,5 +22,5 @@ pub(super) use port::{BoardPort, PortBoard, open};
 pub(super) use settings::{SettingsArgs, run as settings};
 #[cfg(unix)]
 pub(super) use simulate::{SimulateArgs, run as simulate};
-pub(super) use upload::{UploadArgs, put_show, run as upload};
+pub(super) use upload::{UploadArgs, put, put_show, run as upload};
 pub(super) use words::{named, remedy, tell_faults};

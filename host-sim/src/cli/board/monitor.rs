@@ -7,12 +7,13 @@ use anyhow::ensure;
 use sinew_link::message::{Parts, Summary};
 use sinew_sim::command::{note, print};
 
-use super::{BoardPort, named};
+use super::{BoardPort, cycles, named};
 use crate::cli::play::stop::Stop;
 
 /// Show what a controller tells of its rig: state, fault, supply, tick, errors of the bus, heat. Nothing moves by it.
 ///
-/// A line for each change of the state, and one in every --every seconds, until Ctrl-C.
+/// A line for each change of the state, and one in every --every seconds, until Ctrl-C. Then how long ticks, bus, link and
+/// the loop's periods took meanwhile.
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct MonitorArgs {
     #[command(flatten)]
@@ -35,6 +36,8 @@ pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let about = board.about();
     note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
     board.telemetry(10.0, Parts::SUMMARY.and(Parts::SERVOS))?;
+    // What was counted before belongs to other work.
+    let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
     while stop.times() == 0 && args.lines.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
@@ -49,6 +52,9 @@ pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
         due = board.now() + Duration::from_secs_f64(args.every);
         lines += 1;
         print(&line(&summary, &board.seen.servos))?;
+    }
+    if counts && let Some(spreads) = cycles::read(&mut board)?.as_ref().and_then(cycles::spreads) {
+        print(&spreads)?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -151,7 +151,12 @@ pub(in crate::cli) fn put_show<L: Line>(
     board.slot_of(&item)?.context("the board has taken the show, and does not have it")
 }
 
-fn put<L: Line>(board: &mut Board<L>, item: &Item, bytes: &[u8]) -> Result<(), ClientError> {
+/// Uploads an item; a bar shows how far it is.
+pub(in crate::cli) fn put<L: Line>(
+    board: &mut Board<L>,
+    item: &Item,
+    bytes: &[u8],
+) -> Result<(), ClientError> {
     let style = ProgressStyle::with_template("{bytes} of {total_bytes} {bar:40} {bytes_per_sec}");
     let bar = ProgressBar::new(item.length.into());
     let bar = style.map_or(bar.clone(), |style| bar.with_style(style));

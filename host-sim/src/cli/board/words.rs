@@ -1,10 +1,9 @@
 //! Faults in words.
 
+use sinew_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::FaultRecord;
 use sinew_sim::command::note;
-
-use super::PortBoard;
 
 /// The fault of a number, if this program knows it.
 fn known(number: u8) -> Option<Fault> {
@@ -22,7 +21,7 @@ pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
 }
 
 /// Says what faults a controller has told of, and what to do.
-pub(in crate::cli) fn tell_faults(board: &PortBoard) {
+pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
     let mut numbers: Vec<u8> = board.seen.faults.iter().map(|fault| fault.fault).collect();
     numbers.extend(board.seen.summary.and_then(|summary| summary.fault));
     numbers.sort_unstable();

@@ -5,14 +5,14 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew_client::ClientError;
+use sinew_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
 use sinew_show::Show;
 use sinew_sim::command::note;
 use sinew_sim::play::Parts;
 
 use super::stop::Stop;
-use crate::cli::board::{PortBoard, READY, arm, check_rig, named, open, put_show, tell_faults};
+use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
 
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(50);
@@ -28,8 +28,8 @@ enum Phase {
     Stopping,
 }
 
-struct Performance {
-    board: PortBoard,
+struct Performance<'b, L> {
+    board: &'b mut Board<L>,
     phase: Phase,
     /// Summaries that had come when the last command was done: those count no more.
     before: u32,
@@ -50,11 +50,20 @@ pub(super) fn perform(
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
+    perform_on(&mut open(Some(path))?, parts, bytes, rounds)
+}
+
+/// The same on a board in a session.
+pub(super) fn perform_on<L: Line>(
+    board: &mut Board<L>,
+    parts: &Parts,
+    bytes: &[u8],
+    rounds: Option<u32>,
+) -> anyhow::Result<ExitCode> {
     let show = Show::open(bytes)?;
-    let mut board = open(Some(path))?;
-    check_rig(&board, parts)?;
+    check_rig(board, parts)?;
     let stop = Stop::new()?;
-    let slot = put_show(&mut board, bytes, "sinew play")?;
+    let slot = put_show(board, bytes, "sinew play")?;
     board.ask(Command::LoadShow { slot })?;
     board.telemetry(RATE_HZ, Told::SUMMARY)?;
     let style = ProgressStyle::with_template("{msg}")?;
@@ -75,7 +84,7 @@ pub(super) fn perform(
     ended
 }
 
-impl Performance {
+impl<L: Line> Performance<'_, L> {
     fn run(&mut self, stop: &Stop) -> anyhow::Result<ExitCode> {
         loop {
             self.board.step(LOOK)?;
@@ -143,14 +152,14 @@ impl Performance {
         if state != State::Limp && waits {
             return Ok(());
         }
-        if arm(&mut self.board, waits)? {
+        if arm(self.board, waits)? {
             (self.phase, self.before) = (Phase::Arming, self.board.seen.summaries);
         }
         Ok(())
     }
 
     fn faulted(&self) -> ExitCode {
-        tell_faults(&self.board);
+        tell_faults(self.board);
         ExitCode::FAILURE
     }
 

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_firmware::supervisor::{Moving, State};
-use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::RigPlant;
 use sinew_show::Show;
 use sinew_sim::command::note;
-use sinew_sim::play::{Parts, Stand};
+use sinew_sim::play::Stand;
 
 /// So many joints are shown.
 const WORST: usize = 6;
@@ -35,7 +35,7 @@ impl Live {
     }
 
     /// After a tick. `waits_for`: what moves before the rig is armed.
-    pub(super) fn show<P: Plant>(&mut self, stand: &Stand<'_, P>, waits_for: Option<Moving>) {
+    pub(super) fn show(&mut self, stand: &Stand<'_, RigPlant>, waits_for: Option<Moving>) {
         let report = stand.report();
         self.ran += u64::from(stand.permission().runs);
         if self.state != Some(report.state) {
@@ -70,7 +70,7 @@ impl Live {
         self.bar.suspend(|| note(line));
     }
 
-    fn lines<P: Plant>(&self, stand: &Stand<'_, P>) -> String {
+    fn lines(&self, stand: &Stand<'_, RigPlant>) -> String {
         let (report, parts) = (stand.report(), stand.parts);
         let played_s = self.ran as f64 / f64::from(parts.rate_hz);
         let played_s =
@@ -94,16 +94,22 @@ impl Live {
         );
         let mut worst: Vec<usize> =
             (0..parts.names.len()).filter(|joint| parts.drives[*joint].is_some()).collect();
-        let size = |joint: &usize| report.freedoms[*joint].error.abs();
+        // Of servos that tell nothing that of the simulated rig.
+        let simulated = stand.simulated_errors();
+        let error = |joint: usize| {
+            if parts.tells_nothing(joint) { simulated[joint] } else { report.freedoms[joint].error }
+        };
+        let size = |joint: &usize| error(*joint).abs();
         worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
         for joint in worst.into_iter().take(WORST) {
-            text += &line(stand, parts, joint);
+            text += &line(stand, joint, error(joint));
         }
         text
     }
 }
 
-fn line<P: Plant>(stand: &Stand<'_, P>, parts: &Parts, joint: usize) -> String {
+fn line(stand: &Stand<'_, RigPlant>, joint: usize, error: f32) -> String {
+    let parts = stand.parts;
     let freedom = stand.report().freedoms[joint];
     let servo = parts.first_servo[joint].unwrap_or_default();
     let told = &stand.report().servos[servo];
@@ -113,7 +119,7 @@ fn line<P: Plant>(stand: &Stand<'_, P>, parts: &Parts, joint: usize) -> String {
     format!(
         "\n  {:<20} {:>9.2} {:>10.3} {:>9} {:>7}  {}",
         parts.names[joint],
-        freedom.error.to_degrees(),
+        error.to_degrees(),
         freedom.effort,
         number(stand.current_a(servo), 2),
         number(told.temperature_c, 0),

@@ -9,9 +9,9 @@ use sinew_client::ClientError;
 use sinew_link::message::{Command, Parts as Told, Refusal, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_sim::command::note;
-use sinew_sim::play::{Drive, Parts};
+use sinew_sim::play::Parts;
 use sinew_sim::rig::Loaded;
-use sinew_sim::teach::{LessonError, Mode, rows};
+use sinew_sim::teach::{Mode, check_servos, rows};
 
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
 use crate::cli::play::stop::Stop;
@@ -31,11 +31,7 @@ pub(super) fn led(
     mode: Mode,
     seconds: Option<f64>,
 ) -> anyhow::Result<RigMotion> {
-    if mode == Mode::Float
-        && let Some(servo) = parts.servos.iter().find(|part| part.drive != Drive::Current)
-    {
-        bail!(LessonError::NoEffort(servo.own.name.clone()));
-    }
+    check_servos(parts, mode)?;
     let mut board = open(Some(port))?;
     check_rig(&board, parts)?;
     // As often as there are ticks: how long one is, the board alone knows.

@@ -62,6 +62,8 @@ pub(super) struct Servos<'s, 'm, P> {
     pub(super) bauds: &'s [u32],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,
+    /// Whether servos may get pulses.
+    pub(super) has_outputs: &'s Cell<bool>,
     pub(super) wires: &'s mut Wires,
 }
 
@@ -81,6 +83,10 @@ impl<P: Plant> Wire for Servos<'_, '_, P> {
     /// All of a tick: each line has packets of its own.
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
         let begin_ns = self.now_ns();
+        let is_on = self.has_outputs.get();
+        for line in &mut *self.lines {
+            line.servos.enable_pulses(is_on);
+        }
         let lines = &mut self.buses.borrow_mut().lines;
         self.failed.set(exchange(lines, self.lines, self.end_ns, self.wires).err());
         self.pass_time(begin_ns);

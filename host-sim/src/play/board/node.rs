@@ -76,6 +76,8 @@ impl Node {
 /// Clock and outputs.
 pub(super) struct Pins<'c> {
     pub(super) clock_us: &'c Cell<u64>,
+    /// The pin OE of a PCA9685: whether servos may get pulses.
+    pub(super) has_outputs: &'c Cell<bool>,
 }
 
 impl Safety for Pins<'_> {
@@ -85,7 +87,9 @@ impl Safety for Pins<'_> {
     fn is_stopped(&mut self) -> bool {
         false
     }
-    fn enable_outputs(&mut self, _: bool) {}
+    fn enable_outputs(&mut self, on: bool) {
+        self.has_outputs.set(on);
+    }
     fn feed(&mut self, _: Complete) {}
     /// Simulated time: that of lines and servos.
     #[expect(clippy::cast_possible_truncation, reason = "it wraps")]

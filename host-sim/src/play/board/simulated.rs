@@ -20,7 +20,7 @@ use super::flash::{Chip, TABLE};
 use super::node::{Desktop, Node, Pins};
 use crate::play::bus::Buses;
 use crate::play::stand::{Memory, StandError, Wires, lines};
-use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, PartsError, SERVOS};
+use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, PartsError, SERVOS, pulses};
 
 /// Steps below the loop in each tick: they take 64 bytes each.
 const STEPS: u32 = 8;
@@ -124,6 +124,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     pub fn tick(&mut self) {
         let tick_ns = u64::from(self.parts.tick_us()) * 1000;
         let (clock_us, failed) = (Cell::new(self.now_us()), Cell::new(None));
+        let has_outputs = Cell::new(false);
         self.ticks += 1;
         let end_ns = self.ticks * tick_ns;
         if let Some(control) = &mut self.node.control {
@@ -134,9 +135,10 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
                 bauds: &self.bauds,
                 end_ns,
                 clock_us: &clock_us,
+                has_outputs: &has_outputs,
                 wires: &mut self.wires,
             };
-            let mut pins = Pins { clock_us: &clock_us };
+            let mut pins = Pins { clock_us: &clock_us, has_outputs: &has_outputs };
             let mut bus = AllLines { buses: &self.buses, failed: &failed };
             // Without a watchdog a tick that is not whole is seen in telemetry alone.
             let _ = control.tick(&mut pins, &*self.node.mail, &mut bus, &mut wire, &mut []);
@@ -162,6 +164,11 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
             (Node::start(self.parts, &self.chip, self.about), self.parts.all_buses())
         {
             (self.node, self.buses) = (node, RefCell::new(buses));
+            // At a start the pull-up has OE, and the chip begins anew.
+            for line in &mut self.lines {
+                line.servos.enable_pulses(false);
+                line.servos.start_chip(pulses::prescale());
+            }
             self.starts += 1;
         }
     }

@@ -1,6 +1,6 @@
 //! What a board stores of a rig: its compact form, and behind it how its servos hang on the board.
 
-use sinew_wiring::{LINES, Line, OnLine, Protocol, Servo, Wiring};
+use sinew_wiring::{LINES, Line, Servo, Wiring};
 
 use super::node::RIG_ROOM;
 use crate::play::line::OfLine;
@@ -43,19 +43,12 @@ impl Parts {
         };
         for (line, of_line) in self.lines.iter().zip(&of_lines) {
             let load = line.load(&self.servos);
-            let protocol = match of_line {
-                OfLine::Dynamixel(_, settings) => Protocol::Dynamixel(*settings),
-                OfLine::Feetech(_, settings) => Protocol::Feetech(*settings),
-            };
-            let (timing, traffic) = (load.timing, load.traffic);
+            let (protocol, timing, traffic) = (of_line.protocol(), load.timing, load.traffic);
             wiring.lines.push(Line { protocol, timing, traffic }).ok()?;
         }
         for (part, setup) in self.servos.iter().zip(&self.setups) {
             let (line, place) = part.place;
-            let on_line = match of_lines.get(line)? {
-                OfLine::Dynamixel(setups, _) => OnLine::Dynamixel((*setups.get(place)?).into()),
-                OfLine::Feetech(setups, _) => OnLine::Feetech(*setups.get(place)?),
-            };
+            let on_line = of_lines.get(line)?.on_line(place)?;
             wiring.servos.push(Servo { line, on_line, setup: *setup }).ok()?;
         }
         Some(wiring)

@@ -1,7 +1,7 @@
 //! What the node is told before it plays: what its board has built in, then over the link rig, settings and show.
 
 use sha2::{Digest as _, Sha256};
-use sinew_emulated::built_in::{BuiltIn, Line, OnLine, Protocol, Rig, Servo};
+use sinew_emulated::built_in::{BuiltIn, Line, Rig, Servo};
 use sinew_emulated::message::ToNode;
 use sinew_emulated::node::{CAPACITY, LINES, RIG_ROOM};
 use sinew_firmware::node::{NodeSettings, RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
@@ -33,19 +33,12 @@ pub(super) fn tell(node: &mut Node, parts: &Parts) -> Result<(), TwinError> {
     let of_lines: Vec<OfLine> = parts.lines.iter().map(|line| parts.of_line(line)).collect();
     for (line, of_line) in parts.lines.iter().zip(&of_lines) {
         let load = line.load(&parts.servos);
-        let protocol = match of_line {
-            OfLine::Dynamixel(_, settings) => Protocol::Dynamixel(*settings),
-            OfLine::Feetech(_, settings) => Protocol::Feetech(*settings),
-        };
-        let (timing, traffic) = (load.timing, load.traffic);
+        let (protocol, timing, traffic) = (of_line.protocol(), load.timing, load.traffic);
         node.put(&ToNode::Line(Line { protocol, timing, traffic }))?;
     }
     for (part, setup) in parts.servos.iter().zip(&parts.setups) {
         let (line, place) = part.place;
-        let on_line = match &of_lines[line] {
-            OfLine::Dynamixel(setups, _) => OnLine::Dynamixel(setups[place].into()),
-            OfLine::Feetech(setups, _) => OnLine::Feetech(setups[place]),
-        };
+        let Some(on_line) = of_lines[line].on_line(place) else { continue };
         node.put(&ToNode::Servo(Servo { line, on_line, setup: *setup }))?;
     }
     Ok(())

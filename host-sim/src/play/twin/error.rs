@@ -57,6 +57,9 @@ pub enum TwinError {
         /// How many there may be.
         holds: usize,
     },
+    /// A servo takes pulses.
+    #[error("--qemu: servo `{0}` takes pulses: the image was tried with serial lines alone")]
+    Pulses(String),
     /// The node took the rig, and has no loop.
     #[error("the node in QEMU took the rig, and its controller refuses it")]
     NoLoop,

@@ -27,7 +27,7 @@ use sinew_emulated::node::{bits, commanded};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
 
-use super::{Loop, Parts};
+use super::{Drive, Loop, Parts};
 use emulator::IMAGE;
 use node::Node;
 
@@ -47,6 +47,9 @@ impl Twin {
     /// # Errors
     /// [`TwinError`] says what the node refuses.
     pub fn new(emulator: Emulator, parts: &Parts, show: &[u8]) -> Result<Self, TwinError> {
+        if let Some(part) = parts.servos.iter().find(|part| part.drive == Drive::Pulses) {
+            return Err(TwinError::Pulses(part.own.name.clone()));
+        }
         let mut node = Node::new(emulator);
         built_in::tell(&mut node, parts)?;
         built_in::upload(&mut node, parts, show)?;

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use sinew_client::{BoardServos, SerialBoard};
 use sinew_service::{Client, Protocol, ServiceError, Settings};
+use sinew_servo_sim::rig::RigServo;
 use sinew_sim::play::{Line, Parts};
 
 use super::Findings;
@@ -24,6 +25,12 @@ pub(super) fn look(
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     for (index, line) in (0..).zip(&parts.lines) {
+        if line.is_of_pulses() {
+            let what = format!("bus {:?}", line.name);
+            let count = line.servos.len();
+            findings.add(Well, &what, &format!("{count} servos on pulses: they tell nothing"), "");
+            continue;
+        }
         let mut servos = BoardServos::new(board, index)?;
         of_line(&mut servos, parts, line, findings)?;
         board = servos.into_board();
@@ -48,7 +55,7 @@ fn of_line(
     let own = || line.servos.iter().map(|servo| &parts.servos[*servo].own);
     let mut missed = 0;
     for servo in own() {
-        let id = servo.id.unwrap_or_default();
+        let id = servo.id().unwrap_or_default();
         let (mut times, mut misses) = (Vec::new(), 0);
         for _ in 0..QUESTIONS {
             match client.read_bytes(id, 0, 2) {
@@ -96,7 +103,7 @@ fn of_line(
             continue;
         }
         let ids: Vec<String> = own()
-            .filter_map(|servo| servo.id)
+            .filter_map(RigServo::id)
             .filter(|id| client.read_bytes(*id, 0, 2).is_ok())
             .map(|id| id.to_string())
             .collect();

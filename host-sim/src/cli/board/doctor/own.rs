@@ -3,14 +3,12 @@
 use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
-use sinew_link::message::{
-    Applied, Command, Cycles, Health, Item, Parts as Told, Place, State, Version,
-};
+use sinew_link::message::{Cycles, Health, Item, Parts as Told, Place, State, Version};
 use sinew_sim::play::Parts;
 
 use super::Findings;
 use super::Verdict::{Doubtful, Ok as Well, Wrong};
-use crate::cli::board::{PortBoard, named, remedy};
+use crate::cli::board::{PortBoard, cycles, named, remedy};
 
 /// For so long it is listened to.
 const LISTEN: Duration = Duration::from_secs(2);
@@ -158,26 +156,23 @@ fn health(
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     // What was counted before belongs to other work.
-    board.ask(Command::ReadHealth)?;
+    cycles::read(board)?;
     board.run(LISTEN)?;
-    let Applied::Health(health) = board.ask(Command::ReadHealth)? else { return Ok(()) };
+    let Some(health) = cycles::read(board)? else { return Ok(()) };
     let Health { cycles_hz, period, .. } = health;
     let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(cycles_hz.max(1));
     if cycles_hz == 0 {
         findings.add(Doubtful, "cycles", "the board counts none", "");
     }
     for (what, cycles) in [("tick", health.tick), ("bus", health.bus), ("link", health.link)] {
-        let Cycles { least, mean, most, count } = cycles;
+        let Cycles { most, count, .. } = cycles;
         if cycles_hz > 0 && count > 0 {
             let is_short = period.count == 0 || what == "link" || most < period.mean;
             findings.expect(
                 is_short,
                 Wrong,
-                &format!("cycles of {what}"),
-                &format!(
-                    "{least} to {most}, {mean} in the mean ({:.0} us), {count} times",
-                    us(mean)
-                ),
+                &format!("time of {what}"),
+                &format!("{:.0} us at most", us(most)),
                 "longer than the time between two ticks: a slower rate",
             );
         }
@@ -191,6 +186,9 @@ fn health(
             &format!("{:.1} us in the mean, jitter {:.1} us", us(period.mean), us(jitter)),
             "something interrupts the loop: tell us, with this file",
         );
+    }
+    if let Some(spreads) = cycles::spreads(&health) {
+        findings.lines += &spreads;
     }
     supply(board, health.supply_least_v, parts, findings);
     Ok(())

@@ -1,0 +1,82 @@
+//! `sinew play --emulate`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos at its bus.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context as _, bail, ensure};
+use sinew_client::{Board, item, nonce};
+use sinew_emulation::{EmulatedBoard, Machine, OnServos};
+use sinew_firmware::node::RIG_SCHEMA;
+use sinew_link::message::Kind;
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_sim::command::{note, print};
+use sinew_sim::play::{Line, Memory, Parts};
+use sinew_sim::rig::Loaded;
+
+use super::board::perform_on;
+use crate::cli::board::put;
+
+/// Names the tool, and where `cargo xtask emulate` puts it in the folder of all that cargo builds.
+const TOOL: (&str, &str) = ("SINEW_EMULATOR", "emulator/release/sinew-emulator");
+/// The same of the board's image.
+const IMAGE: (&str, &str) = ("SINEW_NUCLEO_IMAGE", "arm/nucleo_f446re.elf");
+/// The emergency stop's loop is closed: this pin is high.
+const E_STOP: &str = "PC8";
+/// For so long it may start, of its own time.
+const STARTS: Duration = Duration::from_secs(5);
+
+/// The tool and the image, or what to run.
+pub(super) fn found() -> anyhow::Result<[PathBuf; 2]> {
+    let program = std::env::current_exe().unwrap_or_default();
+    let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
+    let of = |(variable, built): (&str, &str)| {
+        let path = std::env::var_os(variable).map_or_else(|| target.join(built), PathBuf::from);
+        ensure!(
+            path.is_file(),
+            "{}: not there. `cargo xtask emulate` builds it; {variable} names another one",
+            path.display()
+        );
+        Ok(path)
+    };
+    Ok([of(TOOL)?, of(IMAGE)?])
+}
+
+/// Power-on of a blank board; rig and show over its link; then as on any board, in the time of the emulated chip.
+pub(super) fn perform(
+    [tool, image]: &[PathBuf; 2],
+    rig: &Loaded,
+    parts: &Parts,
+    bytes: &[u8],
+    rounds: Option<u32>,
+) -> anyhow::Result<ExitCode> {
+    let [line] = parts.lines.as_slice() else {
+        bail!("--emulate: the rig has {} buses, the board one serial line", parts.lines.len());
+    };
+    ensure!(!line.is_of_pulses(), "--emulate: servos that take pulses are not emulated there");
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(&rig.description, &rig.mechanism)?;
+    let servos = parts.simulated(&mut memories, plant)?.pop().context("it has one line")?;
+    let Line { baud, .. } = *line;
+    let mut machine = Machine::start(tool, image, None)?;
+    machine.pin(E_STOP, true)?;
+    let board = EmulatedBoard::new(OnServos::new(machine, servos, baud, 0));
+    let mut board = Board::connect(board, nonce(), STARTS)?;
+    let stored = parts.board_rig().map_err(anyhow::Error::msg)?;
+    put(&mut board, &item(Kind::Rig, RIG_SCHEMA, &stored, 0, "sinew play")?, &stored)?;
+    let ended = perform_on(&mut board, parts, bytes, rounds)?;
+    let time_s = board.now().as_secs_f64();
+    let bus = &board.line_mut().bus;
+    let (own, all) = (bus.iter().filter(|burst| burst.is_own).count(), bus.len());
+    print(&format!(
+        "the emulated NUCLEO-F446RE ran {time_s:.2} s of its time: {own} bursts to servos, {} of theirs\n",
+        all - own
+    ))?;
+    if let Some(summary) = board.seen.summary {
+        note(format_args!(
+            "ticks: {} us on average, {} at most, {} too late",
+            summary.tick_us, summary.tick_max_us, summary.overruns
+        ));
+    }
+    Ok(ended)
+}
