@@ -85,8 +85,8 @@ fn a_board_is_looked_over_set_up_and_asked() {
     assert_spreads(&kept);
 }
 
-/// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A simulated
-/// board's cycles are us of simulated time.
+/// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A
+/// simulated board's cycles are us of simulated time.
 #[track_caller]
 fn assert_spreads(text: &str) {
     for part in ["tick", "bus", "link", "period"] {

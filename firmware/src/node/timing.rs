@@ -31,8 +31,8 @@ pub struct Timings {
     pub period: Spread,
 }
 
-/// Measures the loop by a counter of cycles that wraps, such as the DWT's: what takes longer than 2³² cycles (24 s at 180 MHz)
-/// is told too short.
+/// Measures the loop by a counter of cycles that wraps, such as the DWT's: what takes longer than 2³² cycles (24 s at
+/// 180 MHz) is told too short.
 ///
 /// ```
 /// use sinew_firmware::node::Timing;

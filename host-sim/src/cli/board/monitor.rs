@@ -12,8 +12,8 @@ use crate::cli::play::stop::Stop;
 
 /// Show what a controller tells of its rig: state, fault, supply, tick, errors of the bus, heat. Nothing moves by it.
 ///
-/// A line for each change of the state, and one in every --every seconds, until Ctrl-C. Then how long ticks, bus, link and
-/// the loop's periods took meanwhile.
+/// A line for each change of the state, and one in every --every seconds, until Ctrl-C. Then how long ticks, bus, link
+/// and the loop's periods took meanwhile.
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct MonitorArgs {
     #[command(flatten)]

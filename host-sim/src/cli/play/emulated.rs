@@ -1,4 +1,4 @@
-//! `sinew play --emulate`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos at its bus.
+//! `sinew play --emulate`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
