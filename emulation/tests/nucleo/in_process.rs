@@ -51,8 +51,8 @@ impl InProcess {
         Self { controller, lines, servos, ticks: 0, tick_us: schedule.tick_us().into() }
     }
 
-    /// A tick, whose clock is read so late. `leaves`: when each of its packets begins to leave, ns, and what leaves in its place, if anything; where
-    /// that is not told, it leaves at once.
+    /// A tick, whose clock is read so late. `leaves`: when each of its packets begins to leave, ns, and what leaves in
+    /// its place, if anything; where that is not told, it leaves at once.
     pub(crate) fn tick(
         &mut self,
         command: Option<Command>,

@@ -81,9 +81,9 @@ impl Line for Watched {
 }
 
 /// The chip's packets leave when it has computed them, not at the beginning of the tick. So servos tell where they are
-/// some 100 us later than in process, and a digit of a reading is another. With the chip's times, and nothing else of it
-/// but whether arming took a tick more, the controller in process says what the chip says, and its servos answer with the
-/// same bytes. The one difference left is that of [`differ_by_a_count`].
+/// some 100 us later than in process, and a digit of a reading is another. With the chip's times, and nothing else of
+/// it but whether arming took a tick more, the controller in process says what the chip says, and its servos answer
+/// with the same bytes. The one difference left is that of [`differ_by_a_count`].
 #[test]
 #[ignore = "needs the emulator and SINEW_DATA: `cargo xtask emulate`"]
 fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
