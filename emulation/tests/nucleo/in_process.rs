@@ -51,15 +51,16 @@ impl InProcess {
         Self { controller, lines, servos, ticks: 0, tick_us: schedule.tick_us().into() }
     }
 
-    /// A tick. `leaves`: when each of its packets begins to leave, ns, and what leaves in its place, if anything; where
-    /// that is not told, it leaves at once.
+    /// A tick, whose clock is read so late. `leaves`: when each of its packets begins to leave, ns, and what leaves in
+    /// its place, if anything; where that is not told, it leaves at once.
     pub(crate) fn tick(
         &mut self,
         command: Option<Command>,
+        late_us: u64,
         leaves: &mut dyn Iterator<Item = (u64, Option<&[u8]>)>,
     ) -> Vec<Exchange> {
         let Self { controller, lines, servos, ticks, tick_us } = self;
-        let now_us = *ticks * *tick_us;
+        let now_us = *ticks * *tick_us + late_us;
         *ticks += 1;
         let inputs = Inputs { now_us, heard: true, command, found: FaultSet::EMPTY, jog: None };
         let begun = controller.begin(&inputs, &mut (), &mut AllLines(lines));
