@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
+use sinew_mocap::JointSample;
 
 use super::pair::Pair;
 use crate::geodesic::{Options, RigError, solve};
@@ -60,15 +61,8 @@ pub fn nearest(
     places: &Places,
     done: impl Fn(usize) + Sync,
 ) -> Result<Nearest, RigError> {
-    let positions = |frames: &[Vec<_>], places: &RangeInclusive<usize>| -> Vec<Vec<f64>> {
-        let positions = |frame: &Vec<_>| {
-            let all = pair.rig.positions_m(&pair.pose(frame));
-            all.into_iter().flat_map(|position| position.to_array()).collect()
-        };
-        frames[places.clone()].par_iter().map(positions).collect()
-    };
-    let of_a = positions(&pair.a.frames, &places.a);
-    let of_b = positions(&pair.b.frames, &places.b);
+    let (frames_a, of_a) = moving(pair, &pair.a.frames, &places.a);
+    let (frames_b, of_b) = moving(pair, &pair.b.frames, &places.b);
     // Of every frame of the first, its nearest of the second that was not visited.
     let after = |row: usize, last: Option<(f64, usize)>| {
         let columns = of_b.iter().enumerate().map(|(column, b)| (way_m(&of_a[row], b), column));
@@ -96,7 +90,7 @@ pub fn nearest(
         let results: Vec<_> = batch
             .par_iter()
             .map(|(_, row, column)| {
-                let (a, b) = (places.a.start() + row, places.b.start() + column);
+                let (a, b) = (frames_a[*row], frames_b[*column]);
                 let (from, to) = (pair.pose(&pair.a.frames[a]), pair.pose(&pair.b.frames[b]));
                 let geodesic = solve(&pair.rig, &from, &to, &Options::default());
                 done(1);
@@ -113,7 +107,7 @@ pub fn nearest(
                 geodesic_m: geodesic.length_m,
                 positions_m,
                 iterations: geodesic.course.len(),
-                pairs: of_a.len() * of_b.len(),
+                pairs: places.a.clone().count() * places.b.clone().count(),
                 solved: 0,
                 gave_up: 0,
             };
@@ -125,6 +119,22 @@ pub fn nearest(
     }
     let best = best.expect("there are places");
     Ok(Nearest { solved, gave_up, ..best })
+}
+
+/// Frames, and the positions of all joints in each. A frame in the pose of the one before is left out: its ways are as
+/// long, and of those the earlier one counts. So clips that stand still do not take forever.
+fn moving(
+    pair: &Pair,
+    frames: &[Vec<JointSample>],
+    places: &RangeInclusive<usize>,
+) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let poses: Vec<_> = frames[places.clone()].par_iter().map(|frame| pair.pose(frame)).collect();
+    let moving = (0..poses.len()).filter(|k| *k == 0 || poses[*k] != poses[*k - 1]);
+    let positions = |k: usize| {
+        let all = pair.rig.positions_m(&poses[k]);
+        (places.start() + k, all.into_iter().flat_map(|position| position.to_array()).collect())
+    };
+    moving.map(positions).unzip()
 }
 
 fn way_m(a: &[f64], b: &[f64]) -> f64 {

@@ -116,6 +116,9 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         let (found, blended) = (nearest.gave_up, blend.gave_up);
         line("not converged", format!("{found} of the search, {blended} of the blend"));
     }
+    if blend.gave_up > 0 {
+        line("way", "every joint on its own shortest way, as geodesics did not converge".into());
+    }
     line(
         "body",
         format!(
@@ -158,6 +161,8 @@ struct Document<'a> {
     iterations: usize,
     iterations_most: usize,
     not_converged: usize,
+    /// What poses are on: `geodesics`, or `joints`, each on its own way.
+    way: &'static str,
     turn_rad: f64,
     scale: f64,
     tilt_rad: f64,
@@ -190,6 +195,7 @@ pub fn json(outcome: &Outcome<'_>) -> String {
         iterations: nearest.iterations,
         iterations_most: blend.iterations,
         not_converged: nearest.gave_up + blend.gave_up,
+        way: if blend.gave_up > 0 { "joints" } else { "geodesics" },
         turn_rad: blend.turn_rad,
         scale: *scale,
         tilt_rad: blend.tilt_rad,

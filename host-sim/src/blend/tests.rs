@@ -164,3 +164,58 @@ fn other_joints_are_refused() {
     let error = Pair::new(motion(1.0, 0.0, 0.0, 60.0, 5), &other).unwrap_err().to_string();
     assert_eq!(error, "joint `hand`: expected a joint of that name, found none");
 }
+
+/// Curves of long chains do not all converge, and neighbours would jump: then no frame is on one.
+#[test]
+fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
+    let count = 40;
+    let skeleton = Skeleton {
+        joints: (0..count)
+            .map(|index| SkeletonJoint {
+                name: format!("j{index}"),
+                parent: usize::checked_sub(index, 1),
+                offset_m: DVec3::new(0.0, 0.05, 0.0),
+                end_sites_m: Vec::new(),
+            })
+            .collect(),
+    };
+    let clip = |phase: f64| {
+        let frame = |k: usize| {
+            let joint = |index: usize| {
+                let angle = 0.2 * libm::sin(0.3 * index as f64 + 0.02 * k as f64 + phase);
+                JointSample {
+                    rotation: DQuat::from_scaled_axis(DVec3::new(angle, 0.3 * angle, -angle)),
+                    position_m: DVec3::new(0.0, 0.05, 0.0),
+                }
+            };
+            (0..count).map(joint).collect()
+        };
+        Clip {
+            name: format!("{phase}"),
+            frames: (0..9).map(frame).collect(),
+            skeleton: skeleton.clone(),
+            frame_time_s: 0.02,
+        }
+    };
+    let pair = Pair::new(clip(0.0), &clip(2.0)).unwrap();
+    let joined = blend(&pair, 4, 4, 2, |_| ()).unwrap();
+    assert!(joined.gave_up > 0);
+    let near = |q: DQuat, p: DQuat| q.angle_between(p);
+    for (k, frame) in joined.clip.frames.iter().enumerate().take(7).skip(2) {
+        for joint in 1..count {
+            let [a, b, at] =
+                [&pair.a.frames[k], &pair.b.frames[k], frame].map(|frame| frame[joint].rotation);
+            // On the great arc; an angle of quaternions is known to the root of f64's rounding.
+            assert!((near(a, at) + near(at, b) - near(a, b)).abs() < 1e-6, "{k} {joint}");
+        }
+    }
+}
+
+#[test]
+fn clips_that_stand_still_are_compared_once() {
+    let still = |clip: Clip| Clip { frames: vec![clip.frames[0].clone(); 200], ..clip };
+    let [a, b] = [0.0, 1.0].map(|phase| still(motion(1.0, 0.3, phase, 60.0, 1)));
+    let pair = Pair::new(a, &b).unwrap();
+    let found = nearest(&pair, &Places { a: 20..=180, b: 20..=180 }, |_| ()).unwrap();
+    assert_eq!((found.a, found.b, found.pairs, found.solved), (20, 20, 161 * 161, 1));
+}

@@ -25,7 +25,8 @@ pub struct Blend {
     pub rise_m: f64,
     /// Most iterations that a frame of the blend took.
     pub iterations: usize,
-    /// Frames where the solver gave up.
+    /// Frames where the solver gave up. If there is one, all frames of the blend have every joint on its own shortest
+    /// way: curves that did not converge may lie apart from frame to frame, and the motion would jump.
     pub gave_up: usize,
     /// The fastest joint in the blend.
     pub fastest: Peak,
@@ -52,8 +53,9 @@ pub struct Peak {
 /// in the middle, and shifted so that both are at the same place there, seen from above. In the blend both clips play
 /// on. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk:
 /// at both ends it has neither velocity nor acceleration, so that each clip is left and entered with its own). The
-/// body's place goes along the line, its orientation along the great arc, by the same share. `done` is called for
-/// every frame of the blend.
+/// body's place goes along the line, its orientation along the great arc, by the same share. If a geodesic does not
+/// converge, all joints go along their great arcs in the whole blend: see [`Blend::gave_up`]. `done` is called for every
+/// frame of the blend.
 ///
 /// # Errors
 /// [`RigError`] if a pose is not one of the rig.
@@ -72,22 +74,23 @@ pub fn blend(
     let of_b: Vec<_> =
         pair.b.frames[at_b - half..].iter().map(|frame| shift.applied(pair, frame)).collect();
     let (during, after) = of_b.split_at(2 * half + 1);
+    let share = |k: usize| least_jerk(k as f64 / (2 * half) as f64);
     let solved: Vec<Result<_, RigError>> = (0..of_a.len())
         .into_par_iter()
         .map(|k| {
-            let share = least_jerk(k as f64 / (2 * half) as f64);
-            let frame = between(pair, &of_a[k], &during[k], share);
+            let frame = between(pair, &of_a[k], &during[k], share(k));
             done(1);
             frame
         })
         .collect();
-    let (mut frames, mut iterations, mut gave_up) = (pair.a.frames[..at_a - half].to_vec(), 0, 0);
-    for solved in solved {
-        let (frame, geodesic) = solved?;
-        frames.push(frame);
-        iterations = iterations.max(geodesic.course.len());
-        gave_up += usize::from(!geodesic.converged);
-    }
+    let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let iterations = solved.iter().map(|(_, geodesic)| geodesic.course.len()).max().unwrap_or(0);
+    let gave_up = solved.iter().filter(|(_, geodesic)| !geodesic.converged).count();
+    let mut frames = pair.a.frames[..at_a - half].to_vec();
+    frames.extend(solved.into_iter().enumerate().map(|(k, (frame, _))| match gave_up {
+        0 => frame,
+        _ => joint_by_joint(pair, &of_a[k], &during[k], share(k)),
+    }));
     frames.extend_from_slice(after);
 
     let clip =
@@ -153,7 +156,7 @@ pub(crate) fn least_jerk(t: f64) -> f64 {
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
-/// The frame at a share of the way from one to another.
+/// The frame at a share of the geodesic from one to another.
 fn between(
     pair: &Pair,
     a: &[JointSample],
@@ -161,13 +164,24 @@ fn between(
     share: f64,
 ) -> Result<(Vec<JointSample>, Geodesic), RigError> {
     let geodesic = solve(&pair.rig, &pair.pose(a), &pair.pose(b), &Options::default())?;
+    let mut frame = joint_by_joint(pair, a, b, share);
+    pair.put(&along(&pair.rig, &geodesic, share), &mut frame);
+    Ok((frame, geodesic))
+}
+
+/// The frame at a share of the way from one to another, every joint on its own.
+fn joint_by_joint(
+    pair: &Pair,
+    a: &[JointSample],
+    b: &[JointSample],
+    share: f64,
+) -> Vec<JointSample> {
     // Joints above the one that carries the body stay; the places of others are off their offsets by what both are off.
-    let mut frame: Vec<JointSample> = a.to_vec();
+    let mut frame = a.to_vec();
     for joint in &pair.joints {
         frame[*joint] = a[*joint].towards(&b[*joint], share);
     }
-    pair.put(&along(&pair.rig, &geodesic, share), &mut frame);
-    Ok((frame, geodesic))
+    frame
 }
 
 /// The pose at a share of a geodesic's length in space; between the poses that were solved for, every joint on its

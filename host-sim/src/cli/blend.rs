@@ -26,8 +26,9 @@ use super::told::ToldArgs;
 /// The middle of the blend is the pair of frames with the shortest geodesic: the way of the
 /// joints through space that keeps bone lengths. Both clips play on during the blend. Every
 /// pose is on the geodesic between theirs, at a smooth share of its length, so that velocity
-/// is continuous at both ends. The second clip is turned about the vertical and shifted so
-/// that they meet. Feet are not held on the floor, and may slide.
+/// is continuous at both ends. Of long chains geodesics may not be found: then every joint
+/// goes its own shortest way, and the report says so. The second clip is turned about the
+/// vertical and shifted so that they meet. Feet are not held on the floor, and may slide.
 ///
 ///   sinew blend walk.bvh run.bvh --out walk-run.bvh
 ///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png

@@ -87,13 +87,14 @@ impl Drawing<'_> {
         let [a, b] = self.sides;
         let title = format!("From {} to {}", a.name, b.name);
         let seconds = (self.blend.last - self.blend.first) as f64 * motion.dt_s;
+        let way = if self.blend.gave_up > 0 { "joint by joint" } else { "along geodesics" };
         html! {
             svg xmlns="http://www.w3.org/2000/svg" class="chart figure" role="img"
                 viewBox={ "0 0 " (px(WIDTH)) " " (px(HEIGHT)) } aria-label=(title) {
                 rect width=(px(WIDTH)) height=(px(HEIGHT)) fill="#ffffff" {}
                 text class="chart-title" x="4" y="18" { (title) }
                 text class="tick" x="4" y="36" {
-                    (format!("a blend of {seconds:.2} s along geodesics, from the first clip (blue) to the second (orange); times from its middle"))
+                    (format!("a blend of {seconds:.2} s {way}, from the first clip (blue) to the second (orange); times from its middle"))
                 }
                 (self.figures(motion))
                 g transform={ "translate(0 " (px(CHARTS)) ")" } { (self.map(rig)) }
