@@ -149,6 +149,16 @@ fn ranges_need_not_be_whole() {
     let turned = pair("revolute", r#"<limit lower="2" upper="1"/>"#);
     assert_refused(&turned, "joint `j`: limit: upper", "at least `lower`, which is 2", "`1`");
     assert_noted(&read(&pair("revolute", "")), NoteKind::Doubtful, "no `limit`");
+    let of = |lower: &str, upper: &str| {
+        read(&pair(
+            "revolute",
+            &format!("<limit lower='{lower}' upper='{upper}' effort='1' velocity='1'/>"),
+        ))
+    };
+    assert_noted(&of("-90", "90"), NoteKind::Doubtful, "are these degrees?");
+    // Two turns, as industrial arms have them.
+    let turns = of("-6.28319", "6.28319");
+    assert!(turns.notes.iter().all(|note| !note.text.contains("degrees")), "{:?}", turns.notes);
 }
 
 #[test]

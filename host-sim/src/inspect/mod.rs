@@ -124,7 +124,12 @@ impl Entry {
     pub fn text(&self) -> String {
         match self {
             Self::Read(inspected) => text::block(inspected),
-            Self::Unread { error, .. } => format!("cannot be read: {error}\n"),
+            Self::Unread { file, error } => {
+                // Both are told above.
+                let why = error.strip_prefix(file.as_str()).unwrap_or(error);
+                let why = why.trim_start_matches(": ").trim_start_matches("cannot be read: ");
+                format!("cannot be read: {why}\n")
+            }
         }
     }
 }

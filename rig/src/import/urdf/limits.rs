@@ -9,6 +9,10 @@ use crate::description::{Joint, JointType};
 /// From here on, a limit of speed (rad/s, m/s) or effort (N m, N) stands for "none": no servo comes near.
 const PLACEHOLDER: f64 = 1000.0;
 
+/// An end of a turn's range, rad, beyond which it is likely that degrees were written: more than a whole turn to one
+/// side, with room for a turn that was rounded up.
+const MORE_THAN_A_TURN: f64 = 1.05 * std::f64::consts::TAU;
+
 /// Reads `limit` into the joint.
 pub(super) fn read(
     node: Node<'_, '_>,
@@ -33,6 +37,10 @@ pub(super) fn read(
         if slides {
             joint.range_m = Some(range);
         } else {
+            if range.iter().any(|end| end.abs() > MORE_THAN_A_TURN) {
+                let text = "its range is more than a turn to one side: URDF has radians; are these degrees?";
+                notes.add_of(NoteKind::Doubtful, text, &joint.name);
+            }
             joint.range_rad = vec![range];
         }
     }
