@@ -3,7 +3,9 @@
 use std::io;
 use std::time::Duration;
 
-use sinew_link::message::{Applied, Command, PASS_MAX, PASS_WAIT_US, Pass, Passed, Refusal};
+use sinew_link::message::{
+    Applied, Command, PASS_LEAST_BAUD, PASS_MAX, PASS_WAIT_US, Pass, Passed, Refusal,
+};
 use sinew_service::Exchange;
 
 use crate::{Board, ClientError, Line};
@@ -78,7 +80,7 @@ impl<L: Line> BoardServos<L> {
 }
 
 impl<L: Line> Exchange for BoardServos<L> {
-    /// The controller listens for 20 ms at most: what comes later is lost.
+    /// The controller listens for 20 ms after the last byte out at most: what comes later is lost.
     fn exchange(
         &mut self,
         bytes: &[u8],
@@ -117,6 +119,13 @@ fn explained(error: ClientError) -> io::Error {
         ClientError::Refused(Refusal::Unsupported) => (
             io::ErrorKind::Unsupported,
             "the board has no such line of servos, or does not do this rate".to_owned(),
+        ),
+        ClientError::Refused(Refusal::Value) => (
+            io::ErrorKind::InvalidInput,
+            format!(
+                "the board sends no more at once than leaves in {} ms, and nothing below {PASS_LEAST_BAUD} bit/s. Nothing was sent",
+                PASS_WAIT_US / 1000
+            ),
         ),
         ClientError::Refused(Refusal::Fault(_)) => (
             io::ErrorKind::ResourceBusy,

@@ -13,6 +13,11 @@ pub trait Wire {
     /// What is left of the tick, µs.
     fn left_us(&self) -> u32;
 
+    /// At what rate a line of servos talks, bit/s, if there is one that takes [bytes of a host](Self::pass).
+    fn rate(&self, _line: u8) -> Option<u32> {
+        None
+    }
+
     /// Bytes of a host to the servos of a line, while torque is off: empties its input, talks at `baud` bit/s (0: as
     /// always), and gives what comes to `reply` until `wait_us` are over since the first byte out. Then the line is as
     /// before. Says when the last byte came, µs behind the first one out, 0 if none did; nothing if there is no such

@@ -177,6 +177,15 @@ impl ServoDrive {
         }
     }
 
+    /// The own position that it was last sent to, rad; 0 of one that is sent none.
+    pub(super) fn sent_rad(&self) -> f32 {
+        match self {
+            Self::Current(_) => 0.0,
+            Self::Position(drive) => drive.sent_rad(),
+            Self::Target(drive) => drive.sent_rad(),
+        }
+    }
+
     /// Refuses pulses where a bus is needed.
     pub(super) fn check_address(&self, address: Address) -> Result<(), Refused> {
         match (self, address) {

@@ -69,6 +69,11 @@ impl Follower {
         position_rad.max(least).min(most)
     }
 
+    /// Where it is, rad.
+    pub(super) fn position_rad(&self) -> f32 {
+        self.position_rad
+    }
+
     /// How fast it moves, rad/s.
     pub(crate) fn velocity_rad_s(&self) -> f32 {
         self.velocity_rad_s

@@ -155,6 +155,11 @@ impl PositionDrive {
         self.offset_rad
     }
 
+    /// Without its offset.
+    pub(super) fn sent_rad(&self) -> f32 {
+        self.follower.position_rad()
+    }
+
     pub(super) fn servo(&self) -> &Servo {
         &self.servo
     }

@@ -63,7 +63,7 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
         }
         self.turns = turn::turns(self.rig);
         self.check_classes()?;
-        self.begin(&[]);
+        self.begin_at_home();
         Ok(())
     }
 
@@ -88,9 +88,8 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
         &self.servos
     }
 
-    /// Begins anew: each servo from where it was read, those that were not from the rig's home pose. Offsets and
-    /// currents rise from nothing.
-    pub fn begin(&mut self, conditions: &[Condition]) {
+    /// At the rig's home pose: before anything was read or sent.
+    fn begin_at_home(&mut self) {
         for drive in self.rig.drives() {
             let mut homes = Numbers::new();
             for freedom in &drive.freedoms {
@@ -100,21 +99,34 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
             }
             let Ok(home) = drive.drive.at_joints(&homes) else { continue };
             for (index, shaft_rad) in drive.servos.iter().zip(home.servos()) {
-                let index = usize::from(*index);
-                let Some(servo) = self.servos.get_mut(index) else { continue };
-                let read = conditions.get(index).and_then(|condition| condition.feedback);
-                let own_rad = if let Some(read) = read {
-                    read.position_rad - servo.encoder().zero_rad
-                } else {
-                    let settings = servo.servo().settings();
-                    settings.gear * shaft_rad + settings.offset_rad
-                };
+                let Some(servo) = self.servos.get_mut(usize::from(*index)) else { continue };
+                let settings = servo.servo().settings();
+                let own_rad = settings.gear * shaft_rad + settings.offset_rad;
                 servo.begin(if own_rad.is_finite() { own_rad } else { 0.0 });
             }
         }
-        for (turn, freedom) in self.turns.iter_mut().zip(self.rig.freedoms()) {
-            if let Turn::Last(last) = turn {
-                *last = freedom.home;
+    }
+
+    /// Begins anew: each servo from where it was read, those that were not from where they were last sent, which is at
+    /// first the rig's home pose. Offsets and currents rise from nothing.
+    pub fn begin(&mut self, conditions: &[Condition]) {
+        let read = |servo: usize| conditions.get(servo).and_then(|condition| condition.feedback);
+        for (index, servo) in self.servos.iter_mut().enumerate() {
+            let read_rad = read(index).map(|read| read.position_rad - servo.encoder().zero_rad);
+            servo.begin(read_rad.filter(|rad| rad.is_finite()).unwrap_or(servo.sent_rad()));
+        }
+        for drive in self.rig.drives() {
+            // Where a servo goes on from what it was last sent, so does its joint: in the same turn.
+            if drive.servos.iter().any(|servo| read(usize::from(*servo)).is_none()) {
+                continue;
+            }
+            for freedom in &drive.freedoms {
+                let index = usize::from(*freedom);
+                if let (Some(Turn::Last(last)), Some(freedom)) =
+                    (self.turns.get_mut(index), self.rig.freedoms().get(index))
+                {
+                    *last = freedom.home;
+                }
             }
         }
     }

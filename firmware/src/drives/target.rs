@@ -54,6 +54,10 @@ impl TargetDrive {
         ServoCommand { command: Command::Position(at_rad + self.encoder().zero_rad), limit }
     }
 
+    pub(super) fn sent_rad(&self) -> f32 {
+        self.follower.position_rad()
+    }
+
     pub(super) fn servo(&self) -> &Servo {
         &self.servo
     }

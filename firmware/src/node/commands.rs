@@ -167,6 +167,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             (Said::Passed, _) => outcome(mail.with(|mail| mail.of_servos(0))),
             (Said::NotPassed(state), _) => Outcome::Refused(Refusal::State(words::state(state))),
             (Said::NoLine, _) => Outcome::Refused(Refusal::Unsupported),
+            (Said::TooLong, _) => Outcome::Refused(Refusal::Value),
             (Said::Measured, _) => {
                 let link = cycles(core::mem::take(&mut self.steps).read());
                 let health = mail.with(|mail| mail.health);

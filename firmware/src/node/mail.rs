@@ -73,6 +73,8 @@ pub(super) enum Said {
     NotPassed(State),
     /// There is no such line or rate.
     NoLine,
+    /// The bytes would take the line too long.
+    TooLong,
     /// [`Mail::health`] is there.
     Measured,
     /// Somebody is erasing.

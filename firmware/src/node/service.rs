@@ -24,6 +24,7 @@ enum Served {
     Passed(OfServos),
     NotPassed(State),
     NoLine,
+    TooLong,
     Measured(Health),
 }
 
@@ -46,8 +47,8 @@ impl Lowest {
 }
 
 impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_, B, V, S, C> {
-    /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as servos are
-    /// waited for, at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
+    /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as bytes to
+    /// servos and the wait for them, each at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
     // Not within the tick: what servos say would lie on the stack in all of it.
     #[inline(never)]
     pub(super) fn serve<'m>(
@@ -71,8 +72,12 @@ impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_,
         if self.controller.permission().torque || !is_still {
             return Served::NotPassed(state);
         }
+        let Some(own) = wire.rate(pass.line) else { return Served::NoLine };
+        let baud = if pass.baud == 0 { own } else { pass.baud };
+        let Some(sending_us) = pass.sending_us(baud) else { return Served::TooLong };
+        let wait_us = sending_us.saturating_add(pass.wait_us);
         let mut came = Vec::new();
-        let took = wire.pass(pass.line, pass.baud, &pass.bytes, pass.wait_us, |bytes| {
+        let took = wire.pass(pass.line, pass.baud, &pass.bytes, wait_us, |bytes| {
             for byte in bytes {
                 // What is too much is lost, as it is where nobody reads.
                 let _ = came.push(*byte);
@@ -111,6 +116,7 @@ impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
             }
             Served::NotPassed(state) => Said::NotPassed(state),
             Served::NoLine => Said::NoLine,
+            Served::TooLong => Said::TooLong,
             Served::Measured(health) => {
                 self.health = health;
                 Said::Measured

@@ -3,6 +3,7 @@
 use core::cell::RefCell;
 
 use sinew_bus::Request;
+use sinew_bus::pca9685::Prescale;
 use sinew_firmware::controller::Wire;
 use sinew_wiring::{Line, Protocol};
 use static_cell::ConstStaticCell;
@@ -20,14 +21,16 @@ pub(crate) type Lines = sinew_wiring::Lines<sinew_wiring::Bus<SERVOS>, LINES, SE
 pub(crate) enum Place {
     /// At so many bits a second.
     Serial(u32),
-    I2c,
+    /// A chip of this clock.
+    I2c(Prescale),
 }
 
 impl Place {
-    pub(crate) fn of(line: &Line) -> Self {
+    /// None if no chip makes such pulses.
+    pub(crate) fn of(line: &Line) -> Option<Self> {
         match line.protocol {
-            Protocol::Dynamixel(_) | Protocol::Feetech(_) => Self::Serial(line.timing.baud),
-            Protocol::Pca9685(_) => Self::I2c,
+            Protocol::Dynamixel(_) | Protocol::Feetech(_) => Some(Self::Serial(line.timing.baud)),
+            Protocol::Pca9685(pulses) => pulses.prescale().ok().map(Self::I2c),
         }
     }
 }
@@ -56,6 +59,8 @@ impl Ports {
 pub(crate) struct Exchange<'l> {
     pub(crate) ports: &'l mut Ports,
     pub(crate) lines: &'l RefCell<Lines>,
+    /// Whether there was torque in the tick before.
+    pub(crate) was_on: bool,
     /// For so long from the exchange's beginning servos are asked for more, µs.
     pub(crate) asks_us: u32,
     /// Until when that is, µs.
@@ -76,7 +81,13 @@ impl Wire for Exchange<'_> {
                         .ports
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
-                    Place::I2c => pulses::write(&mut self.ports.i2c, bytes),
+                    Place::I2c(prescale) => {
+                        // The first pulses after none: the chip may have got its power only now.
+                        if !self.was_on {
+                            pulses::start(&mut self.ports.i2c, &prescale);
+                        }
+                        pulses::write(&mut self.ports.i2c, bytes);
+                    }
                 }
                 let left_us = self.left_us();
                 let mut lines = self.lines.borrow_mut();
@@ -90,6 +101,14 @@ impl Wire for Exchange<'_> {
         u32::try_from(left_us).unwrap_or(u32::MAX)
     }
 
+    fn rate(&self, line: u8) -> Option<u32> {
+        match self.ports.places.get(usize::from(line))? {
+            Place::Serial(own) => Some(*own),
+            // A PCA9685 is no servo: nobody there understands a packet.
+            Place::I2c(_) => None,
+        }
+    }
+
     fn pass(
         &mut self,
         line: u8,
@@ -98,9 +117,8 @@ impl Wire for Exchange<'_> {
         wait_us: u32,
         mut reply: impl FnMut(&[u8]),
     ) -> Option<u32> {
-        let Ports { serial, places, .. } = &mut *self.ports;
-        // A PCA9685 is no servo: nobody there understands a packet.
-        let Place::Serial(own) = *places.get(usize::from(line))? else { return None };
+        let own = self.rate(line)?;
+        let serial = &mut self.ports.serial;
         let is_set = baud == 0 || serial.set_rate(baud);
         let begun_us = clock::now_us();
         let mut last_us = begun_us;

@@ -22,7 +22,7 @@ use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_rig::board::BoardRig;
 use sinew_storage::{BoardTable, Capacity, Store};
-use sinew_wiring::{AllLines, Line, Protocol, Wiring};
+use sinew_wiring::{AllLines, Wiring};
 use static_cell::StaticCell;
 
 use crate::bus::{Exchange, Lines, Place, Ports};
@@ -157,7 +157,8 @@ fn TIM3() {
     // SAFETY: the frame that it lies in is never left, and nobody else has it since it was told.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
     let Loop { control, lines, ports, pins, mail, asks_us } = own;
-    let mut wire = Exchange { ports, lines, asks_us: *asks_us, until_us: 0 };
+    let was_on = control.controller().permission().torque;
+    let mut wire = Exchange { ports, lines, was_on, asks_us: *asks_us, until_us: 0 };
     // What was not whole has not fed the watchdog, and the report says why.
     let _ = control.tick(pins, *mail, &mut AllLines(lines), &mut wire, &mut []);
     let fault = control.controller().report().latched.first();
@@ -195,7 +196,7 @@ impl Port<'static> for Desktop {
 
 /// Where the lines of a wiring are; none if there are two of a kind.
 fn places(wiring: &OwnWiring) -> Option<Vec<Place, LINES>> {
-    let places: Vec<Place, LINES> = wiring.lines.iter().map(Place::of).collect();
+    let places: Vec<Place, LINES> = wiring.lines.iter().map(Place::of).collect::<Option<_>>()?;
     let serial = places.iter().filter(|place| matches!(place, Place::Serial(_))).count();
     (serial <= 1 && places.len() - serial <= 1).then_some(places)
 }
@@ -268,7 +269,6 @@ struct Wired {
     places: Vec<Place, LINES>,
     servos: Vec<ServoSetup, SERVOS>,
     schedule: Schedule,
-    of_lines: Vec<Line, LINES>,
 }
 
 #[inline(never)]
@@ -280,7 +280,7 @@ fn wire(behind: &[u8]) -> Option<&'static Wired> {
     let lines = LINES_OF_ALL.uninit().write(no_lines());
     wiring.connect(lines.get_mut()).ok()?;
     let (servos, schedule) = (wiring.setups(), wiring.schedule().ok()?);
-    Some(WIRED.init(Wired { lines, places, servos, schedule, of_lines: wiring.lines }))
+    Some(WIRED.init(Wired { lines, places, servos, schedule }))
 }
 
 #[inline(never)]
@@ -361,7 +361,7 @@ fn node(
     let tick_us = wired.schedule.tick_us();
     let reload = tick_us.checked_sub(1).and_then(|reload| u16::try_from(reload).ok());
     if let (Some(control), Some(reload)) = (control, reload)
-        && is_started(&mut ports, &wired.of_lines)
+        && is_started(&mut ports)
         && set_timer(reload)
     {
         let Unwatched { outputs, stop, core_hz } = pins;
@@ -381,20 +381,21 @@ fn node(
 }
 
 /// Whether all lines are as the wiring says; torque is off on them.
-fn is_started(ports: &mut Ports, lines: &[Line]) -> bool {
-    lines.iter().all(|line| {
-        if let Protocol::Pca9685(pulses) = &line.protocol {
-            // A chip that does not answer yet makes no pulses: OE is high until there is torque.
-            return pulses.prescale().is_ok_and(|prescale| {
-                let _ = pulses::start(&mut ports.i2c, &prescale);
-                true
-            });
+fn is_started(ports: &mut Ports) -> bool {
+    ports.places.clone().iter().all(|place| match *place {
+        Place::I2c(prescale) => {
+            // Whatever pulses it made before, they are off. OE is high until there is torque, and then it is started
+            // again: it need not answer yet.
+            pulses::start(&mut ports.i2c, &prescale);
+            true
         }
-        let is_set = ports.serial.set_rate(line.timing.baud);
-        if is_set {
-            ports.serial.torque_off();
+        Place::Serial(baud) => {
+            let is_set = ports.serial.set_rate(baud);
+            if is_set {
+                ports.serial.torque_off();
+            }
+            is_set
         }
-        is_set
     })
 }
 

@@ -11,13 +11,15 @@ const ADDRESS: u8 = 0x40;
 
 pub(crate) type Bus = I2c<'static, Blocking, Master>;
 
-/// Starts the chip. False: nobody answers.
-pub(crate) fn start(i2c: &mut Bus, prescale: &Prescale) -> bool {
-    pca9685::start(prescale).iter().all(|transfer| {
-        let is_taken = i2c.blocking_write(ADDRESS, transfer.bytes()).is_ok();
+/// Starts the chip, if it is there: all pulses are off.
+#[inline(never)]
+pub(crate) fn start(i2c: &mut Bus, prescale: &Prescale) {
+    for transfer in pca9685::start(prescale) {
+        if i2c.blocking_write(ADDRESS, transfer.bytes()).is_err() {
+            return;
+        }
         clock::wait_us(transfer.wait_us.into());
-        is_taken
-    })
+    }
 }
 
 /// One write. One that is lost is made good by the next that changes its channels; OE and the servos' power are what

@@ -12,6 +12,7 @@ mod cell;
 mod dead;
 mod matrix;
 mod play;
+mod pulses;
 mod registers;
 mod run_in;
 mod stand;

@@ -164,6 +164,9 @@ impl Wire for Servos<'_> {
         let took_us = ((self.bench.time_s() - self.base_s) * 1e6).round() as u64;
         self.clock_us.set(self.start_us + took_us + self.late_us);
     }
+    fn rate(&self, line: u8) -> Option<u32> {
+        (line == 0).then_some(self.bench.baud)
+    }
     fn pass(
         &mut self,
         line: u8,

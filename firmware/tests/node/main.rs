@@ -31,6 +31,7 @@ mod line;
 mod live;
 mod matrix;
 mod mismatch;
+mod pass;
 mod people;
 mod power_cut;
 mod registers;

@@ -16,7 +16,9 @@ pub use command::{Command, Feed, Operator};
 pub use fault::{FaultRecord, FaultReport};
 pub use greeting::{About, Capacities, Hello, Misfit, Release, Version, Welcome};
 pub use numbered::Numbered;
-pub use service::{Cycles, Health, PASS_MAX, PASS_WAIT_US, PASSED_MAX, Pass, Passed};
+pub use service::{
+    Cycles, Health, PASS_LEAST_BAUD, PASS_MAX, PASS_WAIT_US, PASSED_MAX, Pass, Passed,
+};
 pub use state::State;
 pub use stored::{
     APPROVER_MAX, Approver, BLOCK_MAX, Block, Item, Kind, NAME_MAX, Name, Place, Value,

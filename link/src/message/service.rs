@@ -11,8 +11,12 @@ pub const PASS_MAX: usize = 128;
 /// The most bytes of servos that a controller keeps of one exchange.
 pub const PASSED_MAX: usize = 512;
 
-/// The longest wait for servos, us: the loop stands still for so long, and its watchdog must bear that.
+/// The longest wait for servos, and the longest time that bytes for them may take, us: the loop stands still for both,
+/// and its watchdog must bear that.
 pub const PASS_WAIT_US: u32 = 20_000;
+
+/// The lowest rate of a line, bit/s: no servo has a lower one.
+pub const PASS_LEAST_BAUD: u32 = 9_600;
 
 /// Bytes for the servos of a line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,10 +25,23 @@ pub struct Pass {
     pub line: u8,
     /// Bits per second; 0 for those of the line.
     pub baud: u32,
-    /// For how long to listen since the first byte out, us, at most [`PASS_WAIT_US`].
+    /// For how long to listen since the last byte out, us, at most [`PASS_WAIT_US`].
     pub wait_us: u32,
     /// They.
     pub bytes: Vec<u8, PASS_MAX>,
+}
+
+impl Pass {
+    /// How long its bytes take at so many bits a second, us, ten bits each; none if the loop would stand still for too
+    /// long, or no servo is so slow.
+    pub fn sending_us(&self, baud: u32) -> Option<u32> {
+        if baud < PASS_LEAST_BAUD {
+            return None;
+        }
+        let bits = u64::try_from(self.bytes.len()).ok()?.saturating_mul(10);
+        let us = bits.saturating_mul(1_000_000).div_ceil(baud.into());
+        u32::try_from(us).ok().filter(|us| *us <= PASS_WAIT_US)
+    }
 }
 
 /// What servos have said.

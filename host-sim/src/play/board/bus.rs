@@ -96,6 +96,10 @@ impl<P: Plant> Wire for Servos<'_, '_, P> {
         0
     }
 
+    fn rate(&self, line: u8) -> Option<u32> {
+        self.bauds.get(usize::from(line)).copied()
+    }
+
     fn pass(
         &mut self,
         line: u8,
@@ -105,7 +109,7 @@ impl<P: Plant> Wire for Servos<'_, '_, P> {
         mut reply: impl FnMut(&[u8]),
     ) -> Option<u32> {
         let index = usize::from(line);
-        let own = *self.bauds.get(index)?;
+        let own = self.rate(line)?;
         let begin_ns = self.now_ns();
         let end_ns = begin_ns + u64::from(wait_us) * 1000;
         let (mut said, mut last_ns) = ([0; 512], begin_ns);
