@@ -58,8 +58,8 @@ pub(super) struct Servos<'s, 'm, P> {
     pub(super) buses: &'s RefCell<Buses>,
     pub(super) failed: &'s Cell<Option<EncodeError>>,
     pub(super) lines: &'s mut [Line<Branch<'m, P>>],
-    /// Their rates, bit/s.
-    pub(super) bauds: &'s [u32],
+    /// Their rates, bit/s; none of a line with a PCA9685, which is no servo: it would take a packet for its registers.
+    pub(super) bauds: &'s [Option<u32>],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,
     /// Whether servos may get pulses.
@@ -105,7 +105,7 @@ impl<P: Plant> Wire for Servos<'_, '_, P> {
         mut reply: impl FnMut(&[u8]),
     ) -> Option<u32> {
         let index = usize::from(line);
-        let own = *self.bauds.get(index)?;
+        let own = (*self.bauds.get(index)?)?;
         let begin_ns = self.now_ns();
         let end_ns = begin_ns + u64::from(wait_us) * 1000;
         let (mut said, mut last_ns) = ([0; 512], begin_ns);
