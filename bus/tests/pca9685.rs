@@ -114,3 +114,24 @@ fn mirrored_servos_and_all_positions() {
         assert!((us - expected).abs() <= prescale.step_us() * 0.51, "{rad}: {us}");
     }
 }
+
+/// The four registers of all channels at once end before PRESCALE and the test mode.
+#[test]
+fn nothing_but_channels_is_written_by_a_packet_that_is_none() {
+    let prescale = Prescale::new(25e6, 50.0).unwrap();
+    let mut chip = started(prescale);
+    let mut bus = Bus::new(&[setup(0)], prescale, 400_000).unwrap();
+    let mut out = [0; 80];
+    bus.command(0, Command::Position(0.0)).unwrap();
+    bus.command(0, Command::Torque(true)).unwrap();
+    let request = bus.plan(&mut out).unwrap();
+    chip.write(&out[..request.len]);
+    let (pulse_us, mut before, mut behind) = (chip.pulse_us(0), [0; 70], [0; 70]);
+    chip.write(&[0]);
+    chip.read(&mut before);
+    chip.write(&[0xFF, 0x10]);
+    chip.write(&[0]);
+    chip.read(&mut behind);
+    assert!(pulse_us.is_some() && chip.pulse_us(0) == pulse_us);
+    assert_eq!(before, behind);
+}

@@ -58,7 +58,7 @@ fn a_board_is_looked_over_set_up_and_asked() {
     {
         let _blank = Served::start(&[&simulate[..], &["--blank"]].concat());
         let none = says(&["monitor", "--board", &port, "--lines", "1"], 2);
-        assert!(none.contains("fault"), "{none}");
+        assert!(none.contains("the board has no rig"), "{none}");
         let stored = says(&["upload", "rig", &rig, "--board", &port], 0);
         assert!(stored.contains("the board has rig"), "{stored}");
     }

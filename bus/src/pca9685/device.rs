@@ -1,8 +1,8 @@
 //! The chip's side.
 
 use super::register::{
-    ALL_CALL, ALL_CHANNELS, AUTO_INCREMENT, CHANNEL_0, CHANNELS, FULL, MODE1, OFF, PERIOD,
-    PRESCALE, RESTART, SLEEP, channel,
+    ALL_CALL, ALL_CHANNELS, ALL_CHANNELS_LAST, AUTO_INCREMENT, CHANNEL_0, CHANNELS, FULL, MODE1,
+    OFF, PERIOD, PRESCALE, RESTART, SLEEP, channel,
 };
 
 /// A simulated chip. One call of [`write`](Self::write) is one I2C write, from start to stop.
@@ -73,7 +73,7 @@ impl Device {
             MODE1 => self.set(MODE1, value & !RESTART),
             PRESCALE if self.get(MODE1) & SLEEP == 0 => {}
             PRESCALE => self.set(PRESCALE, value.max(3)),
-            ALL_CHANNELS.. => {
+            ALL_CHANNELS..=ALL_CHANNELS_LAST => {
                 for index in 0..CHANNELS {
                     self.set(
                         channel(index).saturating_add(register.saturating_sub(ALL_CHANNELS)),

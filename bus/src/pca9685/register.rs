@@ -6,6 +6,7 @@ pub(super) const MODE2: u8 = 0x01;
 pub(super) const CHANNEL_0: u8 = 0x06;
 /// The same for all channels at once.
 pub(super) const ALL_CHANNELS: u8 = 0xFA;
+pub(super) const ALL_CHANNELS_LAST: u8 = 0xFD;
 pub(super) const PRESCALE: u8 = 0xFE;
 
 pub(super) const RESTART: u8 = 1 << 7;

@@ -33,6 +33,8 @@ use super::told::ToldArgs;
 use live::Live;
 use stop::Stop;
 
+/// What hobby servos bear by the common rule, us.
+const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 /// Rounds of a loop that nobody watches.
 const ROUNDS: u32 = 2;
 /// A controller with all its capacities is built on the stack.
@@ -74,7 +76,8 @@ pub(super) struct Args {
     qemu: bool,
 
     /// On the NUCLEO-F446RE's own image, on an emulated chip: a blank board takes rig and show over its link, arms,
-    /// performs and is limp, with simulated servos at its bus. All is in the chip's time, some times slower than real.
+    /// performs and is limp, with simulated servos at its bus. All is in the chip's time, several
+    /// times slower than real time.
     ///
     /// `cargo xtask emulate` builds emulator and image; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
     #[arg(long, conflicts_with_all = ["qemu", "board", "record", "fast", "real_time"])]
@@ -264,6 +267,7 @@ fn tell(parts: &Parts) {
             line.name, line.baud, parts.rate_hz
         ));
     }
+    tell_pulses(parts);
     let (compute_us, holds) = parts.on_board;
     if holds != Some(parts.rate_hz) {
         let holds =
@@ -282,6 +286,29 @@ fn tell(parts: &Parts) {
         .collect();
     if !idle.is_empty() {
         note(format_args!("no servo moves {}", idle.join(", ")));
+    }
+}
+
+/// What hobby servos get at the ends of their joints' ranges.
+fn tell_pulses(parts: &Parts) {
+    let all = parts.pulses_us();
+    let told = |of: &[&(&str, [f32; 2])]| {
+        let each = of.iter().map(|(name, [least, most])| {
+            format!("{name} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
+        });
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let [safe_least, safe_most] = SAFE_PULSES_US;
+    let (safe, wide): (Vec<_>, Vec<_>) =
+        (all.iter()).partition(|(_, [least, most])| *least >= safe_least && *most <= safe_most);
+    if !safe.is_empty() {
+        note(format_args!("pulses within the joints' ranges: {}", told(&safe)));
+    }
+    if !wide.is_empty() {
+        note(format_args!(
+            "warning: pulses outside of 1.0 to 2.0 ms, where many servos stall at an end: try them by hand first: {}",
+            told(&wide)
+        ));
     }
 }
 

@@ -79,6 +79,17 @@ pub enum PartsError {
         /// One of the other protocol.
         other: String,
     },
+    /// Servos on one drive, of which some take pulses.
+    #[error(
+        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
+         pulses"
+    )]
+    Mixed {
+        /// A servo that takes pulses.
+        one: String,
+        /// One that does not.
+        other: String,
+    },
     /// A kind of servo has no current mode.
     #[error(
         "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"

@@ -112,6 +112,13 @@ pub(super) fn drives(
     let mut drives: Vec<Drive> = servos.iter().map(of).collect();
     for shared in board.drives() {
         let all = || shared.servos.iter().map(|servo| usize::from(*servo));
+        let of_pulses = |servo: &usize| drives[*servo] == Drive::Pulses;
+        if let Some(one) = all().find(of_pulses)
+            && let Some(other) = all().find(|servo| !of_pulses(servo))
+        {
+            let [one, other] = [one, other].map(|servo| servos[servo].name.clone());
+            return Err(PartsError::Mixed { one, other });
+        }
         if all().any(|servo| drives[servo] == Drive::Position) {
             all().for_each(|servo| drives[servo] = Drive::Position);
         }

@@ -27,6 +27,8 @@ struct Sums {
 pub struct Tally {
     freedoms: Vec<Sums>,
     ticks: u64,
+    /// Whether a joint's servos tell nothing.
+    tells_nothing: bool,
 }
 
 /// Mean and largest following error of some joints, rad.
@@ -47,7 +49,9 @@ pub struct Errors {
 impl Tally {
     /// Of a rig.
     pub fn new(parts: &Parts) -> Self {
-        Self { freedoms: vec![Sums::default(); parts.names.len()], ticks: 0 }
+        let count = parts.names.len();
+        let tells_nothing = (0..count).any(|freedom| parts.tells_nothing(freedom));
+        Self { freedoms: vec![Sums::default(); count], ticks: 0, tells_nothing }
     }
 
     /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
@@ -58,7 +62,7 @@ impl Tally {
         let report = stand.report();
         let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
         self.ticks += 1;
-        let simulated = stand.simulated_errors();
+        let simulated = if self.tells_nothing { stand.simulated_errors() } else { Vec::new() };
         for (index, (sums, freedom)) in self.freedoms.iter_mut().zip(&report.freedoms).enumerate() {
             let tells_nothing = stand.parts.tells_nothing(index);
             let error = if tells_nothing { simulated[index] } else { freedom.error };
@@ -112,7 +116,7 @@ impl Tally {
         let wires = stand.wires();
         let (incomplete, why) = stand.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
-        let pulses = if (0..parts.names.len()).any(|freedom| parts.tells_nothing(freedom)) {
+        let pulses = if self.tells_nothing {
             "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
         } else {
             ""

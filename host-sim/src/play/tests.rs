@@ -1,8 +1,11 @@
+use std::f64::consts::FRAC_PI_8;
+
 use sinew_bus::dynamixel::table::address;
 use sinew_bus::feetech::table::address as feetech_address;
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
+use sinew_rig::description::DriveKind;
 use sinew_rig::new::arm;
 use sinew_rig::servo::Address;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -150,4 +153,28 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
         rig.servos[0].address = Address::Id(1);
     });
     assert!(mixed.contains("two protocols (neck_turn, jaw)"), "{mixed}");
+    // A servo by position beside one by pulses, on one joint.
+    let facing = refused(|rig| {
+        let mut other = rig.servos[0].clone();
+        (other.name, other.bus) = ("other".to_owned(), "arm".to_owned());
+        (other.model, other.address) = ("XL330-M288-T".to_owned(), Address::Id(1));
+        rig.drives[0].servos.push(other.name.clone());
+        rig.drives[0].kind = DriveKind::Matrix { rows: vec![vec![0.5, -0.5]], offset: vec![0.0] };
+        rig.servos.push(other);
+    });
+    assert!(facing.contains("`neck_turn` and `other` share a drive"), "{facing}");
+}
+
+/// 1 ms a quarter turn, about 1.5 ms: of the joint's range, not of all that the servo can.
+#[test]
+fn pulses_are_told_as_far_as_joints_go() {
+    let mut rig = face();
+    let jaw = rig.joints.iter_mut().find(|joint| joint.name == "jaw").unwrap();
+    jaw.range_rad = vec![[-FRAC_PI_8, 0.0]];
+    let parts = Parts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
+    let all = parts.pulses_us();
+    assert_eq!(all.len(), 8);
+    let (_, pulses_us) = all.iter().find(|(name, _)| *name == "jaw").unwrap();
+    assert!((pulses_us[1] - pulses_us[0] - 250.0).abs() < 0.1, "{pulses_us:?}");
+    assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
 }

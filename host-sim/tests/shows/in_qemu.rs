@@ -8,6 +8,10 @@ use super::{done, path};
 /// Plays in process, then in QEMU: the same table, hash and states. Returns the table, and how much was compared.
 #[track_caller]
 fn same_in_qemu(play: &[&str]) -> [String; 2] {
+    assert!(
+        std::env::var_os("SINEW_NODE_IMAGE").is_some(),
+        "SINEW_NODE_IMAGE: `cargo xtask node` sets it"
+    );
     let [own, own_notes] = done(play);
     let [table, notes] = done(&[play, &["--qemu"]].concat());
     assert!(own.contains("faults: none") && own.contains(" 0 not whole"), "{own}");

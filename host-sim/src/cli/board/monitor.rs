@@ -35,6 +35,10 @@ pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let stop = Stop::new()?;
     let about = board.about();
     note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
+    ensure!(
+        about.rig != 0,
+        "the board has no rig, and so nothing to tell: `sinew upload rig` brings one"
+    );
     board.telemetry(10.0, Parts::SUMMARY.and(Parts::SERVOS))?;
     // What was counted before belongs to other work.
     let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();

@@ -58,8 +58,8 @@ pub(super) struct Servos<'s, 'm, P> {
     pub(super) buses: &'s RefCell<Buses>,
     pub(super) failed: &'s Cell<Option<EncodeError>>,
     pub(super) lines: &'s mut [Line<Branch<'m, P>>],
-    /// Their rates, bit/s.
-    pub(super) bauds: &'s [u32],
+    /// Their rates, bit/s; none of a line with a PCA9685, which is no servo: it would take a packet for its registers.
+    pub(super) bauds: &'s [Option<u32>],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,
     /// Whether servos may get pulses.
@@ -97,7 +97,7 @@ impl<P: Plant> Wire for Servos<'_, '_, P> {
     }
 
     fn rate(&self, line: u8) -> Option<u32> {
-        self.bauds.get(usize::from(line)).copied()
+        *self.bauds.get(usize::from(line))?
     }
 
     fn pass(

@@ -53,7 +53,7 @@ pub struct SimulatedBoard<'a, P> {
     node: Node,
     buses: RefCell<Buses>,
     lines: Vec<Line<Branch<'a, P>>>,
-    bauds: Vec<u32>,
+    bauds: Vec<Option<u32>>,
     wires: Wires,
     lent: Vec<&'static [u8]>,
     ticks: u64,
@@ -80,7 +80,9 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
             node: Node::start(parts, &chip, about)?,
             buses: RefCell::new(parts.all_buses()?),
             lines: lines(parts, memories, plant)?,
-            bauds: parts.lines.iter().map(|line| line.baud).collect(),
+            bauds: (parts.lines.iter())
+                .map(|line| (!line.is_of_pulses()).then_some(line.baud))
+                .collect(),
             wires: Wires::default(),
             lent: Vec::new(),
             ticks: 0,

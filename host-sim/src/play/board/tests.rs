@@ -12,7 +12,8 @@ use sinew_link::message::{
     Applied, Command, Feed, Kind, Misfit, Parts as Told, Refusal, State, Version,
 };
 use sinew_retarget::feasibility::RigMotion;
-use sinew_rig::new::arm;
+use sinew_rig::Description;
+use sinew_rig::new::{arm, face};
 use sinew_service::{Client, Protocol, ServiceError, Settings};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::plant::RigPlant;
@@ -67,10 +68,13 @@ struct Desk<'a> {
 
 /// Gives a test an arm of three servos on a board, with its rig stored or blank.
 fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
+    rig_on_desk(&arm(3).unwrap(), is_blank, test);
+}
+
+fn rig_on_desk(rig: &Description, is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
     let run = || {
-        let rig = arm(3).unwrap();
         let mechanism = rig.mechanism().unwrap();
-        let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+        let parts = Parts::new(rig, &mechanism, Options::default()).unwrap();
         let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
         let (rig_crc, settings) = (parts.rig_crc(), ShowSettings::default());
         let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
@@ -81,7 +85,7 @@ fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
             SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
         }
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-        let plant = parts.plant(&rig, &mechanism).unwrap();
+        let plant = parts.plant(rig, &mechanism).unwrap();
         let board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
         let board = Rc::new(RefCell::new(board));
         let is_cut = Rc::new(RefCell::new(false));
@@ -232,5 +236,19 @@ fn servos_are_reached_through_a_limp_board_alone() {
         let line = BoardServos::new(desk.client, 0).unwrap();
         let armed = Client::new(line, Protocol::Dynamixel, baud, settings).unwrap_err().to_string();
         assert!(armed.contains("the rig is holding"), "{armed}");
+    });
+}
+
+/// A Dynamixel's packet begins with 0xFF: the chip would take it for a write to its registers.
+#[test]
+fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
+    rig_on_desk(&face(), false, |mut desk| {
+        desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        desk.until(State::Limp);
+        let mut chip = BoardServos::new(desk.client, 0).unwrap();
+        let none = sinew_service::Exchange::set_baud(&mut chip, 1_000_000).unwrap_err().to_string();
+        assert!(none.contains("no such line"), "{none}");
+        desk.client = chip.into_board();
+        desk.arm();
     });
 }

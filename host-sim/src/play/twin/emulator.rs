@@ -1,9 +1,13 @@
 //! QEMU with the image of the node.
 
+use std::collections::VecDeque;
 use std::env;
-use std::io::{BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
 
 use sinew_emulated::message::Bytes;
 
@@ -14,9 +18,15 @@ pub(super) const IMAGE: &str = "SINEW_NODE_IMAGE";
 /// Where `cargo xtask node` puts one, in the folder of all that cargo builds.
 const IN_TARGET: &str = "arm/thumbv7em-none-eabihf/firmware/node";
 
+/// An answer takes milliseconds: an image that says nothing for so long waits for something else than this program says.
+const SILENT: Duration = Duration::from_secs(20);
+const AT_ONCE: usize = 4096;
+
 /// QEMU with the image of a node that waits for its power-on.
 pub struct Emulator {
-    from: Box<dyn Read>,
+    from: Receiver<Vec<u8>>,
+    /// What came, and was not read yet.
+    came: VecDeque<u8>,
     to: Box<dyn Write>,
     /// Who runs it.
     qemu: Option<Child>,
@@ -24,8 +34,18 @@ pub struct Emulator {
 
 impl Emulator {
     /// A node that somebody runs at the other end of two pipes.
-    pub(super) fn over(from: impl Read + 'static, to: impl Write + 'static) -> Self {
-        Self { from: Box::new(BufReader::new(from)), to: Box::new(to), qemu: None }
+    pub(super) fn over(mut from: impl Read + Send + 'static, to: impl Write + 'static) -> Self {
+        let (give, take) = channel();
+        // A read of a pipe has no time limit; that of a channel has. It ends with the pipe.
+        thread::spawn(move || {
+            let mut bytes = [0; AT_ONCE];
+            while let Ok(len @ 1..) = from.read(&mut bytes) {
+                if give.send(bytes[..len].to_vec()).is_err() {
+                    break;
+                }
+            }
+        });
+        Self { from: take, came: VecDeque::new(), to: Box::new(to), qemu: None }
     }
 
     /// Starts it. It ends with this value.
@@ -64,7 +84,16 @@ impl Bytes for Emulator {
     type Error = TwinError;
 
     fn read(&mut self, bytes: &mut [u8]) -> Result<(), TwinError> {
-        self.from.read_exact(bytes).map_err(|_| self.left())
+        while self.came.len() < bytes.len() {
+            match self.from.recv_timeout(SILENT) {
+                Ok(more) => self.came.extend(more),
+                Err(RecvTimeoutError::Timeout) => return Err(TwinError::Silent { image: IMAGE }),
+                Err(RecvTimeoutError::Disconnected) => return Err(self.left()),
+            }
+        }
+        // There are as many.
+        let _ = self.came.read_exact(bytes);
+        Ok(())
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), TwinError> {

@@ -33,6 +33,15 @@ pub enum TwinError {
         /// How.
         status: Option<ExitStatus>,
     },
+    /// It runs, and says nothing.
+    #[error(
+        "the image in QEMU says nothing more: is it of this version? `cargo xtask node` builds it anew ({image} names \
+         another one)"
+    )]
+    Silent {
+        /// The variable that names an image.
+        image: &'static str,
+    },
     /// What the image says is no message.
     #[error("the image is of another version of Sinew: `cargo xtask node` builds it anew")]
     Version,
