@@ -54,7 +54,7 @@ pub struct Peak {
 /// on. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk:
 /// at both ends it has neither velocity nor acceleration, so that each clip is left and entered with its own). The
 /// body's place goes along the line, its orientation along the great arc, by the same share. If a geodesic does not
-/// converge, all joints go along their great arcs in the whole blend: see [`Blend::gave_up`]. `done` is called for every
+/// converge, all joints go along their great arcs in the whole blend: see [`Blend::gave_up`]. `done` is called for each
 /// frame of the blend.
 ///
 /// # Errors

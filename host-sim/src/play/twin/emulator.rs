@@ -18,7 +18,7 @@ pub(super) const IMAGE: &str = "SINEW_NODE_IMAGE";
 /// Where `cargo xtask node` puts one, in the folder of all that cargo builds.
 const IN_TARGET: &str = "arm/thumbv7em-none-eabihf/firmware/node";
 
-/// An answer takes milliseconds: an image that says nothing for so long waits for something else than this program says.
+/// An answer takes milliseconds: an image that says nothing for so long waits for what this program never says.
 const SILENT: Duration = Duration::from_secs(20);
 const AT_ONCE: usize = 4096;
 
