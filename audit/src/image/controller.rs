@@ -57,4 +57,5 @@ pub(crate) fn ticks() {
     black_box(controller.end(begun, exchanged, black_box(1)).is_ok());
     black_box((controller.report(), controller.supervisor(), controller.permission()));
     black_box((controller.commanded(), controller.measured()));
+    controller.forget_registers(&mut bus);
 }

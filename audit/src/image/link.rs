@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use sinew_link::message::{
-    Hello, Operator, Part, Parts, Snapshot, Stream, Telemetry, ToController, ToHost,
+    Hello, Operator, Part, Parts, Pass, Snapshot, Stream, Telemetry, ToController, ToHost,
 };
 use sinew_link::{
     Coordinate, Decoder, LiveBuffer, LiveSettings, Message, Sender, Session, Window, encode, rate,
@@ -35,6 +35,7 @@ pub(crate) fn frames() {
     both_ways::<ToController>();
     both_ways::<ToHost>();
     black_box(rate::frame_len(black_box(1)));
+    black_box(black_box(None::<Pass>).map(|pass| pass.sending_us(black_box(1))));
 }
 
 #[inline(never)]
