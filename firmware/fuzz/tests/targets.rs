@@ -1,7 +1,7 @@
 //! A target for what a host may write, and one for all that it may say, in every state: each takes the corpus, then
 //! what bolero thinks of.
 
-#![allow(dead_code, unused_imports, reason = "tests of the node use the rest")]
+#![expect(dead_code, reason = "tests of the node use the rest")]
 
 #[path = "../../tests/node/decoders.rs"]
 mod decoders;

@@ -45,7 +45,7 @@ pub(super) fn solve(
         let joint = joint(index);
         let mut own = carried[index].take().unwrap_or_else(|| nothing.clone());
         add_positions(&mut own.matrix, rig.joints[index].weight);
-        let through = if joint.degrees_of_freedom() == 0 {
+        let through = if rig.joints[index].columns() == 0 {
             joint.on_parent(own)
         } else {
             let (rest, own) = joint.eliminate(own, bends, added)?;
@@ -87,7 +87,7 @@ fn first_columns(rig: &Rig) -> Vec<usize> {
     let mut next = 0;
     let first = rig.joints.iter().map(|joint| {
         let own = next;
-        next += if joint.moves { joint.model.degrees_of_freedom() } else { 0 };
+        next += joint.columns();
         own
     });
     first.collect()
@@ -115,14 +115,9 @@ struct Joint<'a> {
 }
 
 impl Joint<'_> {
-    fn degrees_of_freedom(&self) -> usize {
-        let joint = &self.rig.joints[self.index];
-        if joint.moves { joint.model.degrees_of_freedom() } else { 0 }
-    }
-
     /// Of each unknown: its row, pose and column.
     fn rows(self) -> impl Iterator<Item = (usize, usize, usize)> {
-        let own = self.degrees_of_freedom();
+        let own = self.rig.joints[self.index].columns();
         (0..self.placed.len() * own).map(move |row| (row, row / own, self.first + row % own))
     }
 
@@ -211,8 +206,8 @@ impl Joint<'_> {
                 matrix[(*row, *row)] += 1.0;
             }
         }
-        for column in 0..moved.ncols() {
-            self.to_parent(moved.column_mut(column).as_mut_slice());
+        for mut column in moved.column_iter_mut() {
+            self.to_parent(column.as_mut_slice());
         }
         if bends {
             for (row, k, column) in &unknowns {
@@ -228,7 +223,7 @@ impl Joint<'_> {
                         matrix[(*row, other)] += value;
                     }
                 }
-                add_to(moved.column_mut(*row).as_mut_slice(), 6 * k, pose.pull.carried(*column));
+                add_to(moved.column_mut(*row).as_mut_slice(), 6 * k, pose.pull.gathered[*column]);
             }
         }
         let factor = Cholesky::new(matrix)?;

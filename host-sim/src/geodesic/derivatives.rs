@@ -11,8 +11,9 @@ use super::rig::{Placed, Rig};
 pub(super) struct Pull {
     /// Jᵀ times the force.
     pub(super) along: DVector<f64>,
-    /// Σ over all joints that an axis carries: the velocity that it gives, times the force (a cross product).
-    gathered: Vec<DVec3>,
+    /// Σ over all joints that an axis carries: the velocity that it gives, times the force (a cross product). So much
+    /// more the force pulls along the column, by the angular velocity of what carries its joint.
+    pub(super) gathered: Vec<DVec3>,
 }
 
 impl Rig {
@@ -128,13 +129,6 @@ impl Rig {
         } else {
             0.5 * (a.dot(pull.gathered[inner]) + b.dot(pull.gathered[outer]))
         }
-    }
-}
-
-impl Pull {
-    /// How much more the force pulls along a column, by the angular velocity of what carries its joint.
-    pub(super) fn carried(&self, column: usize) -> DVec3 {
-        self.gathered[column]
     }
 }
 

@@ -60,6 +60,13 @@ pub(super) struct Joint {
     pub(super) moves: bool,
 }
 
+impl Joint {
+    /// How many columns of the Jacobian are its.
+    pub(super) fn columns(&self) -> usize {
+        if self.moves { self.model.degrees_of_freedom() } else { 0 }
+    }
+}
+
 /// What a pose is made of, when it cannot be.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RigError {
@@ -143,11 +150,7 @@ impl Rig {
             }
             joints[index].moves = moves && joints[index].parent.is_some();
         }
-        let columns = joints
-            .iter()
-            .filter(|joint| joint.moves)
-            .map(|joint| joint.model.degrees_of_freedom())
-            .sum();
+        let columns = joints.iter().map(Joint::columns).sum();
         Ok(Self { joints, columns })
     }
 

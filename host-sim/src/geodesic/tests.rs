@@ -120,14 +120,15 @@ fn steps_are_the_same_in_every_order() {
         };
         let by_pose = step(Order::Poses);
         for (one, other) in by_pose.iter().zip(step(Order::Joints)) {
-            // The matrix's condition, some 1e4 with this damping, times the rounding of f64.
+            // What damping adds is at least 1e-6 of the largest element, and all 50 eigenvalues together are at most 50
+            // times that: the condition is at most 5e7. Times the rounding of f64, 6e-9.
             let difference = (one - &other).amax() / one.amax();
-            assert!(difference < 1e-11, "{has_second_derivatives}: {difference:e}");
+            assert!(difference < 1e-8, "{has_second_derivatives}: {difference:e}");
         }
     }
 }
 
-/// A chain of as many joints as are taken, all balls: an elimination pose by pose would take a minute for each step.
+/// A chain of as many joints as are taken, all balls: pose by pose, an iteration would take the cube of its 765 columns.
 #[test]
 fn a_long_chain_gets_shorter() {
     let joints: Vec<_> = (0..256)
