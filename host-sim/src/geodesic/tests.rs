@@ -128,7 +128,7 @@ fn steps_are_the_same_in_every_order() {
     }
 }
 
-/// A chain of as many joints as are taken, all balls: pose by pose, an iteration would take the cube of its 765 columns.
+/// A chain of as many joints as are taken, all balls: pose by pose, an iteration takes the cube of its 765 columns.
 #[test]
 fn a_long_chain_gets_shorter() {
     let joints: Vec<_> = (0..256)
