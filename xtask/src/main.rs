@@ -12,6 +12,7 @@ mod features;
 mod firmware;
 mod fuzz;
 mod image;
+mod limits;
 mod node;
 mod package;
 mod parity;
@@ -47,6 +48,8 @@ Commands:
             `sinew play`: an arm, and with SINEW_DATA two robots
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
             an image, the NUCLEO's own one, and `sinew play --emulate`; says `ignored` where there is none
+  limits    Compares the core with its formulas in f64 on 10,000 random rigs, each number by the limit that follows from
+            its rounding, and prints the smallest mistakes that are noticed
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   retargeting
@@ -99,6 +102,7 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["parity"] => Box::new(parity::run),
         ["node"] => Box::new(node::run),
         ["emulate"] => Box::new(emulate::run),
+        ["limits"] => Box::new(limits::run),
         ["clients"] => Box::new(clients::run),
         ["retargeting"] => Box::new(|| retargeting::run(false)),
         ["retargeting", "--accept"] => Box::new(|| retargeting::run(true)),

@@ -43,16 +43,20 @@ impl Link {
     }
 
     /// Columns of the motion subspace, angular and linear, as
-    /// [`JointKind::motion_subspace`](sinew_core::JointKind::motion_subspace) has them.
+    /// [`JointKind::motion_subspace`](sinew_core::JointKind::motion_subspace) has them: the first axis of a universal
+    /// joint turned back by the rotation in the joint.
     pub fn columns(&self, joint: &Joint) -> Vec<Motion> {
         let in_joint = self.placement.inverse().after(joint.rotation);
-        // The first axis of a universal joint is fixed in the joint frame.
-        let first = match self.joint {
-            JointKind::Universal { first, .. } => {
-                Some(in_joint.inverse().turn(Vector::known(first)))
-            }
-            _ => None,
-        };
+        self.columns_by(|first| in_joint.inverse().turn(first))
+    }
+
+    /// The same by way of the parent's axes, as the mass matrix and forward dynamics take that axis: what two
+    /// quaternions are not unit by cancels in their product, and not here.
+    pub fn columns_by_parent(&self, to_parent: &Matrix) -> Vec<Motion> {
+        self.columns_by(|first| to_parent.turn_back(self.placement.turn(first)))
+    }
+
+    fn columns_by(&self, turned: impl Fn(Vector) -> Vector) -> Vec<Motion> {
         let columns = self.joint.motion_subspace(sinew_core::glam::Quat::IDENTITY);
         let mut columns: Vec<_> = columns
             .iter()
@@ -61,8 +65,11 @@ impl Link {
                 linear: Vector::known(column.linear),
             })
             .collect();
-        if let (Some(first), Some(column)) = (first, columns.first_mut()) {
-            column.angular = first;
+        // The first axis of a universal joint is fixed in the joint frame, all others in the body.
+        if let (JointKind::Universal { first, .. }, Some(column)) =
+            (self.joint, columns.first_mut())
+        {
+            column.angular = turned(Vector::known(first));
         }
         columns
     }
@@ -181,12 +188,12 @@ fn needed(link: &Link, motion: &BodyMotion) -> Motion {
 }
 
 /// The freedoms of a rig: body and motion of each, in the order of the core's mass matrix.
-fn freedoms(links: &[Link], joints: &[Joint]) -> Vec<(usize, Motion)> {
+fn freedoms(
+    links: &[Link],
+    columns: impl Fn(usize, &Link) -> Vec<Motion>,
+) -> Vec<(usize, Motion)> {
     let of_body = |(body, link): (usize, &Link)| {
-        link.columns(&joints[body])
-            .into_iter()
-            .map(move |column| (body, column))
-            .collect::<Vec<_>>()
+        columns(body, link).into_iter().map(move |column| (body, column)).collect::<Vec<_>>()
     };
     links.iter().enumerate().flat_map(of_body).collect()
 }
@@ -194,7 +201,7 @@ fn freedoms(links: &[Link], joints: &[Joint]) -> Vec<(usize, Motion)> {
 /// The mass matrix, column by column the wrenches of a unit acceleration at rest.
 pub fn mass_matrix_by_torques(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     let still: Vec<_> = joints.iter().map(Joint::still).collect();
-    let freedoms = freedoms(links, joints);
+    let freedoms = freedoms(links, |body, link| link.columns(&joints[body]));
     let column = |(moved, unit): &(usize, Motion)| {
         let mut accelerations = vec![Motion::ZERO; links.len()];
         accelerations[*moved] = *unit;
@@ -215,7 +222,7 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
             composites[parent] = composites[parent].plus(&carried);
         }
     }
-    let freedoms = freedoms(links, joints);
+    let freedoms = freedoms(links, |body, link| link.columns_by_parent(&matrices[body]));
     let mut rows = vec![vec![Number::ZERO; freedoms.len()]; freedoms.len()];
     for (row, (body, unit)) in freedoms.iter().enumerate() {
         let mut wrench = composites[*body].wrench(unit);

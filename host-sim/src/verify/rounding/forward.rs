@@ -1,5 +1,7 @@
 //! Forward dynamics by the articulated-body algorithm.
 
+use sinew_core::JointKind;
+
 use super::dynamics::{Link, Motion};
 use super::number::Number;
 use super::space::{Matrix, Vector};
@@ -11,19 +13,25 @@ type Inertia = [Six; 6];
 struct Body {
     matrix: Matrix,
     columns: Vec<Six>,
+    /// Of the joint, by what its axes move.
+    along_axes: Vector,
     /// By velocities alone: of the body, from its parent's.
     moving: Six,
     inertia: Inertia,
     wrench: Six,
-    /// Wrenches that the freedoms meet, and what they make of the rest.
-    met: Vec<Six>,
-    resistance: Vec<Vec<Number>>,
-    push: Vec<Number>,
+    response: Response,
+}
+
+/// How a joint gives way.
+enum Response {
+    /// Along its freedoms: the wrenches that they meet, and what they make of the rest.
+    Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
+    /// Any way, against a rotor: absolute, by the acceleration of the origin, and what is held of the carried one.
+    Ball { turn: Vector, per_way: Matrix, held: Matrix },
 }
 
 /// Accelerations of the freedoms of each joint that these wrenches of their drives make, as
-/// [`forward_dynamics`](sinew_core::dynamics::forward_dynamics) has them but for what a universal joint's axes add by
-/// moving.
+/// [`forward_dynamics`](sinew_core::dynamics::forward_dynamics) has them.
 pub fn forward_dynamics(
     links: &[Link],
     joints: &[Joint],
@@ -39,7 +47,7 @@ pub fn forward_dynamics(
         bodies.push(body);
     }
     for (index, link) in links.iter().enumerate().rev() {
-        let passed = bodies[index].give_way(drives[index], link.rotor);
+        let passed = bodies[index].give_way(link, drives[index]);
         if let Some(parent) = link.parent {
             let (inertia, wrench) = passed.in_parent(&bodies[index].matrix, joints[index].arm);
             let of_parent = &mut bodies[parent];
@@ -66,12 +74,14 @@ fn start(link: &Link, joint: &Joint, parent: Vector) -> (Vector, Body) {
     let carried = matrix.turn_back(parent);
     let of_joint = joint.velocity;
     let velocity = carried + of_joint.angular;
-    let columns: Vec<_> = link.columns(joint);
-    let mut angular = carried.cross(of_joint.angular);
-    if let [first, second] = columns[..] {
+    let columns = link.columns_by_parent(&matrix);
+    let along_axes = if let [first, second] = columns[..] {
         let speeds = first.angular.dot(of_joint.angular) * second.angular.dot(of_joint.angular);
-        angular = angular + first.angular.cross(second.angular) * speeds;
-    }
+        first.angular.cross(second.angular) * speeds
+    } else {
+        Vector::ZERO
+    };
+    let angular = carried.cross(of_joint.angular) + along_axes;
     let linear = matrix.turn_back(parent.cross(parent.cross(joint.arm)))
         + carried.cross(of_joint.linear).doubled(2.0);
 
@@ -81,12 +91,11 @@ fn start(link: &Link, joint: &Joint, parent: Vector) -> (Vector, Body) {
     let body = Body {
         matrix,
         columns: columns.into_iter().map(Motion::components).collect(),
+        along_axes,
         moving: Motion { angular, linear }.components(),
         inertia: rigid(link.mass, first_moment, inertia),
         wrench: Motion { angular: spin, linear: turning }.components(),
-        met: Vec::new(),
-        resistance: Vec::new(),
-        push: Vec::new(),
+        response: Response::Along { met: vec![], resistance: vec![], push: vec![] },
     };
     (velocity, body)
 }
@@ -125,21 +134,21 @@ struct Passed {
 }
 
 impl Body {
-    fn give_way(&mut self, drive: Motion, rotor: Number) -> Passed {
+    fn give_way(&mut self, link: &Link, drive: Motion) -> Passed {
+        if link.joint == JointKind::Spherical && link.rotor.exact() > 0.0 {
+            return self.turn_any_way_with_rotor(drive.angular, link.rotor);
+        }
         let drive = drive.components();
         let freedoms = self.columns.len();
-        self.met = self.columns.iter().map(|column| times(&self.inertia, *column)).collect();
-        self.resistance = (0..freedoms)
-            .map(|i| {
-                (0..freedoms)
-                    .map(|j| {
-                        let of = dot(self.columns[i], self.met[j]);
-                        if i == j { of + rotor } else { of }
-                    })
-                    .collect()
-            })
-            .collect();
-        self.push = self
+        let met: Vec<_> =
+            self.columns.iter().map(|column| times(&self.inertia, *column)).collect();
+        let resists = |i: usize, j: usize| {
+            let of = dot(self.columns[i], met[j]);
+            if i == j { of + link.rotor } else { of }
+        };
+        let resistance: Vec<Vec<_>> =
+            (0..freedoms).map(|i| (0..freedoms).map(|j| resists(i, j)).collect()).collect();
+        let push: Vec<_> = self
             .columns
             .iter()
             .map(|column| dot(*column, drive) - dot(*column, self.wrench))
@@ -147,19 +156,64 @@ impl Body {
         // Column by column of the inertia: what the freedoms do about it.
         let mut inertia = self.inertia;
         for column in 0..6 {
-            let wanted: Vec<_> = self.met.iter().map(|met| met[column]).collect();
-            let moved = solve(self.resistance.clone(), wanted);
+            let wanted: Vec<_> = met.iter().map(|met| met[column]).collect();
+            let moved = solve(resistance.clone(), wanted);
             for (row, numbers) in inertia.iter_mut().enumerate() {
-                for (met, moved) in self.met.iter().zip(&moved) {
+                for (met, moved) in met.iter().zip(&moved) {
                     numbers[column] = numbers[column] - met[row] * *moved;
                 }
             }
         }
-        let alone = solve(self.resistance.clone(), self.push.clone());
+        let alone = solve(resistance.clone(), push.clone());
         let mut wrench = sum(self.wrench, times(&inertia, self.moving));
-        for (met, alone) in self.met.iter().zip(&alone) {
+        for (met, alone) in met.iter().zip(&alone) {
             wrench = sum(wrench, met.map(|of| of * *alone));
         }
+        self.response = Response::Along { met, resistance, push };
+        Passed { inertia, wrench }
+    }
+
+    /// As the core does it: with `r (I + r)⁻¹` of what a body resists with, which no difference makes.
+    fn turn_any_way_with_rotor(&mut self, drive: Vector, rotor: Number) -> Passed {
+        let block = |row: usize, column: usize| {
+            let of = |k: usize| Vector {
+                x: self.inertia[row][column + k],
+                y: self.inertia[row + 1][column + k],
+                z: self.inertia[row + 2][column + k],
+            };
+            Matrix::of_columns([of(0), of(1), of(2)])
+        };
+        let (angular, coupling, linear) = (block(0, 0), block(0, 3), block(3, 3));
+        let with_rotor = angular.map_columns(|k, column| column + Vector::along(k, rotor));
+        let columns = with_rotor.transposed();
+        let rows: Vec<Vec<_>> = [0, 1, 2]
+            .map(|k| columns.column(k).components().to_vec())
+            .to_vec();
+        let inverse = Matrix::of_columns([0, 1, 2].map(|k| {
+            let unit = Vector::along(k, Number::known(1.0)).components().to_vec();
+            let solved = solve(rows.clone(), unit);
+            Vector { x: solved[0], y: solved[1], z: solved[2] }
+        }));
+        let wrench = motion(self.wrench);
+        let free = drive - wrench.angular;
+        let turn = inverse.turn(free);
+        let per_way = inverse.times(&coupling);
+        let held = inverse.map_columns(|_, column| column * rotor);
+        let back = coupling.transposed();
+        let (angular, coupling) = (held.times(&angular), held.times(&coupling));
+        let given_way = back.times(&per_way);
+        let linear = linear.map_columns(|k, column| column - given_way.column(k));
+        let forces = coupling.transposed();
+        let inertia = transposed(&std::array::from_fn(|column| {
+            let (of, k) = if column < 3 { ((&angular, &forces), column) } else { ((&coupling, &linear), column - 3) };
+            Motion { angular: of.0.column(k), linear: of.1.column(k) }.components()
+        }));
+        let wrench = Motion {
+            angular: drive - held.turn(free),
+            linear: wrench.linear + back.turn(turn),
+        };
+        let wrench = sum(wrench.components(), times(&inertia, self.moving));
+        self.response = Response::Ball { turn, per_way, held };
         Passed { inertia, wrench }
     }
 
@@ -169,13 +223,27 @@ impl Body {
             linear: self.matrix.turn_back(parent.linear + parent.angular.cross(arm)),
         };
         let carried = sum(carried.components(), self.moving);
-        let push = self.push.iter().zip(&self.met).map(|(push, met)| *push - dot(*met, carried));
-        let along = solve(self.resistance.clone(), push.collect());
-        let of_joint =
-            self.columns.iter().zip(along).fold([Number::ZERO; 6], |all, (column, along)| {
-                sum(all, column.map(|of| of * along))
-            });
-        (motion(of_joint), motion(sum(carried, of_joint)))
+        let of_body = match &self.response {
+            Response::Along { met, resistance, push } => {
+                let push = push.iter().zip(met).map(|(push, met)| *push - dot(*met, carried));
+                let along = solve(resistance.clone(), push.collect());
+                let steps = self.columns.iter().zip(along);
+                motion(steps.fold(carried, |all, (column, along)| {
+                    sum(all, column.map(|of| of * along))
+                }))
+            }
+            Response::Ball { turn, per_way, held } => {
+                let Motion { angular, linear } = motion(carried);
+                Motion { angular: *turn - per_way.turn(linear) + held.turn(angular), linear }
+            }
+        };
+        // The joint's own is what the body has beyond what it was carried with.
+        let carried = motion(carried);
+        let of_joint = Motion {
+            angular: self.along_axes + (of_body.angular - carried.angular),
+            linear: of_body.linear - carried.linear,
+        };
+        (of_joint, of_body)
     }
 }
 

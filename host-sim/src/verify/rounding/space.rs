@@ -247,6 +247,17 @@ impl Matrix {
         Self { columns }
     }
 
+    /// A column by its index.
+    pub fn column(&self, k: usize) -> Vector {
+        self.columns[k]
+    }
+
+    /// The product, `other` first.
+    #[must_use]
+    pub fn times(&self, other: &Self) -> Self {
+        other.map_columns(|_, column| self.turn(column))
+    }
+
     /// Each column changed, with its index.
     #[must_use]
     pub fn map_columns(&self, mut of: impl FnMut(usize, Vector) -> Vector) -> Self {

@@ -1,0 +1,184 @@
+//! Kinematics, inverse and forward dynamics and the mass matrix of rigs with joints of all kinds.
+
+use sinew_core::dynamics::{
+    ArticulatedBody, BodyMotion, CompositeBody, degrees_of_freedom, forward_dynamics,
+    inverse_dynamics, mass_matrix,
+};
+use sinew_core::glam::{DVec3, Vec3};
+use sinew_core::{JointState, Twist, Wrench};
+use sinew_sim::verify::rounding::{self, Joint, Link, Motion, Number, Vector, body_states};
+use sinew_tests::rig::Rig;
+
+use crate::case::Case;
+use crate::tally::{Quantity, Table};
+
+const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
+
+/// A rig as the core has it, and the same with its rounding.
+pub(crate) struct Sides {
+    pub(crate) rig: Rig,
+    pub(crate) states: Vec<JointState>,
+    pub(crate) links: Vec<Link>,
+    pub(crate) joints: Vec<Joint>,
+}
+
+impl Sides {
+    pub(crate) fn new(rig: Rig) -> Self {
+        let states = rig.states().as_slice().to_vec();
+        let links = rig.tree.bodies().iter().map(Link::known).collect();
+        let joints = states.iter().map(Joint::known).collect();
+        Self { rig, states, links, joints }
+    }
+
+    /// Wrenches of the joints, by the core.
+    pub(crate) fn wrenches(&self, states: &[JointState], accelerations: &[Twist], gravity: Vec3) -> Vec<Wrench> {
+        let bodies = self.rig.tree.bodies();
+        let mut scratch = vec![BodyMotion::default(); bodies.len()];
+        let mut out = vec![Wrench::ZERO; bodies.len()];
+        inverse_dynamics(bodies, states, accelerations, gravity, &[], &mut scratch, &mut out);
+        out
+    }
+}
+
+pub(crate) fn compare(case: &Case, table: &mut Table) {
+    let sides = Sides::new(case.rig());
+    kinematics(&sides, table);
+    torques(&sides, table);
+    matrix(&sides, table);
+    accelerations(&sides, table);
+}
+
+/// A list of vectors against the same with their rounding.
+pub(crate) fn vectors(
+    table: &mut Table,
+    [name, unit]: [&'static str; 2],
+    got: impl IntoIterator<Item = Vec3>,
+    rounded: impl IntoIterator<Item = Vector> + Clone,
+) {
+    let length = |vector: Vector| vector.exact().length();
+    let scale = rounded.clone().into_iter().map(length).fold(0.0, f64::max);
+    for (body, (got, rounded)) in got.into_iter().zip(rounded).enumerate() {
+        let error = (got.as_dvec3() - rounded.exact()).length();
+        let quantity = Quantity { name, unit, scale };
+        table.add(quantity, format_args!("body {body}"), error, rounded.limit());
+    }
+}
+
+fn kinematics(sides: &Sides, table: &mut Table) {
+    let world = sides.rig.world();
+    let rounded = body_states(&sides.links, &sides.joints);
+    for (body, (got, rounded)) in world.iter().zip(&rounded).enumerate() {
+        let off = got.pose.rotation.as_dquat().normalize() * rounded.rotation.exact().inverse();
+        let error = 2.0 * DVec3::new(off.x, off.y, off.z).length().atan2(off.w.abs());
+        let quantity = Quantity { name: "world rotation", unit: "rad", scale: 1.0 };
+        table.add(quantity, format_args!("body {body}"), error, rounded.rotation.limit());
+    }
+    let of = |name, unit, got: fn(&sinew_core::BodyState) -> Vec3, with: fn(&rounding::State) -> Vector| {
+        (name, unit, got, with)
+    };
+    for (name, unit, got, with) in [
+        of("world position", "m", |s| s.pose.translation_m, |s| s.position),
+        of("world angular velocity", "rad/s", |s| s.velocity.angular, |s| s.velocity.angular),
+        of("world linear velocity", "m/s", |s| s.velocity.linear, |s| s.velocity.linear),
+    ] {
+        vectors(table, [name, unit], world.iter().map(got), rounded.iter().map(with));
+    }
+}
+
+fn torques(sides: &Sides, table: &mut Table) {
+    let accelerations = sides.rig.accelerations();
+    let got = sides.wrenches(&sides.states, &accelerations, GRAVITY_M_S2);
+    let rounded = rounding::inverse_dynamics(
+        &sides.links,
+        &sides.joints,
+        &motions(&accelerations),
+        Vector::known(GRAVITY_M_S2),
+    );
+    let (moments, forces) =
+        (got.iter().map(|wrench| wrench.moment_nm), got.iter().map(|wrench| wrench.force_n));
+    vectors(table, ["joint moment", "N m"], moments, rounded.iter().map(|motion| motion.angular));
+    vectors(table, ["joint force", "N"], forces, rounded.iter().map(|motion| motion.linear));
+}
+
+pub(crate) fn motions(twists: &[Twist]) -> Vec<Motion> {
+    let motion = |twist: &Twist| Motion {
+        angular: Vector::known(twist.angular),
+        linear: Vector::known(twist.linear),
+    };
+    twists.iter().map(motion).collect()
+}
+
+fn matrix(sides: &Sides, table: &mut Table) {
+    let bodies = sides.rig.tree.bodies();
+    let mut got = vec![0.0; degrees_of_freedom(bodies).pow(2)];
+    let mut scratch = vec![CompositeBody::default(); bodies.len()];
+    let size = mass_matrix(bodies, &sides.states, &mut scratch, &mut got);
+    let rounded = rounding::mass_matrix(&sides.links, &sides.joints);
+    elements(table, "H", &rounded, |row, column| f64::from(got[row * size + column]));
+
+    let still: Vec<_> = sides
+        .states
+        .iter()
+        .map(|state| JointState { velocity: Twist::ZERO, ..*state })
+        .collect();
+    let freedoms: Vec<(usize, Twist)> = bodies
+        .iter()
+        .zip(&sides.states)
+        .enumerate()
+        .flat_map(|(index, (body, state))| {
+            let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+            body.joint.motion_subspace(in_joint).into_iter().map(move |column| (index, column))
+        })
+        .collect();
+    let columns: Vec<Vec<f64>> = freedoms
+        .iter()
+        .map(|(moved, unit)| {
+            let mut accelerations = vec![Twist::ZERO; bodies.len()];
+            accelerations[*moved] = *unit;
+            let wrenches = sides.wrenches(&still, &accelerations, Vec3::ZERO);
+            freedoms.iter().map(|(body, along)| f64::from(wrenches[*body].power_w(*along))).collect()
+        })
+        .collect();
+    let rounded = rounding::mass_matrix_by_torques(&sides.links, &sides.joints);
+    elements(table, "H, by torques", &rounded, |row, column| columns[row][column]);
+}
+
+fn elements(
+    table: &mut Table,
+    name: &'static str,
+    rounded: &[Vec<Number>],
+    got: impl Fn(usize, usize) -> f64,
+) {
+    for (row, numbers) in rounded.iter().enumerate() {
+        for (column, number) in numbers.iter().enumerate() {
+            // H is positive definite: no element exceeds the geometric mean of its two diagonal ones.
+            let scale = (rounded[row][row].exact() * rounded[column][column].exact()).sqrt();
+            let quantity = Quantity { name, unit: "kg m²", scale };
+            let error = got(row, column) - number.exact();
+            table.add(quantity, format_args!("[{row}][{column}]"), error, number.limit());
+        }
+    }
+}
+
+fn accelerations(sides: &Sides, table: &mut Table) {
+    let bodies = sides.rig.tree.bodies();
+    // Drives as large as the motion of the rig needs.
+    let drives = sides.wrenches(&sides.states, &sides.rig.accelerations(), GRAVITY_M_S2);
+    let mut workspace = vec![ArticulatedBody::default(); bodies.len()];
+    let mut got = vec![Twist::ZERO; bodies.len()];
+    forward_dynamics(bodies, &sides.states, &drives, GRAVITY_M_S2, &[], &mut workspace, &mut got);
+    let of_drives: Vec<_> = drives
+        .iter()
+        .map(|drive| Motion {
+            angular: Vector::known(drive.moment_nm),
+            linear: Vector::known(drive.force_n),
+        })
+        .collect();
+    let gravity = Vector::known(GRAVITY_M_S2);
+    let rounded = rounding::forward_dynamics(&sides.links, &sides.joints, &of_drives, gravity);
+    let (angular, linear) = (got.iter().map(|a| a.angular), got.iter().map(|a| a.linear));
+    let with = ["joint acceleration, angular", "rad/s²"];
+    vectors(table, with, angular, rounded.iter().map(|a| a.angular));
+    let with = ["joint acceleration, linear", "m/s²"];
+    vectors(table, with, linear, rounded.iter().map(|a| a.linear));
+}

@@ -1,0 +1,161 @@
+//! State errors of two states of a figure, and ticks that make torques of them.
+
+use std::f64::consts::PI;
+
+use sinew_core::control::Gains;
+use sinew_core::glam::Vec3;
+use sinew_core::state_error::{
+    Aim, AimStatus, Aims, Compensation, Method, StateError, linear_compensation, local, world,
+};
+use sinew_core::{Controller, JointTargets, Twist, Workspace};
+use sinew_sim::verify::rounding::{
+    self, Compensated, Difference, Joint, Motion, Number, State, Vector, body_states, turn_error,
+};
+use sinew_tests::rig::{CAPACITY, Rig};
+
+use crate::case::Case;
+use crate::dynamics::{Sides, vectors};
+use crate::tally::{Quantity, Table};
+
+const GAINS: [f32; 2] = [900.0, 60.0];
+const BETA: f32 = 0.7;
+const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
+
+/// Sine of an angle below which the core takes two directions for one, or for opposites.
+const SMALLEST_SINE: f64 = 1e-6;
+
+/// A figure as it is to be and as it is, joints and bodies with their rounding.
+struct Pair {
+    desired: Side,
+    measured: Side,
+}
+
+struct Side {
+    sides: Sides,
+    bodies: Vec<State>,
+}
+
+impl Side {
+    fn new(rig: Rig) -> Self {
+        let sides = Sides::new(rig);
+        let bodies = body_states(&sides.links, &sides.joints);
+        Self { sides, bodies }
+    }
+}
+
+pub(crate) fn compare(case: &Case, table: &mut Table) {
+    let (desired, measured) = case.figures();
+    let pair = Pair { desired: Side::new(desired), measured: Side::new(measured) };
+    let count = pair.desired.bodies.len();
+    let (desired, measured) = (&pair.desired.sides, &pair.measured.sides);
+    let mut got = vec![StateError::ZERO; count];
+
+    local(&desired.states, &measured.states, &mut got);
+    let of_joints: Vec<_> = (0..count).map(|body| pair.local(body)).collect();
+    errors(table, "local", &got, &of_joints);
+    let [desired_world, measured_world] = [desired.rig.world(), measured.rig.world()];
+    world(&desired_world, &measured_world, &mut got);
+    let of_world: Vec<_> = (0..count).map(|body| pair.world(body)).collect();
+    errors(table, "world", &got, &of_world);
+
+    let aims = Aims::heaviest_child(&desired.rig.tree);
+    let settings = Compensation { beta: BETA, ..Compensation::default() };
+    let mut status = vec![AimStatus::Leaf; count];
+    linear_compensation(
+        aims.as_slice(),
+        settings,
+        &desired_world,
+        &measured_world,
+        &mut got,
+        &mut status,
+    );
+    let turned: Vec<_> =
+        aims.as_slice().iter().enumerate().map(|(body, aim)| pair.turned(body, *aim)).collect();
+    errors(table, "compensation", &got, &turned);
+
+    tick(table, &pair, "tick of local", Method::Local, &of_joints);
+    tick(table, &pair, "tick of world", Method::World, &of_world);
+    let method = Method::LinearCompensation { aims, settings };
+    tick(table, &pair, "tick of compensation", method, &turned);
+}
+
+impl Pair {
+    fn local(&self, body: usize) -> Difference {
+        let seen = |side: &Side| side.sides.joints[body].in_parent();
+        Difference::between(&seen(&self.desired), &seen(&self.measured))
+    }
+
+    fn world(&self, body: usize) -> Difference {
+        Difference::between(&self.desired.bodies[body], &self.measured.bodies[body])
+    }
+
+    fn turned(&self, body: usize, aim: Aim) -> Difference {
+        let Aim::Child(child) = aim else { return self.world(body) };
+        let [desired, measured] = [&self.desired.bodies[body], &self.measured.bodies[body]];
+        let arm = self.desired.bodies[child].position - desired.position;
+        let turned = Compensated::new(arm, Number::known(f64::from(BETA)), desired, measured);
+        // Where f32 cannot tell two directions apart the core may leave the turn out, which is as small.
+        if turned.sine.exact() < SMALLEST_SINE + turned.sine.limit() {
+            return self.world(body);
+        }
+        turned.difference
+    }
+}
+
+fn errors(table: &mut Table, method: &'static str, got: &[StateError], rounded: &[Difference]) {
+    let names = match method {
+        "local" => ["local angle", "local way", "local rate", "local speed"],
+        "world" => ["world angle", "world way", "world rate", "world speed"],
+        _ => ["turned angle", "turned way", "turned rate", "turned speed"],
+    };
+    for (body, (got, rounded)) in got.iter().zip(rounded).enumerate() {
+        let error = turn_error(got.angular_rad.as_dvec3(), rounded.angular.exact());
+        let quantity = Quantity { name: names[0], unit: "rad", scale: PI };
+        table.add(quantity, format_args!("body {body}"), error, rounded.angular.limit());
+    }
+    let ways = got.iter().map(|error| error.linear_m);
+    vectors(table, [names[1], "m"], ways, rounded.iter().map(|error| error.linear));
+    let rates = got.iter().map(|error| error.angular_rate_rad_s);
+    vectors(table, [names[2], "rad/s"], rates, rounded.iter().map(|error| error.angular_rate));
+    let speeds = got.iter().map(|error| error.linear_rate_m_s);
+    vectors(table, [names[3], "m/s"], speeds, rounded.iter().map(|error| error.linear_rate));
+}
+
+/// Wrenches of a tick of a controller against those of the same errors with their rounding.
+fn tick(
+    table: &mut Table,
+    pair: &Pair,
+    name: &'static str,
+    method: Method<CAPACITY>,
+    rounded: &[Difference],
+) {
+    let local = matches!(method, Method::Local);
+    let rig = &pair.measured.sides.rig;
+    let gains = Gains::new(GAINS[0], GAINS[1]).expect("gains are positive");
+    let controller = Controller::new(rig.tree.clone(), gains, method)
+        .and_then(|controller| controller.with_gravity(GRAVITY_M_S2))
+        .expect("a figure has no joint that a method cannot do");
+    let mut targets = JointTargets::rest(&rig.tree);
+    for (body, state) in pair.desired.sides.states.iter().enumerate() {
+        targets.set(body, *state, Twist::ZERO).expect("a desired state is finite");
+    }
+    let mut workspace = Workspace::resolving();
+    let got = controller.tick(&mut targets, &rig.states(), &[], &mut workspace);
+
+    let Side { sides, bodies } = &pair.measured;
+    let [kp, kv] = GAINS.map(|gain| Number::known(f64::from(gain)));
+    let command = |(body, error): (usize, &Difference)| {
+        let joint: &Joint = &sides.joints[body];
+        let to_body = if local { joint.rotation } else { bodies[body].rotation }.inverse();
+        let wanted = |way: Vector, rate: Vector| to_body.turn(way * kp + rate * kv);
+        let angular = wanted(error.angular, error.angular_rate);
+        let linear =
+            if body == 0 { wanted(error.linear, error.linear_rate) } else { Vector::ZERO };
+        Motion { angular, linear }
+    };
+    let commands: Vec<_> = rounded.iter().enumerate().map(command).collect();
+    let gravity = Vector::known(GRAVITY_M_S2);
+    let needed = rounding::inverse_dynamics(&sides.links, &sides.joints, &commands, gravity);
+    let moments = got.iter().map(|wrench| wrench.value.moment_nm);
+    vectors(table, [name, "N m"], moments, needed.iter().map(|motion| motion.angular));
+}
