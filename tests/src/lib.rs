@@ -7,6 +7,7 @@
 //! - [`parity`]: runs of the evaluation for other machines, and where their numbers differ;
 //! - [`subtree_form`]: the other way to look for it, which the core's is compared with;
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
+//! - [`rounded`]: rigs and motions with their rounding, for limits that follow from it;
 //! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
 
 pub mod cylinders;
@@ -16,6 +17,7 @@ pub mod newton_euler;
 pub mod parity;
 pub mod reference;
 pub mod rig;
+pub mod rounded;
 pub mod subtree_form;
 
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};

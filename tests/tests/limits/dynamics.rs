@@ -8,6 +8,7 @@ use sinew_core::glam::{DVec3, Vec3};
 use sinew_core::{JointState, Twist, Wrench};
 use sinew_sim::verify::rounding::{self, Joint, Link, Motion, Number, Vector, body_states};
 use sinew_tests::rig::Rig;
+use sinew_tests::rounded::{Rounded, motions};
 
 use crate::case::Case;
 use crate::tally::{Quantity, Table};
@@ -25,13 +26,17 @@ pub(crate) struct Sides {
 impl Sides {
     pub(crate) fn new(rig: Rig) -> Self {
         let states = rig.states().as_slice().to_vec();
-        let links = rig.tree.bodies().iter().map(Link::known).collect();
-        let joints = states.iter().map(Joint::known).collect();
+        let Rounded { links, joints } = Rounded::of_states(rig.tree.bodies(), &states);
         Self { rig, states, links, joints }
     }
 
     /// Wrenches of the joints, by the core.
-    pub(crate) fn wrenches(&self, states: &[JointState], accelerations: &[Twist], gravity: Vec3) -> Vec<Wrench> {
+    pub(crate) fn wrenches(
+        &self,
+        states: &[JointState],
+        accelerations: &[Twist],
+        gravity: Vec3,
+    ) -> Vec<Wrench> {
         let bodies = self.rig.tree.bodies();
         let mut scratch = vec![BodyMotion::default(); bodies.len()];
         let mut out = vec![Wrench::ZERO; bodies.len()];
@@ -73,9 +78,10 @@ fn kinematics(sides: &Sides, table: &mut Table) {
         let quantity = Quantity { name: "world rotation", unit: "rad", scale: 1.0 };
         table.add(quantity, format_args!("body {body}"), error, rounded.rotation.limit());
     }
-    let of = |name, unit, got: fn(&sinew_core::BodyState) -> Vec3, with: fn(&rounding::State) -> Vector| {
-        (name, unit, got, with)
-    };
+    let of = |name,
+              unit,
+              got: fn(&sinew_core::BodyState) -> Vec3,
+              with: fn(&rounding::State) -> Vector| { (name, unit, got, with) };
     for (name, unit, got, with) in [
         of("world position", "m", |s| s.pose.translation_m, |s| s.position),
         of("world angular velocity", "rad/s", |s| s.velocity.angular, |s| s.velocity.angular),
@@ -100,14 +106,6 @@ fn torques(sides: &Sides, table: &mut Table) {
     vectors(table, ["joint force", "N"], forces, rounded.iter().map(|motion| motion.linear));
 }
 
-pub(crate) fn motions(twists: &[Twist]) -> Vec<Motion> {
-    let motion = |twist: &Twist| Motion {
-        angular: Vector::known(twist.angular),
-        linear: Vector::known(twist.linear),
-    };
-    twists.iter().map(motion).collect()
-}
-
 fn matrix(sides: &Sides, table: &mut Table) {
     let bodies = sides.rig.tree.bodies();
     let mut got = vec![0.0; degrees_of_freedom(bodies).pow(2)];
@@ -116,11 +114,8 @@ fn matrix(sides: &Sides, table: &mut Table) {
     let rounded = rounding::mass_matrix(&sides.links, &sides.joints);
     elements(table, "H", &rounded, |row, column| f64::from(got[row * size + column]));
 
-    let still: Vec<_> = sides
-        .states
-        .iter()
-        .map(|state| JointState { velocity: Twist::ZERO, ..*state })
-        .collect();
+    let still: Vec<_> =
+        sides.states.iter().map(|state| JointState { velocity: Twist::ZERO, ..*state }).collect();
     let freedoms: Vec<(usize, Twist)> = bodies
         .iter()
         .zip(&sides.states)
@@ -136,7 +131,10 @@ fn matrix(sides: &Sides, table: &mut Table) {
             let mut accelerations = vec![Twist::ZERO; bodies.len()];
             accelerations[*moved] = *unit;
             let wrenches = sides.wrenches(&still, &accelerations, Vec3::ZERO);
-            freedoms.iter().map(|(body, along)| f64::from(wrenches[*body].power_w(*along))).collect()
+            freedoms
+                .iter()
+                .map(|(body, along)| f64::from(wrenches[*body].power_w(*along)))
+                .collect()
         })
         .collect();
     let rounded = rounding::mass_matrix_by_torques(&sides.links, &sides.joints);

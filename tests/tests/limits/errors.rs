@@ -149,8 +149,7 @@ fn tick(
         let to_body = if local { joint.rotation } else { bodies[body].rotation }.inverse();
         let wanted = |way: Vector, rate: Vector| to_body.turn(way * kp + rate * kv);
         let angular = wanted(error.angular, error.angular_rate);
-        let linear =
-            if body == 0 { wanted(error.linear, error.linear_rate) } else { Vector::ZERO };
+        let linear = if body == 0 { wanted(error.linear, error.linear_rate) } else { Vector::ZERO };
         Motion { angular, linear }
     };
     let commands: Vec<_> = rounded.iter().enumerate().map(command).collect();

@@ -4,9 +4,10 @@ use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointState, Tree, Twist};
 use sinew_sim::verify::rounding::{self, Vector};
 use sinew_tests::rig::{CAPACITY, Rig};
+use sinew_tests::rounded::motions;
 
 use crate::case::Case;
-use crate::dynamics::{Sides, motions};
+use crate::dynamics::Sides;
 
 const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 

@@ -40,7 +40,13 @@ impl Table {
     }
 
     /// Compares one error with its limit.
-    pub(crate) fn add(&mut self, quantity: Quantity, at: fmt::Arguments<'_>, error: f64, limit: f64) {
+    pub(crate) fn add(
+        &mut self,
+        quantity: Quantity,
+        at: fmt::Arguments<'_>,
+        error: f64,
+        limit: f64,
+    ) {
         let Quantity { name, unit, scale } = quantity;
         // What was computed in f64 was rounded, too. A limit that is not finite would excuse anything.
         let allowed = limit + LAMBDA * f64::EPSILON * scale;
@@ -96,7 +102,11 @@ impl Table {
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (half, most) = ("in half of cases", "in 99 of 100");
-        writeln!(f, "{:<30} {:>11} {:>7}  {half:>16} {most:>12}  nearest", "", "compared", "share")?;
+        writeln!(
+            f,
+            "{:<30} {:>11} {:>7}  {half:>16} {most:>12}  nearest",
+            "", "compared", "share"
+        )?;
         for row in &self.rows {
             let name = format!("{}, {}", row.name, row.unit);
             let mut notices = row.notices.clone();

@@ -40,6 +40,11 @@ impl Wahba {
         self.arms.iter().map(|arm| arm.length() * (*arm + self.shift).length()).sum()
     }
 
+    /// By how much a shift of all goals turns at most, m.
+    fn levers(&self) -> f64 {
+        self.arms.iter().map(|arm| arm.length()).sum()
+    }
+
     /// Profile matrix `Σ b aᵀ`.
     fn profile(&self) -> DMat3 {
         self.arms.iter().fold(DMat3::ZERO, |sum, a| {
@@ -196,7 +201,11 @@ proptest! {
             }
             let (got, best) = (turn_of(&errors[index], &d[index], &m[index]), problem.best());
             let (cost, least) = (problem.cost(got), problem.cost(best));
-            prop_assert!(cost <= least + 1e-6 * problem.scale(), "{index}: {cost} m², the least is {least} m²");
+            // The core knows the ways between the figures as well as f32 has their positions.
+            let (desired_m, measured_m) = (origin, m[index].pose.translation_m);
+            let rounding_m = f64::from(f32::EPSILON * (desired_m.length() + measured_m.length()));
+            let allowed = 1e-6 * problem.scale() + 4.0 * rounding_m * problem.levers();
+            prop_assert!(cost <= least + allowed, "{index}: {cost} m², the least is {least} m²");
         }
     }
 
@@ -267,13 +276,12 @@ proptest! {
         };
         let got = of(RateTerm::Corrected);
         let off = (got.as_dvec3() - expected).length();
-        // It is of first order: what is left out is the turn that a shift of this length can make, times the
-        // speeds of arms and goals.
+        // It is of first order. What is left out is the turn that a shift of this length can make, times the speeds of
+        // arms and goals: that changes the moments which are balanced, and the rate by as much over the curvature.
         let speeds = f64::from(spin.length() + (got - spin).length());
-        let levers: f64 = problem.arms.iter().map(|arm| arm.length()).sum();
-        let stiffness = problem.definite(DQuat::IDENTITY) * problem.scale();
-        let largest_turn = problem.shift.length() * levers / stiffness;
-        let allowed = (largest_turn + f64::from(SMALL)) * speeds;
+        let definite = problem.definite(DQuat::IDENTITY);
+        let largest_turn = problem.shift.length() * problem.levers() / (definite * problem.scale());
+        let allowed = (largest_turn + f64::from(SMALL)) * speeds / definite;
         prop_assert!(off <= allowed, "{off} rad/s off, allowed {allowed}");
         prop_assert_eq!(of(RateTerm::None), spin);
         let printed = of(RateTerm::AsPrinted) - spin;

@@ -141,8 +141,13 @@ proptest! {
             .collect();
         let one = space.curve_length(&placed);
         let four = space.line_distance(&a, &b, steps, &mut LineWorkspace::new());
-        // Positions of long chains are off by some 1e-6 of their size; that of a step is too.
-        let rounding_m = 3e-6 * size_m(&placed[0]) * f32::from(steps) * (case.rig.tree.len() as f32).sqrt();
+        // Each body down a chain adds some five roundings to its position, of the size of the largest of all poses: by
+        // Higham & Mary at most λ = 8 times the root of their number. A step is the difference of two positions of all
+        // bodies, and there are two ways to it.
+        let bodies = case.rig.tree.len() as f32;
+        let largest_m = placed.iter().map(size_m).fold(0.0, f32::max);
+        let of_position_m = 8.0 * (5.0 * bodies).sqrt() * f32::EPSILON / 12f32.sqrt() * largest_m;
+        let rounding_m = 2.0 * of_position_m * bodies.sqrt() * f32::from(steps);
         prop_assert!((one - four).abs() < rounding_m, "{one} {four} {rounding_m}");
     }
 

@@ -7,8 +7,10 @@ use sinew_core::state_error::{
     linear_compensation, local, world,
 };
 use sinew_core::{BodyState, JointState, Transform, Twist, kinematics, math};
+use sinew_sim::verify::rounding::{Difference, Rotation, Vector};
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Rig, figures};
+use sinew_tests::rounded::Rounded;
 
 /// Bodies of a figure that is larger than the paper's 18.
 const MOST: usize = 24;
@@ -84,6 +86,63 @@ fn near(got: &StateError, expected: &StateError) -> Result<(), String> {
     } else {
         Err(format!("{got:?}, expected {expected:?}"))
     }
+}
+
+/// What rounding may do to errors of two states that some body, or the world, sees; the root of both is where `root`
+/// takes it, and what is seen is turned by `after`.
+fn limits(
+    figures: [&Rig; 2],
+    root: Transform,
+    references: &[Option<usize>],
+    after: Quat,
+) -> Vec<Difference> {
+    let [desired, measured] = figures.map(|figure| {
+        let states = figure.states();
+        let mut rounded = Rounded::of_states(figure.tree.bodies(), states.as_slice());
+        let (turn, joint) = (Rotation::known(root.rotation), &mut rounded.joints[0]);
+        joint.arm = Vector::known(root.translation_m) + turn.turn(joint.arm);
+        joint.rotation = turn.after(joint.rotation);
+        rounded.world()
+    });
+    let mut differences = Rounded::differences(&desired, &measured, references);
+    let after = Rotation::known(after);
+    for difference in &mut differences {
+        let Difference { angular, linear, angular_rate, linear_rate } = difference;
+        for vector in [angular, linear, angular_rate, linear_rate] {
+            *vector = after.turn(*vector);
+        }
+    }
+    differences
+}
+
+/// Two ways to one error: each is off by its own rounding.
+fn all_within(
+    got: &[StateError],
+    expected: &[StateError],
+    limits: [&[Difference]; 2],
+) -> Result<(), TestCaseError> {
+    for (index, (got, expected)) in got.iter().zip(expected).enumerate() {
+        let both = |of: fn(&Difference) -> f64| limits.iter().map(|side| of(&side[index])).sum();
+        let parts: [(Vec3, Vec3, f64); 4] = [
+            (got.angular_rad, expected.angular_rad, both(|limit| limit.angular.limit())),
+            (got.linear_m, expected.linear_m, both(|limit| limit.linear.limit())),
+            (
+                got.angular_rate_rad_s,
+                expected.angular_rate_rad_s,
+                both(|limit| limit.angular_rate.limit()),
+            ),
+            (
+                got.linear_rate_m_s,
+                expected.linear_rate_m_s,
+                both(|limit| limit.linear_rate.limit()),
+            ),
+        ];
+        for (got, expected, limit) in parts {
+            let off = (got - expected).as_dvec3().length();
+            prop_assert!(off <= limit, "body {index}: {got}, expected {expected}");
+        }
+    }
+    Ok(())
 }
 
 fn all_near(got: &[StateError], expected: &[StateError]) -> Result<(), TestCaseError> {
@@ -181,17 +240,31 @@ proptest! {
                 })
                 .collect()
         };
-        all_near(&world_errors(&d2, &m2), &turned(world_errors(&d, &m)))?;
+        let limits = |root, seen_by: &[Option<usize>], after| {
+            limits([&desired, &measured], root, seen_by, after)
+        };
+        let (still, world) = (Transform::IDENTITY, vec![None; d.len()]);
+        all_within(
+            &world_errors(&d2, &m2),
+            &turned(world_errors(&d, &m)),
+            [&limits(motion, &world, Quat::IDENTITY), &limits(still, &world, turn)],
+        )?;
         let egocentric = References::egocentric(&desired.tree);
-        all_near(&seen_from(&egocentric, &d2, &m2)[1..], &seen_from(&egocentric, &d, &m)[1..])?;
+        let [before, after] = [still, motion].map(|root| limits(root, egocentric.as_slice(), Quat::IDENTITY));
+        let (got, expected) = (seen_from(&egocentric, &d2, &m2), seen_from(&egocentric, &d, &m));
+        all_within(&got[1..], &expected[1..], [&before[1..], &after[1..]])?;
         prop_assert_eq!(&local_errors(&dj2, &mj2)[1..], &local_errors(&dj, &mj)[1..]);
     }
 
     #[test]
     fn seen_from_the_parent_it_is_the_local_error((desired, measured) in figures(MOST, 1.0)) {
-        let got = seen_from(&parents(&desired), &desired.world(), &measured.world());
-        let expected = local_errors(desired.states().as_slice(), measured.states().as_slice());
-        all_near(&got, &expected)?;
+        let parents = parents(&desired);
+        let got = seen_from(&parents, &desired.world(), &measured.world());
+        let (d, m) = (desired.states(), measured.states());
+        let expected = local_errors(d.as_slice(), m.as_slice());
+        let still = Transform::IDENTITY;
+        let limits = limits([&desired, &measured], still, parents.as_slice(), Quat::IDENTITY);
+        all_within(&got, &expected, [&limits, &limits])?;
     }
 
     #[test]

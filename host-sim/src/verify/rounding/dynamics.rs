@@ -188,10 +188,7 @@ fn needed(link: &Link, motion: &BodyMotion) -> Motion {
 }
 
 /// The freedoms of a rig: body and motion of each, in the order of the core's mass matrix.
-fn freedoms(
-    links: &[Link],
-    columns: impl Fn(usize, &Link) -> Vec<Motion>,
-) -> Vec<(usize, Motion)> {
+fn freedoms(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Vec<(usize, Motion)> {
     let of_body = |(body, link): (usize, &Link)| {
         columns(body, link).into_iter().map(move |column| (body, column)).collect::<Vec<_>>()
     };

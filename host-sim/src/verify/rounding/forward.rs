@@ -140,8 +140,7 @@ impl Body {
         }
         let drive = drive.components();
         let freedoms = self.columns.len();
-        let met: Vec<_> =
-            self.columns.iter().map(|column| times(&self.inertia, *column)).collect();
+        let met: Vec<_> = self.columns.iter().map(|column| times(&self.inertia, *column)).collect();
         let resists = |i: usize, j: usize| {
             let of = dot(self.columns[i], met[j]);
             if i == j { of + link.rotor } else { of }
@@ -186,9 +185,7 @@ impl Body {
         let (angular, coupling, linear) = (block(0, 0), block(0, 3), block(3, 3));
         let with_rotor = angular.map_columns(|k, column| column + Vector::along(k, rotor));
         let columns = with_rotor.transposed();
-        let rows: Vec<Vec<_>> = [0, 1, 2]
-            .map(|k| columns.column(k).components().to_vec())
-            .to_vec();
+        let rows: Vec<Vec<_>> = [0, 1, 2].map(|k| columns.column(k).components().to_vec()).to_vec();
         let inverse = Matrix::of_columns([0, 1, 2].map(|k| {
             let unit = Vector::along(k, Number::known(1.0)).components().to_vec();
             let solved = solve(rows.clone(), unit);
@@ -205,13 +202,15 @@ impl Body {
         let linear = linear.map_columns(|k, column| column - given_way.column(k));
         let forces = coupling.transposed();
         let inertia = transposed(&std::array::from_fn(|column| {
-            let (of, k) = if column < 3 { ((&angular, &forces), column) } else { ((&coupling, &linear), column - 3) };
+            let (of, k) = if column < 3 {
+                ((&angular, &forces), column)
+            } else {
+                ((&coupling, &linear), column - 3)
+            };
             Motion { angular: of.0.column(k), linear: of.1.column(k) }.components()
         }));
-        let wrench = Motion {
-            angular: drive - held.turn(free),
-            linear: wrench.linear + back.turn(turn),
-        };
+        let wrench =
+            Motion { angular: drive - held.turn(free), linear: wrench.linear + back.turn(turn) };
         let wrench = sum(wrench.components(), times(&inertia, self.moving));
         self.response = Response::Ball { turn, per_way, held };
         Passed { inertia, wrench }
@@ -223,20 +222,21 @@ impl Body {
             linear: self.matrix.turn_back(parent.linear + parent.angular.cross(arm)),
         };
         let carried = sum(carried.components(), self.moving);
-        let of_body = match &self.response {
-            Response::Along { met, resistance, push } => {
-                let push = push.iter().zip(met).map(|(push, met)| *push - dot(*met, carried));
-                let along = solve(resistance.clone(), push.collect());
-                let steps = self.columns.iter().zip(along);
-                motion(steps.fold(carried, |all, (column, along)| {
-                    sum(all, column.map(|of| of * along))
-                }))
-            }
-            Response::Ball { turn, per_way, held } => {
-                let Motion { angular, linear } = motion(carried);
-                Motion { angular: *turn - per_way.turn(linear) + held.turn(angular), linear }
-            }
-        };
+        let of_body =
+            match &self.response {
+                Response::Along { met, resistance, push } => {
+                    let push = push.iter().zip(met).map(|(push, met)| *push - dot(*met, carried));
+                    let along = solve(resistance.clone(), push.collect());
+                    let steps = self.columns.iter().zip(along);
+                    motion(steps.fold(carried, |all, (column, along)| {
+                        sum(all, column.map(|of| of * along))
+                    }))
+                }
+                Response::Ball { turn, per_way, held } => {
+                    let Motion { angular, linear } = motion(carried);
+                    Motion { angular: *turn - per_way.turn(linear) + held.turn(angular), linear }
+                }
+            };
         // The joint's own is what the body has beyond what it was carried with.
         let carried = motion(carried);
         let of_joint = Motion {
