@@ -1,10 +1,13 @@
 //! The composite-rigid-body algorithm.
 
-use glam::{Mat3, Vec3};
+use core::hint::black_box;
+
+use glam::{Mat3, Quat, Vec3};
 
 use super::body_axes::in_body_axes;
 use super::rigid_inertia::RigidInertia;
 use crate::joint::JointKind;
+use crate::math;
 use crate::state::JointState;
 use crate::transform::Wrench;
 use crate::tree::Body;
@@ -13,10 +16,13 @@ use crate::tree::Body;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompositeBody {
     parent: Option<usize>,
-    to_parent: Mat3,
-    /// The body's origin in the parent's axes.
+    /// Turns body axes to the parent's; on the way outward to the root's, which has the identity.
+    turn: Quat,
+    /// The same, on the way outward.
+    rotation: Mat3,
+    /// From the parent's origin to the body's, in the parent's axes; on the way outward in the root's.
     arm_m: Vec3,
-    /// Axes in body axes.
+    /// Axes in body axes; on the way outward in the root's.
     joint: JointKind,
     /// Row of the joint's first freedom.
     first: usize,
@@ -29,7 +35,8 @@ impl Default for CompositeBody {
     fn default() -> Self {
         Self {
             parent: None,
-            to_parent: Mat3::IDENTITY,
+            turn: Quat::IDENTITY,
+            rotation: Mat3::IDENTITY,
             arm_m: Vec3::ZERO,
             joint: JointKind::Fixed,
             first: 0,
@@ -106,13 +113,13 @@ pub fn mass_matrix(
         if end.saturating_mul(end) > out.len() {
             break;
         }
-        let to_parent = Mat3::from_quat(joint.pose.rotation);
         *slot = CompositeBody {
             // No parent comes after its child, whatever a hand-made slice says.
             parent: body.parent.filter(|parent| *parent < count),
-            to_parent,
+            turn: joint.pose.rotation,
+            rotation: Mat3::IDENTITY,
             arm_m: joint.pose.translation_m,
-            joint: in_body_axes(body, &to_parent),
+            joint: in_body_axes(body, &Mat3::from_quat(joint.pose.rotation)),
             first: size,
             inertia: RigidInertia::of(&body.inertia),
         };
@@ -123,36 +130,57 @@ pub fn mass_matrix(
 
     // Inward: a body is whole when all beyond it have been added. (Backwards by index: the way back through
     // several iterators at once would hold a panic.)
-    for (index, body) in bodies.iter().take(count).enumerate().rev() {
+    for index in (0..count).rev() {
         let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { break };
         if let Some(parent) = this.parent.and_then(|parent| inner.get_mut(parent)) {
-            let in_parent = this.inertia.turned(&this.to_parent).moved(this.arm_m);
+            let in_parent = this.inertia.turned(&Mat3::from_quat(this.turn)).moved(this.arm_m);
             parent.inertia = parent.inertia.plus(&in_parent);
         }
+    }
+
+    // Outward: from here on what is inward of a body has the axes of its root, so that wrenches are turned once, and
+    // not from body to body.
+    for (index, body) in bodies.iter().take(count).enumerate() {
+        let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { break };
+        matrix.set_own_block(this);
         let CompositeBody { joint, first, inertia, .. } = *this;
-        match joint {
-            JointKind::Fixed => {}
-            JointKind::Revolute { axis } => {
-                matrix.set_rows(first, [inertia.of_turn(axis)], index, scratch);
-            }
-            JointKind::Prismatic { axis } => {
-                matrix.set_rows(first, [inertia.of_slide(axis)], index, scratch);
-            }
-            JointKind::Universal { first: outer, second } => {
-                matrix.set_rows(first, [inertia.of_turn(outer)], index, scratch);
-                let row = first.saturating_add(1);
-                matrix.set_rows(row, [inertia.of_turn(second)], index, scratch);
-            }
-            JointKind::Spherical => matrix.set_rows(first, inertia.of_turns(), index, scratch),
-            JointKind::Free => {
-                matrix.set_rows(first, inertia.of_turns(), index, scratch);
-                let row = first.saturating_add(3);
-                matrix.set_rows(row, inertia.of_slides(), index, scratch);
-            }
-        }
         if body.rotor_inertia > 0.0 {
             for row in (first..size).take(joint.degrees_of_freedom()) {
                 matrix.add_on_diagonal(row, body.rotor_inertia);
+            }
+        }
+        let Some(parent) = this.parent.and_then(|parent| inner.get(parent)) else {
+            this.turn = Quat::IDENTITY;
+            this.rotation = Mat3::IDENTITY;
+            continue;
+        };
+        // By quaternions, as a product of matrices is less and less a rotation.
+        this.turn = math::unit(parent.turn * this.turn);
+        this.rotation = Mat3::from_quat(this.turn);
+        this.arm_m = parent.rotation * this.arm_m;
+        let turned = this.rotation;
+        match joint {
+            JointKind::Fixed => {}
+            JointKind::Revolute { axis } => {
+                this.joint = JointKind::Revolute { axis: turned * axis };
+                matrix.set_row(first, &inertia.of_turn(axis), this, inner);
+            }
+            JointKind::Prismatic { axis } => {
+                this.joint = JointKind::Prismatic { axis: turned * axis };
+                matrix.set_row(first, &inertia.of_slide(axis), this, inner);
+            }
+            JointKind::Universal { first: outer, second } => {
+                this.joint =
+                    JointKind::Universal { first: turned * outer, second: turned * second };
+                matrix.set_row(first, &inertia.of_turn(outer), this, inner);
+                matrix.set_row(first.saturating_add(1), &inertia.of_turn(second), this, inner);
+            }
+            JointKind::Spherical => matrix.set_rows_of_turns(this, inner),
+            JointKind::Free => {
+                let wrenches = inertia.of_turns().into_iter().chain(inertia.of_slides());
+                for (row, wrench) in (first..size).zip(wrenches) {
+                    matrix.set_row(row, &wrench, this, inner);
+                }
             }
         }
     }
@@ -167,52 +195,97 @@ struct Square<'a> {
 
 impl Square<'_> {
     fn clear(&mut self) {
-        self.elements.iter_mut().take(self.size.saturating_mul(self.size)).for_each(|x| *x = 0.0);
+        let len = self.size.saturating_mul(self.size);
+        let Some(elements) = self.elements.get_mut(..len) else { return };
+        // Copied, as the compiler does not know what: it would call `memset`, which takes three times as long.
+        let zeros = black_box([0.0; 16]);
+        let mut chunks = elements.chunks_exact_mut(zeros.len());
+        for place in chunks.by_ref().filter_map(|chunk| chunk.first_chunk_mut()) {
+            *place = zeros;
+        }
+        chunks.into_remainder().fill(0.0);
     }
 
-    /// Sets rows, one below the other, up to a body's own columns, and the same columns: the forces along the freedoms
-    /// of all bodies that carry this one. `wrenches`: what moves all beyond the body along each of its freedoms, about
-    /// its origin.
-    fn set_rows<const K: usize>(
-        &mut self,
-        row: usize,
-        mut wrenches: [Wrench; K],
-        body: usize,
-        scratch: &[CompositeBody],
-    ) {
-        let mut next = Some(body);
-        while let Some(this) = next.and_then(|index| scratch.get(index)) {
-            match this.joint {
-                JointKind::Fixed => {}
-                JointKind::Revolute { axis } => {
-                    self.set(row, this.first, wrenches.map(|wrench| [axis.dot(wrench.moment_nm)]));
-                }
-                JointKind::Prismatic { axis } => {
-                    self.set(row, this.first, wrenches.map(|wrench| [axis.dot(wrench.force_n)]));
-                }
-                JointKind::Universal { first, second } => {
-                    let along =
-                        |wrench: Wrench| [first, second].map(|axis| axis.dot(wrench.moment_nm));
-                    self.set(row, this.first, wrenches.map(along));
-                }
-                JointKind::Spherical => {
-                    self.set(row, this.first, wrenches.map(|wrench| wrench.moment_nm.to_array()));
-                }
-                JointKind::Free => {
-                    self.set(row, this.first, wrenches.map(|wrench| wrench.moment_nm.to_array()));
-                    let slides = this.first.saturating_add(3);
-                    self.set(row, slides, wrenches.map(|wrench| wrench.force_n.to_array()));
-                }
+    /// Sets what a body's freedoms feel of each other.
+    #[inline]
+    fn set_own_block(&mut self, body: &CompositeBody) {
+        let CompositeBody { joint, first, inertia, .. } = *body;
+        match joint {
+            JointKind::Fixed => {}
+            JointKind::Revolute { axis } => {
+                self.set_block(first, first, &[[axis.dot(inertia.of_turn(axis).moment_nm)]]);
             }
-            next = this.parent;
-            if next.is_some() {
-                for wrench in &mut wrenches {
-                    let force_n = this.to_parent * wrench.force_n;
-                    let moment_nm = this.to_parent * wrench.moment_nm + this.arm_m.cross(force_n);
-                    *wrench = Wrench { moment_nm, force_n };
-                }
+            JointKind::Prismatic { axis } => {
+                self.set_block(first, first, &[[axis.dot(inertia.of_slide(axis).force_n)]]);
+            }
+            JointKind::Universal { first: outer, second } => {
+                let [by_outer, by_second] =
+                    [outer, second].map(|axis| inertia.of_turn(axis).moment_nm);
+                let both = outer.dot(by_second);
+                let block = [[outer.dot(by_outer), both], [both, second.dot(by_second)]];
+                self.set_block(first, first, &block);
+            }
+            JointKind::Spherical => {
+                self.set_block(first, first, &inertia.of_turns().map(|turn| turn.moment_nm.into()));
+            }
+            JointKind::Free => {
+                let (turns, slides) = (inertia.of_turns(), first.saturating_add(3));
+                let forces = turns.map(|turn| turn.force_n.to_array());
+                self.set_block(first, first, &turns.map(|turn| turn.moment_nm.into()));
+                self.set_block(first, slides, &forces);
+                self.set_block(slides, first, &transposed(&forces));
+                let by_slides = inertia.of_slides().map(|slide| slide.force_n.into());
+                self.set_block(slides, slides, &by_slides);
             }
         }
+    }
+
+    /// Sets a row up to a body's own columns, and the same column: the forces along the freedoms of all bodies that
+    /// carry this one. `wrench`: what moves all beyond the body along that freedom, about its origin, in its axes.
+    #[inline(never)]
+    fn set_row(
+        &mut self,
+        row: usize,
+        wrench: &Wrench,
+        body: &CompositeBody,
+        inner: &[CompositeBody],
+    ) {
+        let start = row.wrapping_mul(self.size);
+        let Some((above, rows)) = self.elements.split_at_mut_checked(start) else { return };
+        let Some(columns) = rows.get_mut(..body.first) else { return };
+        let rows = Rows { above, size: self.size, first: row, columns: [columns] };
+        let turned = |v: Vec3| [body.rotation * v];
+        rows.set(turned(wrench.moment_nm), turned(wrench.force_n), body, inner);
+    }
+
+    /// As [`Self::set_row`], of all turns of a body.
+    #[inline(never)]
+    fn set_rows_of_turns(&mut self, body: &CompositeBody, inner: &[CompositeBody]) {
+        let (size, first) = (self.size, body.first);
+        let start = first.wrapping_mul(size);
+        let Some((above, rows)) = self.elements.split_at_mut_checked(start) else { return };
+        let Some((x_row, rows)) = rows.split_at_mut_checked(size) else { return };
+        let Some((y_row, z_row)) = rows.split_at_mut_checked(size) else { return };
+        // To one length, so that one check does for all three.
+        let (Some(x_row), Some(y_row), Some(z_row)) =
+            (x_row.get_mut(..first), y_row.get_mut(..first), z_row.get_mut(..first))
+        else {
+            return;
+        };
+        let rows = Rows { above, size, first, columns: [x_row, y_row, z_row] };
+
+        let RigidInertia { first_moment_kg_m: Vec3 { x, y, z }, rotational_kg_m2, .. } =
+            body.inertia;
+        let turned = body.rotation;
+        let moments = [
+            turned * rotational_kg_m2.x_axis(),
+            turned * rotational_kg_m2.y_axis(),
+            turned * rotational_kg_m2.z_axis(),
+        ];
+        // As of [`RigidInertia::of_turns`], without its zeros.
+        let Mat3 { x_axis, y_axis, z_axis } = turned;
+        let forces = [z_axis * y - y_axis * z, x_axis * z - z_axis * x, y_axis * x - x_axis * y];
+        rows.set(moments, forces, body, inner);
     }
 
     fn add_on_diagonal(&mut self, row: usize, value: f32) {
@@ -220,26 +293,6 @@ impl Square<'_> {
         if let Some(slot) = self.elements.get_mut(index) {
             *slot += value;
         }
-    }
-
-    /// Sets a block and its mirror.
-    #[inline]
-    fn set<const K: usize, const M: usize>(
-        &mut self,
-        row: usize,
-        column: usize,
-        block: [[f32; M]; K],
-    ) {
-        let mut mirror = [[0.0; K]; M];
-        for (k, numbers) in block.iter().enumerate() {
-            for (row, number) in mirror.iter_mut().zip(numbers) {
-                if let Some(slot) = row.get_mut(k) {
-                    *slot = *number;
-                }
-            }
-        }
-        self.set_block(row, column, &block);
-        self.set_block(column, row, &mirror);
     }
 
     #[inline]
@@ -259,4 +312,97 @@ impl Square<'_> {
             start = start.wrapping_add(self.size);
         }
     }
+}
+
+/// Rows one below the other, up to the columns of their body, and the matrix above them.
+struct Rows<'a, const K: usize> {
+    above: &'a mut [f32],
+    size: usize,
+    /// The first row.
+    first: usize,
+    columns: [&'a mut [f32]; K],
+}
+
+impl<const K: usize> Rows<'_, K> {
+    /// Sets them. `moments`, `forces`: of the body along each of its freedoms, about its origin; root's axes.
+    #[inline]
+    fn set(
+        mut self,
+        mut moments: [Vec3; K],
+        forces: [Vec3; K],
+        body: &CompositeBody,
+        inner: &[CompositeBody],
+    ) {
+        let (mut arm_m, mut next) = (body.arm_m, body.parent);
+        while let Some(this) = next.and_then(|index| inner.get(index)) {
+            for (moment, force) in moments.iter_mut().zip(forces) {
+                *moment += arm_m.cross(force);
+            }
+            // Not before they are needed: they would be loaded for joints of one freedom, too.
+            let axes = || {
+                let Mat3 { x_axis, y_axis, z_axis } = this.rotation;
+                [x_axis, y_axis, z_axis]
+            };
+            match this.joint {
+                JointKind::Fixed => {}
+                JointKind::Revolute { axis } => self.set_along(this.first, [axis], &moments),
+                JointKind::Prismatic { axis } => self.set_along(this.first, [axis], &forces),
+                JointKind::Universal { first, second } => {
+                    self.set_along(this.first, [first, second], &moments);
+                }
+                JointKind::Spherical if this.parent.is_some() => {
+                    self.set_along(this.first, axes(), &moments);
+                }
+                JointKind::Spherical => self.set_block(this.first, moments.map(Vec3::into)),
+                JointKind::Free if this.parent.is_some() => {
+                    self.set_along(this.first, axes(), &moments);
+                    self.set_along(this.first.wrapping_add(3), axes(), &forces);
+                }
+                JointKind::Free => {
+                    self.set_block(this.first, moments.map(Vec3::into));
+                    self.set_block(this.first.wrapping_add(3), forces.map(Vec3::into));
+                }
+            }
+            (arm_m, next) = (this.arm_m, this.parent);
+        }
+    }
+
+    /// Sets components along axes.
+    #[inline]
+    fn set_along<const M: usize>(&mut self, column: usize, axes: [Vec3; M], vectors: &[Vec3; K]) {
+        self.set_block(column, vectors.map(|vector| axes.map(|axis| axis.dot(vector))));
+    }
+
+    /// Sets a block and its mirror.
+    #[inline]
+    fn set_block<const M: usize>(&mut self, column: usize, block: [[f32; M]; K]) {
+        for (row, numbers) in self.columns.iter_mut().zip(&block) {
+            let place = row.get_mut(column..).and_then(|rest| rest.first_chunk_mut());
+            if let Some(place) = place {
+                *place = *numbers;
+            }
+        }
+        // Within the matrix, so below its number of elements.
+        let mut start = column.wrapping_mul(self.size).wrapping_add(self.first);
+        for numbers in transposed(&block) {
+            let place = self.above.get_mut(start..).and_then(|rest| rest.first_chunk_mut());
+            if let Some(place) = place {
+                *place = numbers;
+            }
+            start = start.wrapping_add(self.size);
+        }
+    }
+}
+
+#[inline]
+fn transposed<const K: usize, const M: usize>(block: &[[f32; M]; K]) -> [[f32; K]; M] {
+    let mut mirror = [[0.0; K]; M];
+    for (k, numbers) in block.iter().enumerate() {
+        for (row, number) in mirror.iter_mut().zip(numbers) {
+            if let Some(slot) = row.get_mut(k) {
+                *slot = *number;
+            }
+        }
+    }
+    mirror
 }

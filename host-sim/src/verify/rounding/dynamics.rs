@@ -99,6 +99,11 @@ impl Motion {
         self.angular.dot(wrench.angular) + self.linear.dot(wrench.linear)
     }
 
+    /// In the axes that a rotation leads to.
+    fn turned(&self, rotation: &Matrix) -> Self {
+        Self { angular: rotation.turn(self.angular), linear: rotation.turn(self.linear) }
+    }
+
     /// Angular and linear numbers.
     pub fn components(self) -> [Number; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.components(), self.linear.components());
@@ -219,23 +224,42 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
             composites[parent] = composites[parent].plus(&carried);
         }
     }
+    // To the axes of the root, which has no turn itself: bodies, and the ways from their parents.
+    let mut turns: Vec<Rotation> = Vec::with_capacity(links.len());
+    let mut rotations: Vec<Matrix> = Vec::with_capacity(links.len());
+    let mut arms = Vec::with_capacity(links.len());
+    for (link, joint) in links.iter().zip(joints) {
+        let (turn, arm) = match link.parent {
+            Some(parent) => {
+                (turns[parent].after(joint.rotation).unit(), rotations[parent].turn(joint.arm))
+            }
+            None => (Rotation::identity(), joint.arm),
+        };
+        turns.push(turn);
+        rotations.push(turn.matrix());
+        arms.push(arm);
+    }
     let freedoms = freedoms(links, |body, link| link.columns_by_parent(&matrices[body]));
+    let turned: Vec<_> =
+        freedoms.iter().map(|(body, along)| along.turned(&rotations[*body])).collect();
     let mut rows = vec![vec![Number::ZERO; freedoms.len()]; freedoms.len()];
     for (row, (body, unit)) in freedoms.iter().enumerate() {
-        let mut wrench = composites[*body].wrench(unit);
-        let mut at = Some(*body);
-        while let Some(body) = at {
-            for (column, (_, along)) in
-                freedoms.iter().enumerate().filter(|(_, (of, _))| *of == body)
-            {
-                let element = along.dot(&wrench);
-                let element = if row == column { element + links[body].rotor } else { element };
+        let of = |body| freedoms.iter().enumerate().filter(move |(_, (of, _))| *of == body);
+        let in_body = composites[*body].wrench(unit);
+        for (column, (_, along)) in of(*body) {
+            let element = along.dot(&in_body);
+            let element = if row == column { element + links[*body].rotor } else { element };
+            (rows[row][column], rows[column][row]) = (element, element);
+        }
+        let mut wrench = in_body.turned(&rotations[*body]);
+        let mut at = *body;
+        while let Some(parent) = links[at].parent {
+            wrench.angular = wrench.angular + arms[at].cross(wrench.linear);
+            for (column, _) in of(parent) {
+                let element = turned[column].dot(&wrench);
                 (rows[row][column], rows[column][row]) = (element, element);
             }
-            let force = matrices[body].turn(wrench.linear);
-            let moment = matrices[body].turn(wrench.angular).plus_cross(joints[body].arm, force);
-            wrench = Motion { angular: moment, linear: force };
-            at = links[body].parent;
+            at = parent;
         }
     }
     rows
