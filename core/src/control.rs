@@ -257,13 +257,20 @@ impl TorqueLimit {
     /// ```
     #[inline]
     pub fn apply(self, wanted: Wrench) -> Limited<Wrench> {
-        // Written so that NaN and what overflows fail; at most of a bound, a square is as good as a length.
-        let within =
-            |wanted: Vec3, bound: f32| wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO;
         if within(wanted.moment_nm, self.moment_nm) && within(wanted.force_n, self.force_n) {
             return Limited { value: wanted, reason: None };
         }
         self.cut(wanted)
+    }
+
+    /// The same of a moment without a force, in place.
+    #[inline]
+    pub(crate) fn bound_moment(self, torque: &mut Limited<Wrench>) {
+        if within(torque.value.moment_nm, self.moment_nm) {
+            torque.reason = None;
+        } else {
+            *torque = self.cut(torque.value);
+        }
     }
 
     /// Cuts a wrench that is not well within the bounds.
@@ -296,6 +303,13 @@ impl TorqueLimit {
         };
         Limited { value: Wrench { moment_nm, force_n }, reason }
     }
+}
+
+/// Whether a vector is shorter than a bound, or zero. Written so that NaN and what overflows fail; at most of a bound, a
+/// square is as good as a length.
+#[inline]
+fn within(wanted: Vec3, bound: f32) -> bool {
+    wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO
 }
 
 /// A bound of a torque limit is NaN or negative.

@@ -67,6 +67,8 @@ pub struct Controller<const N: usize> {
     law: ControlLaw,
     gravity_m_s2: Vec3,
     limits: Vec<TorqueLimit, N>,
+    /// Whether a joint slides beside the root's.
+    slides: bool,
     /// By joint, or none at all.
     inertias: Vec<ReflectedInertia, N>,
 }
@@ -112,6 +114,7 @@ impl<const N: usize> Controller<N> {
             }
         }
         self.tree.clone_from(tree);
+        self.slides = tree.bodies().iter().skip(1).any(|body| body.joint.slides());
         self.gains = fixed::collect(tree.bodies().iter().map(|_| gains));
         self.limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
         self.method = method;
@@ -129,6 +132,7 @@ impl<const N: usize> Controller<N> {
             law: ControlLaw::default(),
             gravity_m_s2: GRAVITY_M_S2,
             limits: Vec::new(),
+            slides: false,
             inertias: Vec::new(),
         }
     }
@@ -331,10 +335,18 @@ impl<const N: usize> Controller<N> {
             return w.torques.get(..count).unwrap_or_default();
         }
 
-        // Local errors need no world states: they are the joints' own.
-        if !matches!(self.method, Method::Local) {
-            kinematics::body_states(bodies, measured, &mut w.measured);
-            targets.complete(&self.tree);
+        match self.method {
+            // Local errors need no world states: they are the joints' own.
+            Method::Local => {}
+            // World errors only what their joints can act on.
+            Method::World if !self.slides => {
+                kinematics::body_turns(bodies, measured, &mut w.measured);
+                targets.complete(&self.tree);
+            }
+            _ => {
+                kinematics::body_states(bodies, measured, &mut w.measured);
+                targets.complete(&self.tree);
+            }
         }
         match &self.method {
             // Never, for a tree has a body; so images without that room are without this code.
@@ -347,6 +359,9 @@ impl<const N: usize> Controller<N> {
                 let to_body = at.measured.pose.rotation.conjugate();
                 (state_error::of_joint(at.desired, at.measured), to_body)
             }),
+            Method::World if self.law == ControlLaw::InverseDynamics => {
+                self.world_accelerations(targets, measured, w);
+            }
             Method::World => self.direct_commands(targets, measured, w, |at| {
                 let error = StateError::between(at.desired_body, at.measured_body);
                 (error, at.measured_body.pose.rotation.conjugate())
@@ -406,12 +421,7 @@ impl<const N: usize> Controller<N> {
             ),
         }
 
-        for (((body, measured), limit), torque) in
-            bodies.iter().zip(measured).zip(&self.limits).zip(&mut w.torques)
-        {
-            let in_joint = body.rotation_in_joint(measured.pose.rotation);
-            *torque = limit.apply(body.joint.project_wrench(in_joint, torque.value));
-        }
+        limit_wrenches(bodies, measured, &self.limits, &mut w.torques);
         w.torques.get(..count).unwrap_or_default()
     }
 
@@ -571,6 +581,47 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    /// Commands of world errors by inverse dynamics: to the bits of [`Self::direct_commands`]. Of bodies whose joints
+    /// only turn it asks for no more than [`kinematics::body_turns`] has found.
+    #[inline(never)]
+    fn world_accelerations<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &[JointState],
+        w: &mut Workspace<N, R>,
+    ) {
+        let bodies = self.tree.bodies();
+        for (index, ((((body, gains), of_target), desired), (is, command))) in bodies
+            .iter()
+            .zip(&self.gains)
+            .zip(targets.accelerations())
+            .zip(targets.bodies())
+            .zip(w.measured.iter().zip(&mut w.commands))
+            .enumerate()
+        {
+            let turn = math::log(math::turn_in_world(is.pose.rotation, desired.pose.rotation));
+            let rate = desired.velocity.angular - is.velocity.angular;
+            let to_body = is.pose.rotation.conjugate();
+            let correction = math::rotate(to_body, turn * gains.kp() + rate * gains.kd());
+            let wanted = correction + of_target.angular;
+            match body.joint {
+                JointKind::Spherical => {
+                    (command.angular, command.linear) = (wanted, Vec3::ZERO);
+                }
+                JointKind::Revolute { axis } => {
+                    (command.angular, command.linear) = (axis * axis.dot(wanted), Vec3::ZERO);
+                }
+                _ => {
+                    let states = targets.states().get(index).zip(measured.get(index));
+                    let Some((of_joint, measured)) = states else { return };
+                    let states = [of_joint, measured];
+                    command.angular = correction;
+                    finish_acceleration(body, *gains, [desired, is], states, of_target, command);
+                }
+            }
+        }
+    }
+
     /// Commands of resolved acceleration: errors become accelerations of the bodies, and those the joints'.
     fn resolved_commands<const R: usize>(
         &self,
@@ -626,6 +677,62 @@ fn asked_acceleration(
         allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
     }
     allowed
+}
+
+/// The acceleration of a joint that is no ball and has not a single axis to turn about, by the angular correction that
+/// is in `command`. `bodies`, `joints`: desired and measured. Apart: it would take registers from the others.
+#[inline(never)]
+fn finish_acceleration(
+    body: &Body,
+    gains: Gains,
+    bodies: [&BodyState; 2],
+    joints: [&JointState; 2],
+    of_target: &Twist,
+    command: &mut Twist,
+) {
+    let ([desired, is], [of_joint, measured]) = (bodies, joints);
+    let mut wanted = Twist { linear: Vec3::ZERO, ..*command };
+    if body.joint.slides() {
+        let correction = gains.apply(&StateError {
+            linear_m: desired.pose.translation_m - is.pose.translation_m,
+            linear_rate_m_s: desired.velocity.linear - is.velocity.linear,
+            ..StateError::ZERO
+        });
+        wanted.linear = math::rotate(is.pose.rotation.conjugate(), correction.linear);
+    }
+    *command = asked_acceleration(body, of_joint, measured, of_target, wanted);
+}
+
+/// What joints' drives are to deliver of the wrenches on their bodies, within their limits, in place.
+///
+/// Apart, and in place: within a tick it would share registers with all the rest, and wrenches would go through the
+/// stack.
+#[inline(never)]
+fn limit_wrenches(
+    bodies: &[Body],
+    measured: &[JointState],
+    limits: &[TorqueLimit],
+    torques: &mut [Limited<Wrench>],
+) {
+    for (((body, measured), limit), torque) in bodies.iter().zip(measured).zip(limits).zip(torques)
+    {
+        // Most joints only turn.
+        match body.joint {
+            JointKind::Spherical => {
+                torque.value.force_n = Vec3::ZERO;
+                limit.bound_moment(torque);
+            }
+            JointKind::Revolute { axis } => {
+                torque.value.moment_nm = axis * axis.dot(torque.value.moment_nm);
+                torque.value.force_n = Vec3::ZERO;
+                limit.bound_moment(torque);
+            }
+            joint => {
+                let in_joint = body.rotation_in_joint(measured.pose.rotation);
+                *torque = limit.apply(joint.project_wrench(in_joint, torque.value));
+            }
+        }
+    }
 }
 
 /// What the state error of one body is made of.

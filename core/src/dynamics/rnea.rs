@@ -81,7 +81,7 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     for (index, ((body, joint), acceleration)) in
         bodies.iter().zip(joints).zip(accelerations).enumerate()
     {
-        let to_body = Mat3::from_quat(joint.pose.rotation.conjugate());
+        let to_body = Mat3::from_quat(joint.pose.rotation).transpose();
         let parent = of_parent(body, scratch, &world);
         let slides = body.joint.slides();
         let motion = outward(parent, to_body, joint, acceleration, slides);
