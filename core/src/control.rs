@@ -197,7 +197,9 @@ pub enum ControlLaw {
 
 /// A linear acceleration in desired body axes, as [`JointTargets`](crate::JointTargets) has it, in measured body axes:
 /// the same vector of the parent's frame.
-#[inline]
+///
+/// Apart, since most joints do not slide.
+#[inline(never)]
 pub(crate) fn through_parent(
     desired: &JointState,
     measured: &JointState,
@@ -263,13 +265,16 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// The same of a moment without a force, in place.
+    /// The same in place. `slides`: whether there may be a force.
     #[inline]
-    pub(crate) fn bound_moment(self, torque: &mut Limited<Wrench>) {
-        if within(torque.value.moment_nm, self.moment_nm) {
+    pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
+        let wanted = torque.value;
+        if within(wanted.moment_nm, self.moment_nm)
+            && (!slides || within(wanted.force_n, self.force_n))
+        {
             torque.reason = None;
         } else {
-            *torque = self.cut(torque.value);
+            *torque = self.cut(wanted);
         }
     }
 

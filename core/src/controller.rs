@@ -359,13 +359,7 @@ impl<const N: usize> Controller<N> {
                 let to_body = at.measured.pose.rotation.conjugate();
                 (state_error::of_joint(at.desired, at.measured), to_body)
             }),
-            Method::World if self.law == ControlLaw::InverseDynamics => {
-                self.world_accelerations(targets, measured, w);
-            }
-            Method::World => self.direct_commands(targets, measured, w, |at| {
-                let error = StateError::between(at.desired_body, at.measured_body);
-                (error, at.measured_body.pose.rotation.conjugate())
-            }),
+            Method::World => self.world_commands(targets, measured, w),
             Method::Accumulated(references) => {
                 self.direct_commands(targets, measured, w, |at| {
                     let reference = references.as_slice().get(at.body).copied().flatten();
@@ -469,7 +463,8 @@ impl<const N: usize> Controller<N> {
             .zip(targets.states().iter().zip(measured))
             .zip(targets.accelerations().iter().zip(&mut accelerations))
         {
-            *acceleration = asked_acceleration(body, desired, measured, wanted, Twist::ZERO);
+            let law = ControlLaw::InverseDynamics;
+            *acceleration = asked(body, law, desired, measured, wanted, Twist::ZERO);
         }
         self.limited_wrenches(measured, &accelerations, external, workspace, out);
     }
@@ -569,22 +564,14 @@ impl<const N: usize> Controller<N> {
             if joint.slides() {
                 wanted.linear = math::rotate(to_body, correction.linear);
             }
-            *command = match self.law {
-                ControlLaw::ProportionalDerivative => {
-                    let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
-                    joint.project_twist(in_joint, wanted)
-                }
-                ControlLaw::InverseDynamics => {
-                    asked_acceleration(of_tree, desired, measured, of_targets, wanted)
-                }
-            };
+            *command = asked(of_tree, self.law, desired, measured, of_targets, wanted);
         }
     }
 
-    /// Commands of world errors by inverse dynamics: to the bits of [`Self::direct_commands`]. Of bodies whose joints
-    /// only turn it asks for no more than [`kinematics::body_turns`] has found.
+    /// Commands of world errors. Of bodies whose joints only turn it asks for no more than [`kinematics::body_turns`]
+    /// has found.
     #[inline(never)]
-    fn world_accelerations<const R: usize>(
+    fn world_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
         measured: &[JointState],
@@ -599,6 +586,8 @@ impl<const N: usize> Controller<N> {
             .zip(w.measured.iter().zip(&mut w.commands))
             .enumerate()
         {
+            let of_target =
+                if self.law == ControlLaw::InverseDynamics { of_target } else { &Twist::ZERO };
             let turn = math::log(math::turn_in_world(is.pose.rotation, desired.pose.rotation));
             let rate = desired.velocity.angular - is.velocity.angular;
             let to_body = is.pose.rotation.conjugate();
@@ -616,7 +605,8 @@ impl<const N: usize> Controller<N> {
                     let Some((of_joint, measured)) = states else { return };
                     let states = [of_joint, measured];
                     command.angular = correction;
-                    finish_acceleration(body, *gains, [desired, is], states, of_target, command);
+                    let of_bodies = [desired, is];
+                    finish_command(body, *gains, self.law, of_bodies, states, of_target, command);
                 }
             }
         }
@@ -652,39 +642,52 @@ impl<const N: usize> Controller<N> {
     }
 }
 
-/// The acceleration of a joint by its target and a correction, both along its axes, with the bias of moving axes. The
-/// correction and the result are in measured body axes.
+/// What a joint is asked for by a correction, along its axes: by inverse dynamics an acceleration, with its target's and
+/// the bias of moving axes. The correction and the result are in measured body axes.
 #[expect(
     clippy::inline_always,
     reason = "a few operations of every tick, which several callers share: a call costs as much"
 )]
 #[inline(always)]
-fn asked_acceleration(
+fn asked(
     body: &Body,
+    law: ControlLaw,
     desired: &JointState,
     measured: &JointState,
     of_target: &Twist,
     correction: Twist,
 ) -> Twist {
     let (joint, mut wanted) = (body.joint, correction);
-    wanted.angular += of_target.angular;
-    if joint.slides() {
-        wanted.linear += through_parent(desired, measured, of_target.linear);
+    let is_acceleration = law == ControlLaw::InverseDynamics;
+    if is_acceleration {
+        wanted.angular += of_target.angular;
+        if joint.slides() {
+            wanted.linear += through_parent(desired, measured, of_target.linear);
+        }
     }
     let in_joint = body.rotation_in_joint(measured.pose.rotation);
     let mut allowed = joint.project_twist(in_joint, wanted);
-    if matches!(joint, JointKind::Universal { .. }) {
-        allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
+    if is_acceleration && matches!(joint, JointKind::Universal { .. }) {
+        allowed.angular += moving_axis(body, measured);
     }
     allowed
 }
 
-/// The acceleration of a joint that is no ball and has not a single axis to turn about, by the angular correction that
-/// is in `command`. `bodies`, `joints`: desired and measured. Apart: it would take registers from the others.
+/// The angular acceleration that a universal joint has by the motion of its first axis. Apart, since most joints are
+/// none.
 #[inline(never)]
-fn finish_acceleration(
+fn moving_axis(body: &Body, measured: &JointState) -> Vec3 {
+    let in_joint = body.rotation_in_joint(measured.pose.rotation);
+    body.joint.bias_acceleration(in_joint, measured.velocity).angular
+}
+
+/// The command of a joint that is no ball and has not a single axis to turn about, by the angular correction that is in
+/// `command`. `bodies`, `joints`: desired and measured. Apart: it would take registers from the others.
+#[inline(never)]
+fn finish_command(
     body: &Body,
     gains: Gains,
+    law: ControlLaw,
     bodies: [&BodyState; 2],
     joints: [&JointState; 2],
     of_target: &Twist,
@@ -700,7 +703,7 @@ fn finish_acceleration(
         });
         wanted.linear = math::rotate(is.pose.rotation.conjugate(), correction.linear);
     }
-    *command = asked_acceleration(body, of_joint, measured, of_target, wanted);
+    *command = asked(body, law, of_joint, measured, of_target, wanted);
 }
 
 /// What joints' drives are to deliver of the wrenches on their bodies, within their limits, in place.
@@ -716,22 +719,22 @@ fn limit_wrenches(
 ) {
     for (((body, measured), limit), torque) in bodies.iter().zip(measured).zip(limits).zip(torques)
     {
-        // Most joints only turn.
+        let wrench = &mut torque.value;
         match body.joint {
-            JointKind::Spherical => {
-                torque.value.force_n = Vec3::ZERO;
-                limit.bound_moment(torque);
-            }
+            JointKind::Spherical => wrench.force_n = Vec3::ZERO,
             JointKind::Revolute { axis } => {
-                torque.value.moment_nm = axis * axis.dot(torque.value.moment_nm);
-                torque.value.force_n = Vec3::ZERO;
-                limit.bound_moment(torque);
+                wrench.moment_nm = axis * axis.dot(wrench.moment_nm);
+                wrench.force_n = Vec3::ZERO;
             }
+            JointKind::Free => {}
             joint => {
                 let in_joint = body.rotation_in_joint(measured.pose.rotation);
-                *torque = limit.apply(joint.project_wrench(in_joint, torque.value));
+                let (moment_nm, force_n) =
+                    joint.on_axes(in_joint, wrench.moment_nm, wrench.force_n);
+                *wrench = Wrench { moment_nm, force_n };
             }
         }
+        limit.bound(torque, body.joint.slides());
     }
 }
 
