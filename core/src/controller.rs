@@ -642,8 +642,8 @@ impl<const N: usize> Controller<N> {
     }
 }
 
-/// What a joint is asked for by a correction, along its axes: by inverse dynamics an acceleration, with its target's and
-/// the bias of moving axes. The correction and the result are in measured body axes.
+/// What a joint is asked for by a correction, along its axes: by inverse dynamics an acceleration, with its target's
+/// and the bias of moving axes. The correction and the result are in measured body axes.
 #[expect(
     clippy::inline_always,
     reason = "a few operations of every tick, which several callers share: a call costs as much"
