@@ -39,7 +39,8 @@ pub(crate) fn body_turns(bodies: &[Body], joints: &[JointState], out: &mut [Body
         let parent = body.parent.and_then(|parent| out.get(parent));
         let Some(BodyState { pose, velocity }) = parent else {
             let Some(slot) = out.get_mut(index) else { return };
-            *slot = BodyState::WORLD.child(joint);
+            let velocity = joint.velocity.rotated(joint.pose.rotation);
+            *slot = BodyState { pose: joint.pose, velocity };
             continue;
         };
         let rotation = pose.rotation * joint.pose.rotation;
