@@ -52,11 +52,11 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
 
     local(&desired.states, &measured.states, &mut got);
     let of_joints: Vec<_> = (0..count).map(|body| pair.local(body)).collect();
-    errors(table, "local", &got, &of_joints);
+    errors(table, "local", &got, &of_joints, |_| 0.0);
     let [desired_world, measured_world] = [desired.rig.world(), measured.rig.world()];
     world(&desired_world, &measured_world, &mut got);
     let of_world: Vec<_> = (0..count).map(|body| pair.world(body)).collect();
-    errors(table, "world", &got, &of_world);
+    errors(table, "world", &got, &of_world, |_| 0.0);
 
     let aims = Aims::heaviest_child(&desired.rig.tree);
     let settings = Compensation { beta: BETA, ..Compensation::default() };
@@ -69,14 +69,21 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
         &mut got,
         &mut status,
     );
-    let turned: Vec<_> =
-        aims.as_slice().iter().enumerate().map(|(body, aim)| pair.turned(body, *aim)).collect();
-    errors(table, "compensation", &got, &turned);
+    // Half a turn may be about any axis: nothing is to be compared.
+    let turned: Option<Vec<_>> =
+        (0..count).map(|body| pair.turned(body, aims.as_slice()[body], status[body])).collect();
+    if let Some(turned) = &turned {
+        let of_body: Vec<_> = turned.iter().map(|turned| turned.difference).collect();
+        errors(table, "compensation", &got, &of_body, |body| turned[body].left_out_rad);
+    }
 
     tick(table, &pair, "tick of local", Method::Local, &of_joints);
     tick(table, &pair, "tick of world", Method::World, &of_world);
     let method = Method::LinearCompensation { aims, settings };
-    tick(table, &pair, "tick of compensation", method, &turned);
+    if let Some(turned) = turned.filter(|all| all.iter().all(|turned| turned.left_out_rad <= 0.0)) {
+        let of_body: Vec<_> = turned.iter().map(|turned| turned.difference).collect();
+        tick(table, &pair, "tick of compensation", method, &of_body);
+    }
 }
 
 impl Pair {
@@ -89,20 +96,41 @@ impl Pair {
         Difference::between(&self.desired.bodies[body], &self.measured.bodies[body])
     }
 
-    fn turned(&self, body: usize, aim: Aim) -> Difference {
-        let Aim::Child(child) = aim else { return self.world(body) };
+    /// None: half a turn, to f32.
+    fn turned(&self, body: usize, aim: Aim, status: AimStatus) -> Option<Turned> {
+        let of = |difference| Some(Turned { difference, left_out_rad: 0.0 });
+        let Aim::Child(child) = aim else { return of(self.world(body)) };
         let [desired, measured] = [&self.desired.bodies[body], &self.measured.bodies[body]];
         let arm = self.desired.bodies[child].position - desired.position;
         let turned = Compensated::new(arm, Number::known(f64::from(BETA)), desired, measured);
-        // Where f32 cannot tell two directions apart the core may leave the turn out, which is as small.
-        if turned.sine.exact() < SMALLEST_SINE + turned.sine.limit() {
-            return self.world(body);
+        let way = arm.exact() + desired.position.exact() - measured.position.exact();
+        let unclear = turned.sine.limit() > 0.1 * turned.sine.exact();
+        if unclear && arm.exact().dot(way) < 0.0 {
+            return (status == AimStatus::Antiparallel)
+                .then_some(())
+                .and_then(|()| of(self.world(body)));
         }
-        turned.difference
+        // Where f32 cannot tell two directions apart the core leaves the turn out, which is as small.
+        let largest = SMALLEST_SINE + turned.sine.limit();
+        let left_out_rad = if turned.sine.exact() < largest { largest } else { 0.0 };
+        Some(Turned { difference: turned.difference, left_out_rad })
     }
 }
 
-fn errors(table: &mut Table, method: &'static str, got: &[StateError], rounded: &[Difference]) {
+/// An error by Linear Compensation.
+struct Turned {
+    difference: Difference,
+    /// How much of the turn the core may have left out.
+    left_out_rad: f64,
+}
+
+fn errors(
+    table: &mut Table,
+    method: &'static str,
+    got: &[StateError],
+    rounded: &[Difference],
+    left_out_rad: impl Fn(usize) -> f64,
+) {
     let names = match method {
         "local" => ["local angle", "local way", "local rate", "local speed"],
         "world" => ["world angle", "world way", "world rate", "world speed"],
@@ -111,7 +139,8 @@ fn errors(table: &mut Table, method: &'static str, got: &[StateError], rounded: 
     for (body, (got, rounded)) in got.iter().zip(rounded).enumerate() {
         let error = turn_error(got.angular_rad.as_dvec3(), rounded.angular.exact());
         let quantity = Quantity { name: names[0], unit: "rad", scale: PI };
-        table.add(quantity, format_args!("body {body}"), error, rounded.angular.limit());
+        let limit = rounded.angular.limit() + left_out_rad(body);
+        table.add(quantity, format_args!("body {body}"), error, limit);
     }
     let ways = got.iter().map(|error| error.linear_m);
     vectors(table, [names[1], "m"], ways, rounded.iter().map(|error| error.linear));

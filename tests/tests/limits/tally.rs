@@ -33,6 +33,16 @@ pub(crate) struct Quantity {
     pub(crate) scale: f64,
 }
 
+impl Row {
+    /// How large a share may be among so many: one number in 1 / 4e-9 passes λ = 8 by chance (Student's distribution of
+    /// 32 degrees of freedom), and there the tail falls with the 20th power or faster. One row in a hundred may come as
+    /// far.
+    fn allowed(&self) -> f64 {
+        let expected = 4e-9 * self.compared as f64;
+        (expected / 0.01).powf(1.0 / 20.0).max(1.0)
+    }
+}
+
 impl Table {
     /// An empty one.
     pub(crate) fn of_case(case: u64) -> Self {
@@ -93,7 +103,7 @@ impl Table {
 
     /// What is over its limit: the quantity, its largest share, and where.
     pub(crate) fn over(&self) -> Vec<String> {
-        let over = self.rows.iter().filter(|row| row.share.is_nan() || row.share > 1.0);
+        let over = self.rows.iter().filter(|row| row.share.is_nan() || row.share > row.allowed());
         over.map(|row| format!("{}: {:.3} at {}", row.name, row.share, row.worst)).collect()
     }
 }
