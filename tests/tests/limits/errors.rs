@@ -106,9 +106,7 @@ impl Pair {
         let way = arm.exact() + desired.position.exact() - measured.position.exact();
         let unclear = turned.sine.limit() > 0.1 * turned.sine.exact();
         if unclear && arm.exact().dot(way) < 0.0 {
-            return (status == AimStatus::Antiparallel)
-                .then_some(())
-                .and_then(|()| of(self.world(body)));
+            return if status == AimStatus::Antiparallel { of(self.world(body)) } else { None };
         }
         // Where f32 cannot tell two directions apart the core leaves the turn out, which is as small.
         let largest = SMALLEST_SINE + turned.sine.limit();

@@ -22,12 +22,19 @@ struct Body {
     response: Response,
 }
 
+/// How a ball with a rotor does: absolute, by the acceleration of the origin, and what is held of the carried one.
+struct Ball {
+    turn: Vector,
+    per_way: Matrix,
+    held: Matrix,
+}
+
 /// How a joint gives way.
 enum Response {
     /// Along its freedoms: the wrenches that they meet, and what they make of the rest.
     Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
-    /// Any way, against a rotor: absolute, by the acceleration of the origin, and what is held of the carried one.
-    Ball { turn: Vector, per_way: Matrix, held: Matrix },
+    /// Any way, against a rotor.
+    Ball(Box<Ball>),
 }
 
 /// Accelerations of the freedoms of each joint that these wrenches of their drives make, as
@@ -212,7 +219,7 @@ impl Body {
         let wrench =
             Motion { angular: drive - held.turn(free), linear: wrench.linear + back.turn(turn) };
         let wrench = sum(wrench.components(), times(&inertia, self.moving));
-        self.response = Response::Ball { turn, per_way, held };
+        self.response = Response::Ball(Box::new(Ball { turn, per_way, held }));
         Passed { inertia, wrench }
     }
 
@@ -232,7 +239,8 @@ impl Body {
                         sum(all, column.map(|of| of * along))
                     }))
                 }
-                Response::Ball { turn, per_way, held } => {
+                Response::Ball(ball) => {
+                    let Ball { turn, per_way, held } = &**ball;
                     let Motion { angular, linear } = motion(carried);
                     Motion { angular: *turn - per_way.turn(linear) + held.turn(angular), linear }
                 }
