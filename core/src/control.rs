@@ -310,8 +310,8 @@ impl TorqueLimit {
     }
 }
 
-/// Whether a vector is shorter than a bound, or zero. Written so that NaN and what overflows fail; at most of a bound, a
-/// square is as good as a length.
+/// Whether a vector is shorter than a bound, or zero. Written so that NaN and what overflows fail; at most of a bound,
+/// a square is as good as a length.
 #[inline]
 fn within(wanted: Vec3, bound: f32) -> bool {
     wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO

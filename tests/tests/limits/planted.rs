@@ -50,8 +50,8 @@ fn a_right_rig_is_within_its_limits() {
     assert_eq!(found_in(|_| {}), 0);
 }
 
-/// A force may be off by 2e-5 of the largest in 99 of 100 rigs (the table of `cargo xtask limits`): five times as much is
-/// found in each of these.
+/// A force may be off by 2e-5 of the largest in 99 of 100 rigs (the table of `cargo xtask limits`): five times as much
+/// is found in each of these.
 #[test]
 fn a_mass_off_by_a_ten_thousandth_is_found() {
     assert_eq!(found_in(|body| body.inertia.mass_kg *= 1.000_1), 60);
