@@ -122,7 +122,9 @@ impl<const N: usize> ForwardDifferences<N> {
             return Err(StateInputError::TimeStep);
         }
         let (states, accelerations, bodies) = out.whole(tree);
-        for (index, (body, state)) in tree.bodies().iter().zip(states.iter_mut()).enumerate() {
+        for (index, ((body, newest), (state, acceleration))) in
+            tree.bodies().iter().zip(frame).zip(states.iter_mut().zip(accelerations)).enumerate()
+        {
             // The parent's has moved on to the newer frame already.
             let parent_after = of_parent(body, &self.joints, &Remembered::NOTHING).body;
             let Some(joint) = self.joints.get_mut(index) else { break };
@@ -141,11 +143,7 @@ impl<const N: usize> ForwardDifferences<N> {
             *state = JointState { pose: joint.older, velocity };
             let Some(slot) = bodies.get_mut(index) else { break };
             *slot = of_body;
-        }
-        // Apart: all at once are more than there are registers for.
-        for (((body, newest), joint), acceleration) in
-            tree.bodies().iter().zip(frame).zip(&mut self.joints).zip(accelerations)
-        {
+
             let newest = with_unit_rotation(newest);
             let leads = step(&joint.newer, &newest, rate_hz);
             let change = (leads - joint.step) * rate_hz;

@@ -32,17 +32,11 @@ impl Image {
     pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Result<Command> {
         let mut command = arm::toolchain_for(target)?.cargo_for(target, verb);
         command.args(["--package", self.package, "--bin", self.name]);
-        command.args(["--profile", self.profile()]);
+        command.args(["--profile", profile_of(self.name)]);
         if let Some(feature) = self.feature {
             command.args(["--features", feature]);
         }
         Ok(command)
-    }
-
-    /// Boards that run the node have one of their own: what is small.
-    fn profile(self) -> &'static str {
-        let is_node = |board: &Board| board.name == self.name && board.baked.is_none();
-        if BOARDS.iter().any(is_node) { "node" } else { "firmware" }
     }
 
     /// Where it comes to lie.
@@ -52,11 +46,17 @@ impl Image {
 
     /// The same of another Arm target.
     pub(crate) fn path_for(self, target: &str) -> PathBuf {
-        arm::target_dir().join(target).join(self.profile()).join(self.name)
+        path_of(target, self.name)
     }
 }
 
 /// Where the image of a name comes to lie.
 pub(crate) fn path_of(target: &str, name: &str) -> PathBuf {
-    arm::target_dir().join(target).join("firmware").join(name)
+    arm::target_dir().join(target).join(profile_of(name)).join(name)
+}
+
+/// Boards that run the node have a profile of their own: what is small.
+fn profile_of(name: &str) -> &'static str {
+    let is_node = |board: &Board| board.name == name && board.baked.is_none();
+    if BOARDS.iter().any(is_node) { "node" } else { "firmware" }
 }
