@@ -16,6 +16,7 @@ mod limits;
 mod node;
 mod package;
 mod parity;
+mod peers;
 mod python;
 mod retargeting;
 mod semver;
@@ -55,6 +56,8 @@ Commands:
   retargeting
             Puts clips on robots, scores them beside GMR's, and compares with docs/retargeting.csv; with --accept,
             writes it
+  peers     Times four kernels of the core beside those of Pinocchio and MuJoCo, which it takes from PyPI and compiles
+            against, and inverse dynamics beside other crates; all must find the same first
   deny      Checks licences, sources and versions of other people's crates, and known faults where their database can be
             reached, with cargo-deny by deny.toml
   semver REV
@@ -106,6 +109,7 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["clients"] => Box::new(clients::run),
         ["retargeting"] => Box::new(|| retargeting::run(false)),
         ["retargeting", "--accept"] => Box::new(|| retargeting::run(true)),
+        ["peers"] => Box::new(peers::run),
         ["deny"] => Box::new(deny::run),
         ["semver", revision] => {
             let revision = (*revision).to_owned();

@@ -9,6 +9,10 @@
 //! - `featherstone` computes in f32 and has all joints, but allocates in each call.
 //! - Ours computes in f32 from states (rotations, not angles). The others begin with coordinates of joints; what that
 //!   adds, with the checks that our states have passed, has a line of its own.
+//!
+//! With `SINEW_PEERS`, which `cargo xtask peers` sets, four kernels are compared with Pinocchio's and MuJoCo's, too.
+//! Both have all joints and start from coordinates. Pinocchio is compiled as its users do it, for any machine of the
+//! target. MuJoCo's kernels are the stages of its pipeline that they need, without contacts.
 
 mod dynibo;
 mod featherstone;
@@ -17,6 +21,9 @@ mod interleaved;
 mod motion;
 #[path = "../common/options.rs"]
 mod options;
+mod ours;
+mod peer;
+mod peers;
 mod sinew;
 
 use std::error::Error;
@@ -68,6 +75,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "sinew's ratio to the faster of both on the first rig: {ratio:.2} (must be at most {BOUND}: {met})"
     );
+    if let Some(programs) = std::env::var_os("SINEW_PEERS") {
+        peers::compare(&spherical, &programs)?;
+        peers::compare(&revolute, &programs)?;
+    }
     Ok(())
 }
 

@@ -10,11 +10,11 @@ use crate::{BODIES, Contender, GRAVITY_M_S2};
 
 /// `inverse_dynamics` on states that are there already, as a tick has them.
 pub(crate) struct Sinew {
-    tree: Tree<BODIES>,
-    joints: Vec<JointState>,
+    pub(crate) tree: Tree<BODIES>,
+    pub(crate) joints: Vec<JointState>,
     accelerations: Vec<Twist>,
     scratch: Vec<BodyMotion>,
-    wrenches: Vec<Wrench>,
+    pub(crate) wrenches: Vec<Wrench>,
 }
 
 impl Sinew {

@@ -1,0 +1,125 @@
+//! The core's kernels beside those of libraries in other languages, in one run: first whether all find the same, then
+//! the time of each.
+
+use std::error::Error;
+use std::ffi::OsStr;
+
+use sinew_core::Tree;
+
+use crate::motion::RigMotion;
+use crate::ours::Ours;
+use crate::peer::{Kernel, Peer};
+use crate::{BODIES, TOLERANCE, apart, options};
+
+/// What each ratio to Pinocchio in double must be at most.
+const BOUNDS: [(Kernel, f64); 3] = [(Kernel::Rnea, 0.2), (Kernel::Aba, 0.5), (Kernel::Crba, 0.5)];
+/// The peer that bounds are of.
+const BOUND_BY: &str = "Pinocchio, double";
+
+/// Prints a table of all kernels, one column for each peer; `programs` as in PATH.
+pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<dyn Error>> {
+    let mut ours = Ours::new(tree);
+    let mut peers = std::env::split_paths(programs)
+        .map(|program| Peer::new(&program, tree.bodies()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let (motions, rounds, calls) = if options::quick() { (3, 20, 20) } else { (100, 501, 100) };
+    for seed in 0..motions {
+        let motion = RigMotion::random(tree.bodies(), seed);
+        ours.set(&motion);
+        for peer in &mut peers {
+            peer.set(&motion)?;
+            agree(&mut ours, peer)?;
+        }
+    }
+    println!("\nKernels, {BODIES} bodies: median, ns, and ours as a part of it");
+    println!("all find the same in {motions} motions, to {TOLERANCE:.0e} of the largest number");
+    print!("{:20}{:>10}", "", "sinew");
+    for peer in &peers {
+        print!("{:>26}", peer.name);
+    }
+    println!();
+    for kernel in Kernel::ALL {
+        let rows = timed(&mut ours, &mut peers, kernel, rounds, calls)?;
+        print!("{:20}{:>10.0}", kernel.name(), rows.ours_ns);
+        for (time_ns, ratio) in &rows.peers {
+            print!("{time_ns:>19.0}{ratio:>7.2}");
+        }
+        println!();
+        let bound = BOUNDS.iter().find(|(of, _)| *of == kernel);
+        let by = peers.iter().position(|peer| peer.name == BOUND_BY);
+        if let (Some((_, bound)), Some(by)) = (bound, by) {
+            let ratio = rows.peers[by].1;
+            let met = if ratio <= *bound { "met" } else { "MISSED" };
+            println!("{:20}at most {bound} of {BOUND_BY}: {met}", "");
+        }
+    }
+    Ok(())
+}
+
+/// That a peer finds what we do.
+fn agree(ours: &mut Ours, peer: &mut Peer) -> Result<(), Box<dyn Error>> {
+    for kernel in Kernel::ALL {
+        let (expected, found) = (ours.found(kernel), peer.found(kernel)?);
+        // A root's moment and force, and angular and linear acceleration, are compared each by their own size.
+        let parts =
+            if matches!(kernel, Kernel::Rnea | Kernel::Aba) { vec![0, 3, 6] } else { vec![0] };
+        // Accelerations are off by more: wrenches that were rounded make them.
+        let tolerance = if kernel == Kernel::Aba { 100.0 * TOLERANCE } else { TOLERANCE };
+        for (index, start) in parts.iter().enumerate() {
+            let end = parts.get(index + 1).copied().unwrap_or(expected.len());
+            let of =
+                |numbers: &[f64]| numbers.get(*start..end.min(numbers.len())).map(<[_]>::to_vec);
+            let off = match (of(&expected), of(&found)) {
+                (Some(a), Some(b)) if expected.len() == found.len() => apart(&a, &b),
+                _ => f64::INFINITY,
+            };
+            if off > tolerance {
+                let (name, kernel) = (&peer.name, kernel.name());
+                return Err(format!(
+                    "{kernel}: {name} is off by {off:.1e}, more than {tolerance:.0e}"
+                )
+                .into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Medians of one kernel.
+struct Rows {
+    ours_ns: f64,
+    /// Time of each peer, and the median of our part of it.
+    peers: Vec<(f64, f64)>,
+}
+
+/// All take turns, and another one begins every round: what slows the machine down slows all of them.
+fn timed(
+    ours: &mut Ours,
+    peers: &mut [Peer],
+    kernel: Kernel,
+    rounds: usize,
+    calls: u32,
+) -> Result<Rows, Box<dyn Error>> {
+    let count = peers.len() + 1;
+    let mut times: Vec<Vec<f64>> = vec![Vec::with_capacity(rounds); count];
+    for round in 0..rounds {
+        for turn in 0..count {
+            let index = (round + turn) % count;
+            let time_ns = match index.checked_sub(1) {
+                None => ours.time_ns(kernel, calls),
+                Some(peer) => peers[peer].time_ns(kernel, calls)?,
+            };
+            times[index].push(time_ns);
+        }
+    }
+    let (first, others) = times.split_first().ok_or("nobody was timed")?;
+    let ratio =
+        |of: &[f64]| median(first.iter().zip(of).map(|(ours, theirs)| ours / theirs).collect());
+    let peers = others.iter().map(|of| (median(of.clone()), ratio(of))).collect();
+    Ok(Rows { ours_ns: median(first.clone()), peers })
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
