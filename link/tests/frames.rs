@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{Random, body_of, crc32, frame, frame_of, is_finite, to_controller, to_host};
+use common::Random;
+use common::messages::{to_controller, to_host};
+use common::wire::{body_of, crc32, frame, frame_of, is_finite};
 use proptest::prelude::*;
 use sinew_link::message::*;
 use sinew_link::{BODY_MAX, Decoder, EncodeError, FRAME_MAX, Message, encode};

@@ -3,7 +3,9 @@
 mod common;
 mod decoders;
 
-use common::{Random, body_of, frame, to_controller, to_host};
+use common::Random;
+use common::messages::{to_controller, to_host};
+use common::wire::{body_of, frame};
 use sinew_link::message::{Numbered, ToController};
 
 /// The body of a random message without its direction, with some bytes changed, lost or added.

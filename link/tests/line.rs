@@ -2,11 +2,13 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use std::collections::VecDeque;
 
-use common::{Random, frame};
+use common::Random;
+use common::wire::frame;
 use sinew_link::message::*;
 use sinew_link::{Decoder, Intake, Message, Next, Order, Sender, Session};
 
@@ -90,12 +92,12 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
 
     for index in 0..FRAMES {
         let (count, message) = if random.chance(0.5) {
-            let item = common::command(&mut random);
+            let item = common::messages::command(&mut random);
             let command = Numbered { session: id, seq: commands as u16, item };
             commands += 1;
             (commands, ToController::Command(command))
         } else {
-            let stream = sender.stream(common::stream(&mut random));
+            let stream = sender.stream(common::messages::stream(&mut random));
             streams += 1;
             (streams, ToController::Stream(stream))
         };
@@ -172,8 +174,8 @@ fn no_message_is_made_by_damage() {
         }
         (decoder.messages(), decoder.damage().total())
     }
-    println!("{:?}", run(20, common::to_controller));
-    println!("{:?}", run(30, common::to_host));
+    println!("{:?}", run(20, common::messages::to_controller));
+    println!("{:?}", run(30, common::messages::to_host));
 }
 
 /// The host sends again until there is an answer: every command is executed once, and its own answer comes back.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::Random;

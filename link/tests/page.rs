@@ -2,12 +2,14 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
 
-use common::{Random, body_of, frame};
+use common::Random;
+use common::wire::{body_of, frame};
 use serde::Serialize;
 use sinew_link::message::*;
 use sinew_link::rate::{RigSize, telemetry_hz};
@@ -194,7 +196,8 @@ fn kinds() {
         assert!(!known.is_empty());
     };
     for _ in 0..20_000 {
-        let (a, b) = (common::to_controller(&mut random), common::to_host(&mut random));
+        let (a, b) =
+            (common::messages::to_controller(&mut random), common::messages::to_host(&mut random));
         see("to the controller", kind(&a));
         see("to the host", kind(&b));
         match a {

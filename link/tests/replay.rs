@@ -1,5 +1,6 @@
 //! The corpus through the fuzz targets of `../fuzz`.
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 mod corpus;
 mod decoders;
@@ -43,7 +44,7 @@ fn streams() {
         answered.extend(kinds(&bytes, of_host));
     }
     // Greeting, commands, streams.
-    assert_eq!(said.len(), 1 + common::COMMANDS + 4, "{said:?}");
+    assert_eq!(said.len(), 1 + common::messages::COMMANDS + 4, "{said:?}");
     assert_eq!(answered.len(), 4, "{answered:?}");
 }
 

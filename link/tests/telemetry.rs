@@ -2,9 +2,11 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
-use common::{Random, frame};
+use common::Random;
+use common::wire::frame;
 use sinew_link::message::*;
 use sinew_link::rate::{RigSize, frame_len, frames_per_second, snapshot_len, telemetry_hz};
 use sinew_link::{BODY_MAX, Decoder, FRAME_MAX};
@@ -40,10 +42,11 @@ fn all_of_a_snapshot_is_told_once() {
     let mut random = Random(5);
     for _ in 0..500 {
         let q: Vec<f32> = (0..random.below(200)).map(|_| random.finite()).collect();
-        let dofs: Vec<Dof> = (0..random.below(200)).map(|_| common::dof(&mut random)).collect();
+        let dofs: Vec<Dof> =
+            (0..random.below(200)).map(|_| common::messages::dof(&mut random)).collect();
         let servos: Vec<Servo> =
-            (0..random.below(200)).map(|_| common::servo(&mut random)).collect();
-        let summary = common::summary(&mut random);
+            (0..random.below(200)).map(|_| common::messages::servo(&mut random)).collect();
+        let summary = common::messages::summary(&mut random);
         let parts = Parts(random.below(16) as u8);
         let snapshot = Snapshot {
             tick: random.bits(),

@@ -7,6 +7,7 @@
     reason = "numbers are small, and cut to the 16 bits of the wire"
 )]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use std::collections::BTreeSet;

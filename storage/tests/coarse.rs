@@ -1,5 +1,6 @@
 //! Flash that reads and writes 32 bytes at once, as an STM32H7's: all goes by its units.
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::flash::{MockFlash, PowerFailed};

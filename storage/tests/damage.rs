@@ -1,5 +1,6 @@
 //! Newer settings, or a newer rig, that are damaged are not there, and the store says so until there are whole ones.
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::flash::MockFlash;

@@ -1,6 +1,7 @@
 //! Items and uploads: what goes in, what is refused, and where an upload goes on.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::flash::{MockFlash, PowerFailed};

@@ -1,6 +1,7 @@
 //! The numbers of `docs/storage.md`: each of its tables is made here, and must stand there as it is.
 #![expect(clippy::cast_possible_truncation, reason = "the F446 has small numbers")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::flash::MockFlash;

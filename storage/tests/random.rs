@@ -1,6 +1,7 @@
 //! Flash with any content: nothing panics, nothing bad is taken for good, and the store goes on.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use common::flash::MockFlash;

@@ -2,6 +2,7 @@
 //!
 //! If this test fails, the library has become better, and it may be time to weigh it again.
 
+#[expect(dead_code, reason = "this test uses a part")]
 mod common;
 
 use core::pin::pin;

@@ -2,10 +2,11 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
+use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
     Body, BodyState, Inertia, JointKind, JointState, JointStates, RotationalInertia, Transform,
-    Tree, Twist, kinematics, math,
+    Tree, Twist, Wrench, kinematics, math,
 };
 
 /// The core's largest capacity.
@@ -274,6 +275,51 @@ impl Rig {
             states.set(joint, JointState { pose, ..*state }).expect("as valid as it was");
         }
         states
+    }
+
+    /// Wrenches of the joints, by the core.
+    pub fn wrenches(
+        &self,
+        joints: &[JointState],
+        accelerations: &[Twist],
+        gravity_m_s2: Vec3,
+        external: &[Wrench],
+    ) -> Vec<Wrench> {
+        let bodies = self.tree.bodies();
+        let mut scratch = vec![BodyMotion::default(); bodies.len()];
+        let mut out = vec![Wrench::ZERO; bodies.len()];
+        inverse_dynamics(
+            bodies,
+            joints,
+            accelerations,
+            gravity_m_s2,
+            external,
+            &mut scratch,
+            &mut out,
+        );
+        out
+    }
+
+    /// The mass matrix, column by column what a unit acceleration of a freedom takes along all of them, at rest and
+    /// without gravity.
+    pub fn mass_matrix_by_torques(&self) -> Vec<Vec<f64>> {
+        let (bodies, states) = (self.tree.bodies(), self.states());
+        let still: Vec<_> =
+            states.as_slice().iter().map(|s| JointState { velocity: Twist::ZERO, ..*s }).collect();
+        let of_body = |(index, (body, state)): (usize, (&Body, &JointState))| {
+            let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
+            body.joint.motion_subspace(in_joint).into_iter().map(move |column| (index, column))
+        };
+        let freedoms: Vec<(usize, Twist)> =
+            bodies.iter().zip(&still).enumerate().flat_map(of_body).collect();
+        let column = |(moved, unit): &(usize, Twist)| {
+            let mut accelerations = vec![Twist::ZERO; bodies.len()];
+            accelerations[*moved] = *unit;
+            let wrenches = self.wrenches(&still, &accelerations, Vec3::ZERO, &[]);
+            let along = |(body, along): &(usize, Twist)| f64::from(wrenches[*body].power_w(*along));
+            freedoms.iter().map(along).collect()
+        };
+        freedoms.iter().map(column).collect()
     }
 
     /// Accelerations of the joints, as inverse dynamics takes them.

@@ -52,7 +52,8 @@ fn compiled(venv: &Venv, name: &str, source: &str, options: &[OsString]) -> Resu
     let source = step::root().join("bench/peers").join(source);
     let mut compiler = step::command("g++");
     compiler.args(["-std=c++17", "-O3", "-DNDEBUG", "-o"]).arg(&program).arg(source).args(options);
-    step::run(&format!("compile {name}"), &mut compiler)?;
+    step::run(&format!("compile {name}"), &mut compiler)
+        .context("it takes g++, of Debian's package of that name")?;
     Ok(program)
 }
 

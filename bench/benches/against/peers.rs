@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 
 use sinew_core::Tree;
 
+use crate::interleaved::{Median, in_turns};
 use crate::motion::RigMotion;
 use crate::ours::Ours;
 use crate::peer::{Kernel, Peer};
@@ -39,17 +40,20 @@ pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<d
     }
     println!();
     for kernel in Kernel::ALL {
-        let rows = timed(&mut ours, &mut peers, kernel, rounds, calls)?;
-        print!("{:20}{:>10.0}", kernel.name(), rows.ours_ns);
-        for (time_ns, ratio) in &rows.peers {
-            print!("{time_ns:>19.0}{ratio:>7.2}");
+        let found = in_turns(rounds, peers.len() + 1, |index| match index.checked_sub(1) {
+            None => Ok(ours.time_ns(kernel, calls)),
+            Some(peer) => peers[peer].time_ns(kernel, calls),
+        })?;
+        let (of_ours, of_peers) = found.split_first().ok_or("nobody was timed")?;
+        print!("{:20}{:>10.0}", kernel.name(), of_ours.time_ns);
+        for Median { time_ns, to_first } in of_peers {
+            print!("{time_ns:>19.0}{:>7.2}", 1.0 / to_first);
         }
         println!();
         let bound = BOUNDS.iter().find(|(of, _)| *of == kernel);
         let by = peers.iter().position(|peer| peer.name == BOUND_BY);
         if let (Some((_, bound)), Some(by)) = (bound, by) {
-            let ratio = rows.peers[by].1;
-            let met = if ratio <= *bound { "met" } else { "MISSED" };
+            let met = if 1.0 / of_peers[by].to_first <= *bound { "met" } else { "MISSED" };
             println!("{:20}at most {bound} of {BOUND_BY}: {met}", "");
         }
     }
@@ -83,43 +87,4 @@ fn agree(ours: &mut Ours, peer: &mut Peer) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// Medians of one kernel.
-struct Rows {
-    ours_ns: f64,
-    /// Time of each peer, and the median of our part of it.
-    peers: Vec<(f64, f64)>,
-}
-
-/// All take turns, and another one begins every round: what slows the machine down slows all of them.
-fn timed(
-    ours: &mut Ours,
-    peers: &mut [Peer],
-    kernel: Kernel,
-    rounds: usize,
-    calls: u32,
-) -> Result<Rows, Box<dyn Error>> {
-    let count = peers.len() + 1;
-    let mut times: Vec<Vec<f64>> = vec![Vec::with_capacity(rounds); count];
-    for round in 0..rounds {
-        for turn in 0..count {
-            let index = (round + turn) % count;
-            let time_ns = match index.checked_sub(1) {
-                None => ours.time_ns(kernel, calls),
-                Some(peer) => peers[peer].time_ns(kernel, calls)?,
-            };
-            times[index].push(time_ns);
-        }
-    }
-    let (first, others) = times.split_first().ok_or("nobody was timed")?;
-    let ratio =
-        |of: &[f64]| median(first.iter().zip(of).map(|(ours, theirs)| ours / theirs).collect());
-    let peers = others.iter().map(|of| (median(of.clone()), ratio(of))).collect();
-    Ok(Rows { ours_ns: median(first.clone()), peers })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

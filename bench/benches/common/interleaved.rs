@@ -1,29 +1,40 @@
 //! Wall time of several things in one run, fair on a machine that others use too.
 
+use std::convert::Infallible;
 use std::time::Instant;
 
 /// Median time of one call of each of `runs`, and of each against the first one, in ns and as ratios.
+pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Median> {
+    let batches: Vec<u32> = runs.iter_mut().map(|run| batch(run)).collect();
+    let count = runs.len();
+    let Ok(found) =
+        in_turns::<Infallible>(rounds, count, |index| Ok(time_ns(batches[index], runs[index])));
+    found
+}
+
+/// The same of what times itself: `time_ns` runs a batch of the one of an index, and returns the time of a call.
 ///
 /// All take turns, a batch of calls each, and another one begins every round: what slows the machine down for longer
 /// than a round slows all of them, and what interrupts one batch is no median. Ratios are medians of those of the
 /// rounds.
-pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Median> {
-    let batches: Vec<u32> = runs.iter_mut().map(|run| batch(run)).collect();
-    let mut times_ns = vec![Vec::with_capacity(rounds); runs.len()];
+pub(crate) fn in_turns<E>(
+    rounds: usize,
+    count: usize,
+    mut time_ns: impl FnMut(usize) -> Result<f64, E>,
+) -> Result<Vec<Median>, E> {
+    let mut times_ns = vec![Vec::with_capacity(rounds); count];
     for round in 0..rounds {
-        for turn in 0..runs.len() {
-            let index = (round + turn) % runs.len();
-            times_ns[index].push(time_ns(batches[index], runs[index]));
+        for turn in 0..count {
+            let index = (round + turn) % count;
+            times_ns[index].push(time_ns(index)?);
         }
     }
     let first = times_ns.first().cloned().unwrap_or_default();
-    times_ns
-        .into_iter()
-        .map(|times| Median {
-            to_first: median(times.iter().zip(&first).map(|(time, first)| time / first).collect()),
-            time_ns: median(times),
-        })
-        .collect()
+    let of_all = times_ns.into_iter().map(|times| Median {
+        to_first: median(times.iter().zip(&first).map(|(time, first)| time / first).collect()),
+        time_ns: median(times),
+    });
+    Ok(of_all.collect())
 }
 
 /// What [`medians`] found of one.

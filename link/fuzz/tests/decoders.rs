@@ -1,5 +1,6 @@
 //! A target for each way in: it takes the corpus, then what bolero thinks of.
 
+#[expect(dead_code, reason = "fuzzing uses a part")]
 #[path = "../../tests/common/mod.rs"]
 mod common;
 #[path = "../../tests/corpus/mod.rs"]

@@ -1,13 +1,9 @@
 //! Random messages, and frames by their definition.
 
-#![allow(dead_code, unused_imports, reason = "each test uses a part")]
 #![expect(clippy::cast_possible_truncation, reason = "random bits are cut to any width")]
 
-mod messages;
-mod wire;
-
-pub(crate) use messages::*;
-pub(crate) use wire::*;
+pub(crate) mod messages;
+pub(crate) mod wire;
 
 /// Pseudo-random numbers of a seed (`SplitMix64`).
 pub(crate) struct Random(pub(crate) u64);

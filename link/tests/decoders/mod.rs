@@ -5,7 +5,7 @@ use sinew_link::{
     Coordinate, Decoder, FRAME_MAX, Intake, LiveBuffer, LiveSettings, Message, Session, encode,
 };
 
-use crate::common::{frame_of, is_finite};
+use crate::common::wire::{frame_of, is_finite};
 
 /// A stream of any bytes, through both decoders.
 pub(crate) fn stream(bytes: &[u8]) {

@@ -1,5 +1,4 @@
 //! What several tests share.
-#![allow(dead_code, reason = "each test uses a part of it")]
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
 pub(crate) mod flash;

@@ -1,47 +1,37 @@
 //! Kinematics, inverse and forward dynamics and the mass matrix of rigs with joints of all kinds.
 
 use sinew_core::dynamics::{
-    ArticulatedBody, BodyMotion, CompositeBody, degrees_of_freedom, forward_dynamics,
-    inverse_dynamics, mass_matrix,
+    ArticulatedBody, CompositeBody, degrees_of_freedom, forward_dynamics, mass_matrix,
 };
 use sinew_core::glam::{DVec3, Vec3};
-use sinew_core::{JointState, Twist, Wrench};
-use sinew_sim::verify::rounding::{self, Joint, Link, Motion, Number, Vector, body_states};
+use sinew_core::{JointState, Twist};
+use sinew_sim::verify::rounding::{self, Motion, Number, Vector};
 use sinew_tests::rig::Rig;
 use sinew_tests::rounded::{Rounded, motions};
 
 use crate::case::Case;
 use crate::tally::{Quantity, Table};
 
-const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
+pub(crate) const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
 
 /// A rig as the core has it, and the same with its rounding.
 pub(crate) struct Sides {
     pub(crate) rig: Rig,
     pub(crate) states: Vec<JointState>,
-    pub(crate) links: Vec<Link>,
-    pub(crate) joints: Vec<Joint>,
+    pub(crate) rounded: Rounded,
 }
 
 impl Sides {
     pub(crate) fn new(rig: Rig) -> Self {
         let states = rig.states().as_slice().to_vec();
-        let Rounded { links, joints } = Rounded::of_states(rig.tree.bodies(), &states);
-        Self { rig, states, links, joints }
+        let rounded = Rounded::of_states(rig.tree.bodies(), &states);
+        Self { rig, states, rounded }
     }
 
-    /// Wrenches of the joints, by the core.
-    pub(crate) fn wrenches(
-        &self,
-        states: &[JointState],
-        accelerations: &[Twist],
-        gravity: Vec3,
-    ) -> Vec<Wrench> {
-        let bodies = self.rig.tree.bodies();
-        let mut scratch = vec![BodyMotion::default(); bodies.len()];
-        let mut out = vec![Wrench::ZERO; bodies.len()];
-        inverse_dynamics(bodies, states, accelerations, gravity, &[], &mut scratch, &mut out);
-        out
+    /// Wrenches of the joints that these accelerations take, with their rounding.
+    pub(crate) fn rounded_wrenches(&self, accelerations: &[Motion]) -> Vec<Motion> {
+        let Rounded { links, joints } = &self.rounded;
+        rounding::inverse_dynamics(links, joints, accelerations, Vector::known(GRAVITY_M_S2))
     }
 }
 
@@ -71,7 +61,7 @@ pub(crate) fn vectors(
 
 fn kinematics(sides: &Sides, table: &mut Table) {
     let world = sides.rig.world();
-    let rounded = body_states(&sides.links, &sides.joints);
+    let rounded = sides.rounded.world();
     for (body, (got, rounded)) in world.iter().zip(&rounded).enumerate() {
         let off = got.pose.rotation.as_dquat().normalize() * rounded.rotation.exact().inverse();
         let error = 2.0 * DVec3::new(off.x, off.y, off.z).length().atan2(off.w.abs());
@@ -93,13 +83,8 @@ fn kinematics(sides: &Sides, table: &mut Table) {
 
 fn torques(sides: &Sides, table: &mut Table) {
     let accelerations = sides.rig.accelerations();
-    let got = sides.wrenches(&sides.states, &accelerations, GRAVITY_M_S2);
-    let rounded = rounding::inverse_dynamics(
-        &sides.links,
-        &sides.joints,
-        &motions(&accelerations),
-        Vector::known(GRAVITY_M_S2),
-    );
+    let got = sides.rig.wrenches(&sides.states, &accelerations, GRAVITY_M_S2, &[]);
+    let rounded = sides.rounded_wrenches(&motions(&accelerations));
     let (moments, forces) =
         (got.iter().map(|wrench| wrench.moment_nm), got.iter().map(|wrench| wrench.force_n));
     vectors(table, ["joint moment", "N m"], moments, rounded.iter().map(|motion| motion.angular));
@@ -111,33 +96,12 @@ fn matrix(sides: &Sides, table: &mut Table) {
     let mut got = vec![0.0; degrees_of_freedom(bodies).pow(2)];
     let mut scratch = vec![CompositeBody::default(); bodies.len()];
     let size = mass_matrix(bodies, &sides.states, &mut scratch, &mut got);
-    let rounded = rounding::mass_matrix(&sides.links, &sides.joints);
+    let Rounded { links, joints } = &sides.rounded;
+    let rounded = rounding::mass_matrix(links, joints);
     elements(table, "H", &rounded, |row, column| f64::from(got[row * size + column]));
 
-    let still: Vec<_> =
-        sides.states.iter().map(|state| JointState { velocity: Twist::ZERO, ..*state }).collect();
-    let freedoms: Vec<(usize, Twist)> = bodies
-        .iter()
-        .zip(&sides.states)
-        .enumerate()
-        .flat_map(|(index, (body, state))| {
-            let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
-            body.joint.motion_subspace(in_joint).into_iter().map(move |column| (index, column))
-        })
-        .collect();
-    let columns: Vec<Vec<f64>> = freedoms
-        .iter()
-        .map(|(moved, unit)| {
-            let mut accelerations = vec![Twist::ZERO; bodies.len()];
-            accelerations[*moved] = *unit;
-            let wrenches = sides.wrenches(&still, &accelerations, Vec3::ZERO);
-            freedoms
-                .iter()
-                .map(|(body, along)| f64::from(wrenches[*body].power_w(*along)))
-                .collect()
-        })
-        .collect();
-    let rounded = rounding::mass_matrix_by_torques(&sides.links, &sides.joints);
+    let columns = sides.rig.mass_matrix_by_torques();
+    let rounded = rounding::mass_matrix_by_torques(links, joints);
     elements(table, "H, by torques", &rounded, |row, column| columns[row][column]);
 }
 
@@ -161,7 +125,7 @@ fn elements(
 fn accelerations(sides: &Sides, table: &mut Table) {
     let bodies = sides.rig.tree.bodies();
     // Drives as large as the motion of the rig needs.
-    let drives = sides.wrenches(&sides.states, &sides.rig.accelerations(), GRAVITY_M_S2);
+    let drives = sides.rig.wrenches(&sides.states, &sides.rig.accelerations(), GRAVITY_M_S2, &[]);
     let mut workspace = vec![ArticulatedBody::default(); bodies.len()];
     let mut got = vec![Twist::ZERO; bodies.len()];
     forward_dynamics(bodies, &sides.states, &drives, GRAVITY_M_S2, &[], &mut workspace, &mut got);
@@ -173,7 +137,8 @@ fn accelerations(sides: &Sides, table: &mut Table) {
         })
         .collect();
     let gravity = Vector::known(GRAVITY_M_S2);
-    let rounded = rounding::forward_dynamics(&sides.links, &sides.joints, &of_drives, gravity);
+    let Rounded { links, joints } = &sides.rounded;
+    let rounded = rounding::forward_dynamics(links, joints, &of_drives, gravity);
     let (angular, linear) = (got.iter().map(|a| a.angular), got.iter().map(|a| a.linear));
     let with = ["joint acceleration, angular", "rad/s²"];
     vectors(table, with, angular, rounded.iter().map(|a| a.angular));

@@ -3,23 +3,25 @@
 use std::f64::consts::PI;
 
 use sinew_core::control::Gains;
-use sinew_core::glam::Vec3;
 use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, StateError, linear_compensation, local, world,
 };
 use sinew_core::{Controller, JointTargets, Twist, Workspace};
 use sinew_sim::verify::rounding::{
-    self, Compensated, Difference, Joint, Motion, Number, State, Vector, body_states, turn_error,
+    Compensated, Difference, Joint, Motion, Number, State, Vector, turn_error,
 };
 use sinew_tests::rig::{CAPACITY, Rig};
 
 use crate::case::Case;
-use crate::dynamics::{Sides, vectors};
+use crate::dynamics::{GRAVITY_M_S2, Sides, vectors};
 use crate::tally::{Quantity, Table};
 
 const GAINS: [f32; 2] = [900.0, 60.0];
 const BETA: f32 = 0.7;
-const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
+
+const LOCAL: [&str; 4] = ["local angle", "local way", "local rate", "local speed"];
+const WORLD: [&str; 4] = ["world angle", "world way", "world rate", "world speed"];
+const TURNED: [&str; 4] = ["turned angle", "turned way", "turned rate", "turned speed"];
 
 /// Sine of an angle below which the core takes two directions for one, or for opposites.
 const SMALLEST_SINE: f64 = 1e-6;
@@ -38,7 +40,7 @@ struct Side {
 impl Side {
     fn new(rig: Rig) -> Self {
         let sides = Sides::new(rig);
-        let bodies = body_states(&sides.links, &sides.joints);
+        let bodies = sides.rounded.world();
         Self { sides, bodies }
     }
 }
@@ -52,11 +54,11 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
 
     local(&desired.states, &measured.states, &mut got);
     let of_joints: Vec<_> = (0..count).map(|body| pair.local(body)).collect();
-    errors(table, "local", &got, &of_joints, |_| 0.0);
+    errors(table, LOCAL, &got, &of_joints, |_| 0.0);
     let [desired_world, measured_world] = [desired.rig.world(), measured.rig.world()];
     world(&desired_world, &measured_world, &mut got);
     let of_world: Vec<_> = (0..count).map(|body| pair.world(body)).collect();
-    errors(table, "world", &got, &of_world, |_| 0.0);
+    errors(table, WORLD, &got, &of_world, |_| 0.0);
 
     let aims = Aims::heaviest_child(&desired.rig.tree);
     let settings = Compensation { beta: BETA, ..Compensation::default() };
@@ -74,7 +76,7 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
         (0..count).map(|body| pair.turned(body, aims.as_slice()[body], status[body])).collect();
     if let Some(turned) = &turned {
         let of_body: Vec<_> = turned.iter().map(|turned| turned.difference).collect();
-        errors(table, "compensation", &got, &of_body, |body| turned[body].left_out_rad);
+        errors(table, TURNED, &got, &of_body, |body| turned[body].left_out_rad);
     }
 
     tick(table, &pair, "tick of local", Method::Local, &of_joints);
@@ -88,7 +90,7 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
 
 impl Pair {
     fn local(&self, body: usize) -> Difference {
-        let seen = |side: &Side| side.sides.joints[body].in_parent();
+        let seen = |side: &Side| side.sides.rounded.joints[body].in_parent();
         Difference::between(&seen(&self.desired), &seen(&self.measured))
     }
 
@@ -124,16 +126,11 @@ struct Turned {
 
 fn errors(
     table: &mut Table,
-    method: &'static str,
+    names: [&'static str; 4],
     got: &[StateError],
     rounded: &[Difference],
     left_out_rad: impl Fn(usize) -> f64,
 ) {
-    let names = match method {
-        "local" => ["local angle", "local way", "local rate", "local speed"],
-        "world" => ["world angle", "world way", "world rate", "world speed"],
-        _ => ["turned angle", "turned way", "turned rate", "turned speed"],
-    };
     for (body, (got, rounded)) in got.iter().zip(rounded).enumerate() {
         let error = turn_error(got.angular_rad.as_dvec3(), rounded.angular.exact());
         let quantity = Quantity { name: names[0], unit: "rad", scale: PI };
@@ -172,7 +169,7 @@ fn tick(
     let Side { sides, bodies } = &pair.measured;
     let [kp, kv] = GAINS.map(|gain| Number::known(f64::from(gain)));
     let command = |(body, error): (usize, &Difference)| {
-        let joint: &Joint = &sides.joints[body];
+        let joint: &Joint = &sides.rounded.joints[body];
         let to_body = if local { joint.rotation } else { bodies[body].rotation }.inverse();
         let wanted = |way: Vector, rate: Vector| to_body.turn(way * kp + rate * kv);
         let angular = wanted(error.angular, error.angular_rate);
@@ -180,8 +177,7 @@ fn tick(
         Motion { angular, linear }
     };
     let commands: Vec<_> = rounded.iter().enumerate().map(command).collect();
-    let gravity = Vector::known(GRAVITY_M_S2);
-    let needed = rounding::inverse_dynamics(&sides.links, &sides.joints, &commands, gravity);
+    let needed = sides.rounded_wrenches(&commands);
     let moments = got.iter().map(|wrench| wrench.value.moment_nm);
     vectors(table, [name, "N m"], moments, needed.iter().map(|motion| motion.angular));
 }

@@ -2,28 +2,20 @@
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointState, Tree, Twist};
-use sinew_sim::verify::rounding::{self, Vector};
+use sinew_sim::verify::rounding::Vector;
 use sinew_tests::rig::{CAPACITY, Rig};
 use sinew_tests::rounded::motions;
 
 use crate::case::Case;
-use crate::dynamics::Sides;
-
-const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, 0.0, -9.81);
+use crate::dynamics::{GRAVITY_M_S2, Sides};
 
 /// How many rigs each mistake is planted in.
 const RIGS: u64 = 60;
 
 /// Whether a wrench of a wrong rig, or of a wrong motion of it, is over the limit that the right one has.
 fn found(right: &Sides, wrong: &Rig, states: &[JointState], accelerations: &[Twist]) -> bool {
-    let wrong = Sides::new(wrong.clone());
-    let got = wrong.wrenches(states, accelerations, GRAVITY_M_S2);
-    let rounded = rounding::inverse_dynamics(
-        &right.links,
-        &right.joints,
-        &motions(&right.rig.accelerations()),
-        Vector::known(GRAVITY_M_S2),
-    );
+    let got = wrong.wrenches(states, accelerations, GRAVITY_M_S2, &[]);
+    let rounded = right.rounded_wrenches(&motions(&right.rig.accelerations()));
     got.iter().zip(&rounded).any(|(got, rounded)| {
         let off = |got: Vec3, rounded: &Vector| {
             (got.as_dvec3() - rounded.exact()).length() > rounded.limit()

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointKind};
 use sinew_core::{JointState, JointStates, Transform, Twist, Wrench, kinematics};
@@ -17,25 +16,11 @@ const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 /// chain of up to 128, of which most cancel.
 const RELATIVE: f64 = 5e-6;
 
-/// Numerical derivatives of the reference, over the largest: their order of error, at up to 30 rad/s.
+/// Numerical derivatives of the reference, over the largest: their order of error at 30 rad/s, the end of a long chain.
 const DERIVED: f64 = 1e-6;
 
-fn run(
-    rig: &Rig,
-    joints: &[JointState],
-    accelerations: &[Twist],
-    gravity: Vec3,
-    external: &[Wrench],
-) -> Vec<Wrench> {
-    let mut scratch = vec![BodyMotion::default(); rig.tree.len()];
-    let mut out = vec![Wrench::ZERO; rig.tree.len()];
-    let bodies = rig.tree.bodies();
-    inverse_dynamics(bodies, joints, accelerations, gravity, external, &mut scratch, &mut out);
-    out
-}
-
 fn torques(rig: &Rig) -> Vec<Wrench> {
-    run(rig, rig.states().as_slice(), &rig.accelerations(), GRAVITY, &[])
+    rig.wrenches(rig.states().as_slice(), &rig.accelerations(), GRAVITY, &[])
 }
 
 /// Largest moment and force, and no less than one unit of each.
@@ -113,7 +98,7 @@ proptest! {
         (rig, other) in (rigs_with_rotors(CAPACITY, Joints::Mixed), 0.1f32..2.0),
     ) {
         let states = rig.states();
-        let of = |accelerations: &[Twist]| run(&rig, states.as_slice(), accelerations, GRAVITY, &[]);
+        let of = |accelerations: &[Twist]| rig.wrenches(states.as_slice(), accelerations, GRAVITY, &[]);
         let once = rig.accelerations();
         let scaled: Vec<_> =
             once.iter().map(|a| Twist::new(a.angular * other, a.linear * other)).collect();
@@ -131,29 +116,7 @@ proptest! {
 
     #[test]
     fn the_mass_matrix_is_symmetric_and_positive(rig in rigs_with_rotors(12, Joints::Mixed)) {
-        let states = rig.states();
-        let still: Vec<_> =
-            states.as_slice().iter().map(|s| JointState { velocity: Twist::ZERO, ..*s }).collect();
-        let bodies = rig.tree.bodies();
-        let coordinates: Vec<(usize, Twist)> = bodies
-            .iter()
-            .zip(&still)
-            .enumerate()
-            .flat_map(|(index, (body, state))| {
-                let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
-                let columns = body.joint.motion_subspace(in_joint);
-                columns.iter().map(|column| (index, *column)).collect::<Vec<_>>()
-            })
-            .collect();
-        let matrix: Vec<Vec<f64>> = coordinates
-            .iter()
-            .map(|(moved, column)| {
-                let mut accelerations = vec![Twist::ZERO; bodies.len()];
-                accelerations[*moved] = *column;
-                let wrenches = run(&rig, &still, &accelerations, Vec3::ZERO, &[]);
-                coordinates.iter().map(|(body, along)| f64::from(wrenches[*body].power_w(*along))).collect()
-            })
-            .collect();
+        let matrix = rig.mass_matrix_by_torques();
         for row in 0..matrix.len() {
             prop_assert!(matrix[row][row] > 0.0);
             for column in 0..row {
@@ -180,7 +143,7 @@ proptest! {
                 Wrench::new(body.inertia.center_of_mass_m.cross(force_n), force_n)
             })
             .collect();
-        let got = run(&rig, states.as_slice(), &accelerations, Vec3::ZERO, &weights);
+        let got = rig.wrenches(states.as_slice(), &accelerations, Vec3::ZERO, &weights);
         assert_near(&got, &torques(&rig), RELATIVE)?;
     }
 
@@ -195,7 +158,7 @@ proptest! {
                 ..*s
             })
             .collect();
-        let got = run(&rig, &negated, &rig.accelerations(), GRAVITY, &[]);
+        let got = rig.wrenches(&negated, &rig.accelerations(), GRAVITY, &[]);
         prop_assert_eq!(got, torques(&rig), "to the last bit");
     }
 
@@ -243,7 +206,7 @@ fn a_body_in_free_fall_needs_nothing() {
     let states = JointStates::rest(&rig_tree);
     let rig = Rig { tree: rig_tree, motions: vec![] };
     let fall = [Twist::new(Vec3::ZERO, GRAVITY)];
-    assert_eq!(run(&rig, states.as_slice(), &fall, GRAVITY, &[]), [Wrench::ZERO]);
-    let hover = run(&rig, states.as_slice(), &[Twist::ZERO], GRAVITY, &[]);
+    assert_eq!(rig.wrenches(states.as_slice(), &fall, GRAVITY, &[]), [Wrench::ZERO]);
+    let hover = rig.wrenches(states.as_slice(), &[Twist::ZERO], GRAVITY, &[]);
     assert_eq!(hover[0].force_n.as_dvec3(), DVec3::from(GRAVITY * -3.0));
 }
