@@ -197,7 +197,9 @@ pub enum ControlLaw {
 
 /// A linear acceleration in desired body axes, as [`JointTargets`](crate::JointTargets) has it, in measured body axes:
 /// the same vector of the parent's frame.
-#[inline]
+///
+/// Apart, since most joints do not slide.
+#[inline(never)]
 pub(crate) fn through_parent(
     desired: &JointState,
     measured: &JointState,
@@ -257,13 +259,23 @@ impl TorqueLimit {
     /// ```
     #[inline]
     pub fn apply(self, wanted: Wrench) -> Limited<Wrench> {
-        // Written so that NaN and what overflows fail; at most of a bound, a square is as good as a length.
-        let within =
-            |wanted: Vec3, bound: f32| wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO;
         if within(wanted.moment_nm, self.moment_nm) && within(wanted.force_n, self.force_n) {
             return Limited { value: wanted, reason: None };
         }
         self.cut(wanted)
+    }
+
+    /// The same in place. `slides`: whether there may be a force.
+    #[inline]
+    pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
+        let wanted = torque.value;
+        if within(wanted.moment_nm, self.moment_nm)
+            && (!slides || within(wanted.force_n, self.force_n))
+        {
+            torque.reason = None;
+        } else {
+            *torque = self.cut(wanted);
+        }
     }
 
     /// Cuts a wrench that is not well within the bounds.
@@ -296,6 +308,13 @@ impl TorqueLimit {
         };
         Limited { value: Wrench { moment_nm, force_n }, reason }
     }
+}
+
+/// Whether a vector is shorter than a bound, or zero. Written so that NaN and what overflows fail; at most of a bound,
+/// a square is as good as a length.
+#[inline]
+fn within(wanted: Vec3, bound: f32) -> bool {
+    wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO
 }
 
 /// A bound of a torque limit is NaN or negative.

@@ -67,6 +67,8 @@ pub struct Controller<const N: usize> {
     law: ControlLaw,
     gravity_m_s2: Vec3,
     limits: Vec<TorqueLimit, N>,
+    /// Whether a joint slides beside the root's.
+    slides: bool,
     /// By joint, or none at all.
     inertias: Vec<ReflectedInertia, N>,
 }
@@ -112,6 +114,7 @@ impl<const N: usize> Controller<N> {
             }
         }
         self.tree.clone_from(tree);
+        self.slides = tree.bodies().iter().skip(1).any(|body| body.joint.slides());
         self.gains = fixed::collect(tree.bodies().iter().map(|_| gains));
         self.limits = fixed::collect(tree.bodies().iter().map(|_| TorqueLimit::NONE));
         self.method = method;
@@ -129,6 +132,7 @@ impl<const N: usize> Controller<N> {
             law: ControlLaw::default(),
             gravity_m_s2: GRAVITY_M_S2,
             limits: Vec::new(),
+            slides: false,
             inertias: Vec::new(),
         }
     }
@@ -331,10 +335,18 @@ impl<const N: usize> Controller<N> {
             return w.torques.get(..count).unwrap_or_default();
         }
 
-        // Local errors need no world states: they are the joints' own.
-        if !matches!(self.method, Method::Local) {
-            kinematics::body_states(bodies, measured, &mut w.measured);
-            targets.complete(&self.tree);
+        match self.method {
+            // Local errors need no world states: they are the joints' own.
+            Method::Local => {}
+            // World errors only what their joints can act on.
+            Method::World if !self.slides => {
+                kinematics::body_turns(bodies, measured, &mut w.measured);
+                targets.complete(&self.tree);
+            }
+            _ => {
+                kinematics::body_states(bodies, measured, &mut w.measured);
+                targets.complete(&self.tree);
+            }
         }
         match &self.method {
             // Never, for a tree has a body; so images without that room are without this code.
@@ -347,10 +359,7 @@ impl<const N: usize> Controller<N> {
                 let to_body = at.measured.pose.rotation.conjugate();
                 (state_error::of_joint(at.desired, at.measured), to_body)
             }),
-            Method::World => self.direct_commands(targets, measured, w, |at| {
-                let error = StateError::between(at.desired_body, at.measured_body);
-                (error, at.measured_body.pose.rotation.conjugate())
-            }),
+            Method::World => self.world_commands(targets, measured, w),
             Method::Accumulated(references) => {
                 self.direct_commands(targets, measured, w, |at| {
                     let reference = references.as_slice().get(at.body).copied().flatten();
@@ -406,12 +415,7 @@ impl<const N: usize> Controller<N> {
             ),
         }
 
-        for (((body, measured), limit), torque) in
-            bodies.iter().zip(measured).zip(&self.limits).zip(&mut w.torques)
-        {
-            let in_joint = body.rotation_in_joint(measured.pose.rotation);
-            *torque = limit.apply(body.joint.project_wrench(in_joint, torque.value));
-        }
+        limit_wrenches(bodies, measured, &self.limits, &mut w.torques);
         w.torques.get(..count).unwrap_or_default()
     }
 
@@ -459,7 +463,8 @@ impl<const N: usize> Controller<N> {
             .zip(targets.states().iter().zip(measured))
             .zip(targets.accelerations().iter().zip(&mut accelerations))
         {
-            *acceleration = asked_acceleration(body, desired, measured, wanted, Twist::ZERO);
+            let law = ControlLaw::InverseDynamics;
+            *acceleration = asked(body, law, desired, measured, wanted, Twist::ZERO);
         }
         self.limited_wrenches(measured, &accelerations, external, workspace, out);
     }
@@ -559,15 +564,51 @@ impl<const N: usize> Controller<N> {
             if joint.slides() {
                 wanted.linear = math::rotate(to_body, correction.linear);
             }
-            *command = match self.law {
-                ControlLaw::ProportionalDerivative => {
-                    let in_joint = of_tree.rotation_in_joint(measured.pose.rotation);
-                    joint.project_twist(in_joint, wanted)
+            *command = asked(of_tree, self.law, desired, measured, of_targets, wanted);
+        }
+    }
+
+    /// Commands of world errors. Of bodies whose joints only turn it asks for no more than [`kinematics::body_turns`]
+    /// has found.
+    #[inline(never)]
+    fn world_commands<const R: usize>(
+        &self,
+        targets: &JointTargets<N>,
+        measured: &[JointState],
+        w: &mut Workspace<N, R>,
+    ) {
+        let bodies = self.tree.bodies();
+        for (index, ((((body, gains), of_target), desired), (is, command))) in bodies
+            .iter()
+            .zip(&self.gains)
+            .zip(targets.accelerations())
+            .zip(targets.bodies())
+            .zip(w.measured.iter().zip(&mut w.commands))
+            .enumerate()
+        {
+            let of_target =
+                if self.law == ControlLaw::InverseDynamics { of_target } else { &Twist::ZERO };
+            let turn = math::log(math::turn_in_world(is.pose.rotation, desired.pose.rotation));
+            let rate = desired.velocity.angular - is.velocity.angular;
+            let to_body = is.pose.rotation.conjugate();
+            let correction = math::rotate(to_body, turn * gains.kp() + rate * gains.kd());
+            let wanted = correction + of_target.angular;
+            match body.joint {
+                JointKind::Spherical => {
+                    (command.angular, command.linear) = (wanted, Vec3::ZERO);
                 }
-                ControlLaw::InverseDynamics => {
-                    asked_acceleration(of_tree, desired, measured, of_targets, wanted)
+                JointKind::Revolute { axis } => {
+                    (command.angular, command.linear) = (axis * axis.dot(wanted), Vec3::ZERO);
                 }
-            };
+                _ => {
+                    let states = targets.states().get(index).zip(measured.get(index));
+                    let Some((of_joint, measured)) = states else { return };
+                    let states = [of_joint, measured];
+                    command.angular = correction;
+                    let of_bodies = [desired, is];
+                    finish_command(body, *gains, self.law, of_bodies, states, of_target, command);
+                }
+            }
         }
     }
 
@@ -601,31 +642,100 @@ impl<const N: usize> Controller<N> {
     }
 }
 
-/// The acceleration of a joint by its target and a correction, both along its axes, with the bias of moving axes. The
-/// correction and the result are in measured body axes.
+/// What a joint is asked for by a correction, along its axes: by inverse dynamics an acceleration, with its target's
+/// and the bias of moving axes. The correction and the result are in measured body axes.
 #[expect(
     clippy::inline_always,
     reason = "a few operations of every tick, which several callers share: a call costs as much"
 )]
 #[inline(always)]
-fn asked_acceleration(
+fn asked(
     body: &Body,
+    law: ControlLaw,
     desired: &JointState,
     measured: &JointState,
     of_target: &Twist,
     correction: Twist,
 ) -> Twist {
     let (joint, mut wanted) = (body.joint, correction);
-    wanted.angular += of_target.angular;
-    if joint.slides() {
-        wanted.linear += through_parent(desired, measured, of_target.linear);
+    let is_acceleration = law == ControlLaw::InverseDynamics;
+    if is_acceleration {
+        wanted.angular += of_target.angular;
+        if joint.slides() {
+            wanted.linear += through_parent(desired, measured, of_target.linear);
+        }
     }
     let in_joint = body.rotation_in_joint(measured.pose.rotation);
     let mut allowed = joint.project_twist(in_joint, wanted);
-    if matches!(joint, JointKind::Universal { .. }) {
-        allowed = allowed + joint.bias_acceleration(in_joint, measured.velocity);
+    if is_acceleration && matches!(joint, JointKind::Universal { .. }) {
+        allowed.angular += moving_axis(body, measured);
     }
     allowed
+}
+
+/// The angular acceleration that a universal joint has by the motion of its first axis. Apart, since most joints are
+/// none.
+#[inline(never)]
+fn moving_axis(body: &Body, measured: &JointState) -> Vec3 {
+    let in_joint = body.rotation_in_joint(measured.pose.rotation);
+    body.joint.bias_acceleration(in_joint, measured.velocity).angular
+}
+
+/// The command of a joint that is no ball and has not a single axis to turn about, by the angular correction that is in
+/// `command`. `bodies`, `joints`: desired and measured. Apart: it would take registers from the others.
+#[inline(never)]
+fn finish_command(
+    body: &Body,
+    gains: Gains,
+    law: ControlLaw,
+    bodies: [&BodyState; 2],
+    joints: [&JointState; 2],
+    of_target: &Twist,
+    command: &mut Twist,
+) {
+    let ([desired, is], [of_joint, measured]) = (bodies, joints);
+    let mut wanted = Twist { linear: Vec3::ZERO, ..*command };
+    if body.joint.slides() {
+        let correction = gains.apply(&StateError {
+            linear_m: desired.pose.translation_m - is.pose.translation_m,
+            linear_rate_m_s: desired.velocity.linear - is.velocity.linear,
+            ..StateError::ZERO
+        });
+        wanted.linear = math::rotate(is.pose.rotation.conjugate(), correction.linear);
+    }
+    *command = asked(body, law, of_joint, measured, of_target, wanted);
+}
+
+/// What joints' drives are to deliver of the wrenches on their bodies, within their limits, in place.
+///
+/// Apart, and in place: within a tick it would share registers with all the rest, and wrenches would go through the
+/// stack.
+#[inline(never)]
+fn limit_wrenches(
+    bodies: &[Body],
+    measured: &[JointState],
+    limits: &[TorqueLimit],
+    torques: &mut [Limited<Wrench>],
+) {
+    for (((body, measured), limit), torque) in bodies.iter().zip(measured).zip(limits).zip(torques)
+    {
+        let wrench = &mut torque.value;
+        match body.joint {
+            JointKind::Spherical => wrench.force_n = Vec3::ZERO,
+            JointKind::Revolute { axis } => {
+                wrench.moment_nm = axis * axis.dot(wrench.moment_nm);
+                wrench.force_n = Vec3::ZERO;
+            }
+            JointKind::Free => {}
+            joint => {
+                let in_joint = body.rotation_in_joint(measured.pose.rotation);
+                let (moment_nm, force_n) =
+                    joint.on_axes(in_joint, wrench.moment_nm, wrench.force_n);
+                *wrench = Wrench { moment_nm, force_n };
+            }
+        }
+        limit.bound(torque, body.joint.slides());
+    }
 }
 
 /// What the state error of one body is made of.

@@ -102,6 +102,27 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
+    /// Takes the next frame where there are no two before it yet: it tells no targets. O(n).
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub(crate) fn lead(
+        &mut self,
+        tree: &Tree<N>,
+        frame: &[Transform],
+    ) -> Result<(), StateInputError> {
+        let frame = checked_poses(frame, tree.len())?;
+        for (index, (body, newest)) in tree.bodies().iter().zip(frame).enumerate() {
+            let parent = of_parent(body, &self.joints, &Remembered::NOTHING).body;
+            let Some(joint) = self.joints.get_mut(index) else { break };
+            joint.body = parent * joint.newer;
+            let newest = with_unit_rotation(newest);
+            joint.step = step(&joint.newer, &newest, self.rate_hz);
+            (joint.older, joint.newer) = (joint.newer, newest);
+        }
+        Ok(())
+    }
+
     /// Takes the next frame, and gives the targets of the frame two before it. O(n).
     ///
     /// # Errors
@@ -122,9 +143,7 @@ impl<const N: usize> ForwardDifferences<N> {
             return Err(StateInputError::TimeStep);
         }
         let (states, accelerations, bodies) = out.whole(tree);
-        for (index, ((body, newest), (state, acceleration))) in
-            tree.bodies().iter().zip(frame).zip(states.iter_mut().zip(accelerations)).enumerate()
-        {
+        for (index, (body, state)) in tree.bodies().iter().zip(states.iter_mut()).enumerate() {
             // The parent's has moved on to the newer frame already.
             let parent_after = of_parent(body, &self.joints, &Remembered::NOTHING).body;
             let Some(joint) = self.joints.get_mut(index) else { break };
@@ -143,7 +162,11 @@ impl<const N: usize> ForwardDifferences<N> {
             *state = JointState { pose: joint.older, velocity };
             let Some(slot) = bodies.get_mut(index) else { break };
             *slot = of_body;
-
+        }
+        // Apart: all at once are more than there are registers for.
+        for (((body, newest), joint), acceleration) in
+            tree.bodies().iter().zip(frame).zip(&mut self.joints).zip(accelerations)
+        {
             let newest = with_unit_rotation(newest);
             let leads = step(&joint.newer, &newest, rate_hz);
             let change = (leads - joint.step) * rate_hz;

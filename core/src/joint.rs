@@ -155,7 +155,7 @@ impl JointKind {
 
     /// What a joint of at most two axes lets through. Apart from the other kinds, which have nothing to compute and are
     /// most of a figure's.
-    fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
+    pub(crate) fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Fixed => (Vec3::ZERO, Vec3::ZERO),
             Self::Revolute { axis } => (axis * axis.dot(angular), Vec3::ZERO),

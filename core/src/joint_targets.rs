@@ -112,6 +112,23 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
+    /// Moves all joints of a tree on at their constant velocities, but those that would leave the numbers of f32.
+    /// Accelerations are zero then. O(n).
+    #[inline(never)]
+    pub(crate) fn go_on(&mut self, tree: &Tree<N>, dt_s: f32) {
+        for (body, (state, acceleration)) in
+            tree.bodies().iter().zip(self.states.iter_mut().zip(&mut self.accelerations))
+        {
+            let velocity = state.velocity;
+            let moved = state.moved(velocity * dt_s, velocity, body.joint.slides());
+            if moved.check().is_ok() {
+                *state = moved.with_unit_rotation();
+            }
+            *acceleration = Twist::ZERO;
+        }
+        self.known_for = None;
+    }
+
     /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
     /// in a tree, which count as known from here on. Finite, and with unit rotations.
     pub(crate) fn whole(

@@ -1,5 +1,6 @@
 //! Forward kinematics: from joint states to world states.
 
+use crate::math;
 use crate::state::{BodyState, JointState};
 use crate::transform::Twist;
 use crate::tree::Body;
@@ -28,6 +29,24 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
         let state = of_parent(body, out, &BodyState::WORLD).child(joint);
         let Some(slot) = out.get_mut(index) else { return };
         *slot = state;
+    }
+}
+
+/// As [`body_states`], to the same bits, but of bodies that have a parent only the rotation and the angular velocity:
+/// what the world errors of joints that turn are made of. The rest of them is left as it is. O(n).
+pub(crate) fn body_turns(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]) {
+    for (index, (body, joint)) in bodies.iter().zip(joints).enumerate() {
+        let parent = body.parent.and_then(|parent| out.get(parent));
+        let Some(BodyState { pose, velocity }) = parent else {
+            let Some(slot) = out.get_mut(index) else { return };
+            let velocity = joint.velocity.rotated(joint.pose.rotation);
+            *slot = BodyState { pose: joint.pose, velocity };
+            continue;
+        };
+        let rotation = pose.rotation * joint.pose.rotation;
+        let angular = velocity.angular + math::rotate(rotation, joint.velocity.angular);
+        let Some(slot) = out.get_mut(index) else { return };
+        (slot.pose.rotation, slot.velocity.angular) = (rotation, angular);
     }
 }
 

@@ -385,8 +385,8 @@ impl ObserverSettings {
         let slides = body.joint.slides();
         // The way of this tick as expected and as it came, both in the axes of the body before it.
         let to_body = before.pose.rotation.conjugate();
-        let velocity = before.velocity + scaled(made.acceleration + *disturbance, dt_s);
-        let expected = scaled(velocity, dt_s);
+        let velocity = before.velocity + (made.acceleration + *disturbance) * dt_s;
+        let expected = velocity * dt_s;
         let came = Twist {
             angular: math::log(to_body * measured.rotation),
             linear: to_body * (measured.translation_m - before.pose.translation_m),
@@ -398,14 +398,14 @@ impl ObserverSettings {
             }
             _ => Quat::IDENTITY,
         };
-        let off = body.joint.project_twist(in_joint, came + scaled(expected, -1.0));
+        let off = body.joint.project_twist(in_joint, came - expected);
         if !made.limited {
-            let learnt = scaled(off, self.disturbance_gain_per_s2);
+            let learnt = off * self.disturbance_gain_per_s2;
             *disturbance = self.bounded(*disturbance + learnt);
         }
-        let way = expected + scaled(off, pose_gain);
-        let velocity = velocity + scaled(off, velocity_gain_per_s);
-        let mut state = on(before, way, velocity, slides);
+        let way = expected + off * pose_gain;
+        let velocity = velocity + off * velocity_gain_per_s;
+        let mut state = before.moved(way, velocity, slides);
         if !slides {
             state.pose.translation_m = measured.translation_m;
         }
@@ -525,23 +525,8 @@ fn keep_on_axes(
 
 /// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
 fn moved(joint: &JointState, acceleration: Twist, dt_s: f32, slides: bool) -> JointState {
-    let velocity = joint.velocity + scaled(acceleration, dt_s);
-    on(joint, scaled(velocity, dt_s), velocity, slides)
-}
-
-/// A joint after a displacement, with its new velocity, both given in the axes of the body before.
-fn on(joint: &JointState, way: Twist, velocity: Twist, slides: bool) -> JointState {
-    let turn = math::exp(way.angular);
-    let mut pose = Transform { rotation: joint.pose.rotation * turn, ..joint.pose };
-    let mut velocity = velocity;
-    if slides {
-        pose.translation_m += joint.pose.rotation * way.linear;
-        // A turn leaves the components of the angular velocity about its own axis alone, not these.
-        velocity.linear = turn.conjugate() * velocity.linear;
-    } else {
-        velocity.linear = joint.velocity.linear;
-    }
-    JointState { pose, velocity }
+    let velocity = joint.velocity + acceleration * dt_s;
+    joint.moved(velocity * dt_s, velocity, slides)
 }
 
 /// A vector, shortened to a length.
@@ -549,10 +534,6 @@ fn on(joint: &JointState, way: Twist, velocity: Twist, slides: bool) -> JointSta
 fn within(v: Vec3, most: f32) -> Vec3 {
     let squared = v.dot(v);
     if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
-}
-
-fn scaled(motion: Twist, factor: f32) -> Twist {
-    Twist { angular: motion.angular * factor, linear: motion.linear * factor }
 }
 
 /// Why an observer was refused.

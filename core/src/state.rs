@@ -101,6 +101,21 @@ impl JointState {
         self.pose.rotation = math::unit(self.pose.rotation);
         self
     }
+
+    /// The joint after a displacement, with its new velocity, both given in the axes of the body before.
+    pub(crate) fn moved(&self, way: Twist, velocity: Twist, slides: bool) -> Self {
+        let turn = math::exp(way.angular);
+        let mut pose = Transform { rotation: self.pose.rotation * turn, ..self.pose };
+        let mut velocity = velocity;
+        if slides {
+            pose.translation_m += self.pose.rotation * way.linear;
+            // A turn leaves the components of the angular velocity about its own axis alone, not these.
+            velocity.linear = turn.conjugate() * velocity.linear;
+        } else {
+            velocity.linear = self.velocity.linear;
+        }
+        Self { pose, velocity }
+    }
 }
 
 /// State of a body: its pose in a reference frame (mostly the world), and its velocity in the axes of

@@ -45,10 +45,16 @@ impl Body {
     #[inline]
     pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
         if matches!(self.joint, JointKind::Universal { .. }) {
-            self.placement.rotation.conjugate() * rotation
+            self.turn_from_placement(rotation)
         } else {
             Quat::IDENTITY
         }
+    }
+
+    /// Apart, since most joints do not ask.
+    #[inline(never)]
+    fn turn_from_placement(&self, rotation: Quat) -> Quat {
+        self.placement.rotation.conjugate() * rotation
     }
 }
 

@@ -32,7 +32,9 @@ impl Image {
     pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Result<Command> {
         let mut command = arm::toolchain_for(target)?.cargo_for(target, verb);
         command.args(["--package", self.package, "--bin", self.name]);
-        command.args(["--profile", profile_of(self.name)]);
+        // Clippy finds the same in any profile: in one, what images share is checked once.
+        let profile = if verb == "clippy" { FIRMWARE } else { profile_of(self.name) };
+        command.args(["--profile", profile]);
         if let Some(feature) = self.feature {
             command.args(["--features", feature]);
         }
@@ -55,8 +57,11 @@ pub(crate) fn path_of(target: &str, name: &str) -> PathBuf {
     arm::target_dir().join(target).join(profile_of(name)).join(name)
 }
 
+/// The profile of images.
+const FIRMWARE: &str = "firmware";
+
 /// Boards that run the node have a profile of their own: what is small.
 fn profile_of(name: &str) -> &'static str {
     let is_node = |board: &Board| board.name == name && board.baked.is_none();
-    if BOARDS.iter().any(is_node) { "node" } else { "firmware" }
+    if BOARDS.iter().any(is_node) { "node" } else { FIRMWARE }
 }

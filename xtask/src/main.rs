@@ -10,7 +10,6 @@ mod elf;
 mod emulate;
 mod features;
 mod firmware;
-mod fuzz;
 mod image;
 mod limits;
 mod node;

@@ -7,8 +7,8 @@ use sinew_image::BOARDS;
 
 use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, deny, docs, emulate, features, firmware, fuzz, node, package,
-    parity, setup, step,
+    arm, audit, budget, clients, deny, docs, emulate, features, firmware, node, package, parity,
+    setup, step,
 };
 
 pub(crate) fn run() -> Result<()> {
@@ -17,7 +17,14 @@ pub(crate) fn run() -> Result<()> {
     let deny = ["--", "--deny", "warnings"];
     step::run(
         "clippy",
-        step::cargo().args(["clippy", "--locked", "--workspace", "--all-targets"]).args(deny),
+        step::cargo()
+            .args(["clippy", "--locked", "--workspace", "--all-targets"])
+            // Fuzz targets as a fuzzer builds them.
+            .args(
+                ["bus", "link", "firmware", "sim"]
+                    .map(|of| format!("--features=sinew-{of}-fuzz/bolero")),
+            )
+            .args(deny),
     )?;
     deny::run()?;
     features::run()?;
@@ -28,6 +35,8 @@ pub(crate) fn run() -> Result<()> {
             // Examples let it share with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
+            // They hold nothing but tests.
+            .args(["--exclude", "sinew-*-fuzz"])
             // It is empty for a host.
             .args(["--exclude", "sinew-stm32"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
@@ -39,7 +48,6 @@ pub(crate) fn run() -> Result<()> {
     audit::self_test()?;
     audit::run()?;
     clients::run()?;
-    fuzz::run()?;
     let machines = parity::build()?;
     let image = node::build()?;
     let emulator = emulate::build()?;

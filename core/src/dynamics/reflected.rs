@@ -148,11 +148,17 @@ fn along(inertia: &ArticulatedInertia, freedoms: &[Twist], rotor: f32) -> Reflec
 fn give_way(inertia: &mut ArticulatedInertia, freedoms: &[Twist], rotor: f32) {
     let whole = *inertia;
     for freedom in freedoms {
-        let wrench = inertia.wrench(*freedom);
+        let wrench = wrench_of(inertia, *freedom);
         let resistance = wrench.power_w(*freedom) + rotor;
         // What the freedoms before have taken away but for rounding has no direction left.
-        if resistance > ROUNDING * whole.wrench(*freedom).power_w(*freedom) {
+        if resistance > ROUNDING * wrench_of(&whole, *freedom).power_w(*freedom) {
             inertia.give_way(&wrench, 1.0 / resistance);
         }
     }
+}
+
+/// [`ArticulatedInertia::wrench`] as a call: this is no part of a tick, and images hold it once.
+#[inline(never)]
+fn wrench_of(inertia: &ArticulatedInertia, acceleration: Twist) -> Wrench {
+    inertia.wrench(acceleration)
 }

@@ -17,6 +17,14 @@ pub struct BodyMotion {
     linear_acceleration: Vec3,
 }
 
+impl BodyMotion {
+    const AT_REST: Self = Self {
+        angular_velocity: Vec3::ZERO,
+        angular_acceleration: Vec3::ZERO,
+        linear_acceleration: Vec3::ZERO,
+    };
+}
+
 /// Wrench that each joint must pass to its body for the given motion: the recursive Newton-Euler
 /// algorithm in the vector form of Luh, Walker & Paul, "On-Line Computational Scheme for Mechanical
 /// Manipulators" (1980), for joints of any kind and a fixed or a free root. O(n).
@@ -75,18 +83,17 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         .into_iter()
         .fold(bodies.len(), usize::min);
     let bodies = bodies.get(..count).unwrap_or_default();
-    let world = BodyMotion { linear_acceleration: -gravity_m_s2, ..BodyMotion::default() };
 
     // Outward: motions from the root to the leaves.
     for (index, ((body, joint), acceleration)) in
         bodies.iter().zip(joints).zip(accelerations).enumerate()
     {
-        let to_body = Mat3::from_quat(joint.pose.rotation.conjugate());
-        let parent = of_parent(body, scratch, &world);
-        let slides = body.joint.slides();
-        let motion = outward(parent, to_body, joint, acceleration, slides);
+        let parent = *of_parent(body, scratch, &BodyMotion::AT_REST);
         let Some(slot) = scratch.get_mut(index) else { return };
-        *slot = motion;
+        *slot = outward(&parent, joint, acceleration, body.joint.slides());
+        if body.parent.is_none() {
+            fall(slot, joint, gravity_m_s2);
+        }
     }
     // The wrench that each body needs by itself. Apart: in one loop with the above, x86 compilers shuffle more than
     // they compute.
@@ -131,15 +138,22 @@ fn add_rotor(wrench: &mut Wrench, body: &Body, acceleration: Option<&Twist>) {
     }
 }
 
+/// Adds to the motion of a root that the world rises: minus gravity. Apart: it would take registers from all bodies.
+#[inline(never)]
+fn fall(motion: &mut BodyMotion, joint: &JointState, gravity_m_s2: Vec3) {
+    let to_body = Mat3::from_quat(joint.pose.rotation).transpose();
+    motion.linear_acceleration += to_body * -gravity_m_s2;
+}
+
 /// Motion of a body from its parent's and its joint's.
 #[inline]
 fn outward(
     parent: &BodyMotion,
-    to_body: Mat3,
     joint: &JointState,
     acceleration: &Twist,
     slides: bool,
 ) -> BodyMotion {
+    let to_body = Mat3::from_quat(joint.pose.rotation).transpose();
     let arm = joint.pose.translation_m;
     let w = joint.velocity.angular;
     let carried_velocity = to_body * parent.angular_velocity;

@@ -18,6 +18,10 @@ use super::error::{InputError, TrackerError, check_count};
 use super::frames::{Frame, FrameSource};
 use super::names::{DesiredVelocity, Differences};
 
+/// Frames that differences need to know before the next one tells a target: two are what is differenced, and the
+/// projection goes on from one more.
+const LEAD: u8 = 3;
+
 /// What frames are. Of coordinates nothing is remembered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -47,6 +51,8 @@ pub(super) struct Desired<const N: usize> {
     kind: Option<Kind>,
     /// The number of the last frame that was taken; none before the first.
     newest: Option<i32>,
+    /// How many frames that follow each other are known, up to [`LEAD`].
+    known: u8,
     targets: JointTargets<N>,
 }
 
@@ -66,6 +72,7 @@ impl<const N: usize> Desired<N> {
             oldest: 0,
             kind: None,
             newest: None,
+            known: 0,
             targets: JointTargets::of_nothing(),
             projected: ProjectionWorkspace::new(),
         }
@@ -129,52 +136,44 @@ impl<const N: usize> Desired<N> {
         index: i32,
     ) -> Result<(), InputError> {
         self.projected.reset();
-        self.newest = None;
-        match frames.frame(self.met_by(index)) {
+        (self.kind, self.newest, self.known) = (None, None, 0);
+        let kind = match frames.frame(self.met_by(index)) {
+            Frame::Coordinates { .. } => Kind::Coordinates,
             Frame::Poses(_) => {
-                self.kind = Some(Kind::Poses);
-                self.lead_in(tree, frames, index)
-            }
-            Frame::Coordinates { .. } => {
-                self.kind = Some(Kind::Coordinates);
-                Ok(())
-            }
-        }
-    }
-
-    /// Takes the frames that lead to those of tick `index`: after it the tick takes one, as each does that follows.
-    // Not within its caller, whose frame on the stack every tick would pay for.
-    #[inline(never)]
-    fn lead_in(
-        &mut self,
-        tree: &Tree<N>,
-        frames: &mut impl FrameSource,
-        index: i32,
-    ) -> Result<(), InputError> {
-        let newest = self.newest_of(index);
-        self.newest = None;
-        self.steps_known = false;
-        let dt_s = self.dt_s;
-        for back in [3, 2, 1] {
-            let frame = frames.frame(newest.saturating_sub(back));
-            if self.differences_bodies() {
-                let [slot, ..] = &mut self.window;
-                let joints = performed((&self.projection, &mut self.projected), tree, frame, slot)?;
-                match back {
-                    2 => self.of_bodies.restart(tree, dt_s, joints)?,
-                    1 => self.of_bodies.advance(tree, joints, &mut self.targets)?,
-                    // The first one is for the projection, which goes on from frame to frame.
-                    _ => {}
+                let newest = self.newest_of(index);
+                for back in (1..=i32::from(LEAD)).rev() {
+                    self.lead(tree, frames.frame(newest.saturating_sub(back)))?;
                 }
-            } else {
-                self.take_in(tree, frame)?;
+                self.newest = Some(newest.saturating_sub(1));
+                Kind::Poses
             }
-        }
-        self.newest = Some(newest.saturating_sub(1));
+        };
+        self.kind = Some(kind);
         Ok(())
     }
 
-    /// The targets of tick `index`. From one tick to the next it takes one frame, after a jump four.
+    /// Takes a frame that tells no target yet.
+    // Not within its callers, whose frame on the stack every tick would pay for.
+    #[inline(never)]
+    fn lead(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
+        if self.differences_bodies() {
+            let [slot, ..] = &mut self.window;
+            let joints = performed((&self.projection, &mut self.projected), tree, frame, slot)?;
+            match self.known {
+                0 => {}
+                1 => self.of_bodies.restart(tree, self.dt_s, joints)?,
+                _ => self.of_bodies.lead(tree, joints)?,
+            }
+        } else {
+            self.take_in(tree, frame)?;
+            self.steps_known = false;
+        }
+        self.known = self.known.saturating_add(1);
+        Ok(())
+    }
+
+    /// The targets of tick `index`. Each tick takes one frame. After a jump the first [`LEAD`] of them tell no target
+    /// yet: meanwhile the targets go on as they were, at constant velocities.
     pub(super) fn follow(
         &mut self,
         tree: &Tree<N>,
@@ -188,13 +187,15 @@ impl<const N: usize> Desired<N> {
             return self.take_exactly(tree, frames.frame(self.met_by(index)));
         }
         let newest = self.newest_of(index);
-        if self.newest.and_then(|newest| newest.checked_add(1)) != Some(newest) {
-            self.lead_in(tree, frames, index)?;
+        // A frame that is refused is a jump, too.
+        if self.newest.take().and_then(|newest| newest.checked_add(1)) != Some(newest) {
+            self.known = 0;
         }
-        // Begins anew if the frame is refused.
-        self.newest = None;
         let frame = frames.frame(newest);
-        if self.differences_bodies() {
+        if self.known < LEAD {
+            self.lead(tree, frame)?;
+            self.targets.go_on(tree, self.dt_s);
+        } else if self.differences_bodies() {
             let [slot, ..] = &mut self.window;
             let joints = performed((&self.projection, &mut self.projected), tree, frame, slot)?;
             self.of_bodies.advance(tree, joints, &mut self.targets)?;

@@ -154,7 +154,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
             timing.check_recommended()?;
         }
         settings.set_controller(&mut self.controller, tree, dt_s)?;
-        let effective = settings.effective(dt_s);
+        let effective = settings.effective(timing);
         // Who does not look ahead acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
@@ -267,8 +267,13 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
 
     /// One tick: torques for frame `index`, from what the joints' sensors measure now. O(n).
     ///
-    /// From one frame to the next one frame is taken, after a jump four. A tick that is refused has taken its time: the
-    /// next goes on from differences over it. Ticks that are left out must be told: see [`Self::skip`].
+    /// Each tick takes one frame. Poses tell a target together with those before them: in the first three ticks after a
+    /// jump, such as over a tick that was left out or a frame that was refused, the targets go on as they were, at
+    /// constant velocities. So a rig that was late once is not late again. Who wants the new frames at once calls
+    /// [`Self::begin_frames`].
+    ///
+    /// A tick that is refused has taken its time: the next goes on from differences over it. Ticks that are left out
+    /// must be told: see [`Self::skip`].
     ///
     /// # Errors
     /// [`StepError`] if a frame is refused, or a reading: not one for each joint, a pose that is not finite or whose

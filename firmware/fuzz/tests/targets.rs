@@ -1,6 +1,7 @@
 //! A target for what a host may write, and one for all that it may say, in every state: each takes the corpus, then
 //! what bolero thinks of.
 
+#![cfg(feature = "bolero")]
 #![expect(dead_code, reason = "tests of the node use the rest")]
 
 #[path = "../../tests/node/decoders.rs"]
@@ -37,7 +38,6 @@ fn settings() {
     inputs::settings().for_each(|bytes| {
         decoders::settings(&bytes);
     });
-    #[cfg(feature = "bolero")]
     bolero::check!().for_each(|bytes: &[u8]| {
         decoders::settings(bytes);
     });
@@ -49,7 +49,6 @@ fn node() {
     inputs::node().for_each(|bytes| {
         decoders::node(&bytes);
     });
-    #[cfg(feature = "bolero")]
     bolero::check!().for_each(|bytes: &[u8]| {
         decoders::node(bytes);
     });

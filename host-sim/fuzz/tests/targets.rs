@@ -1,10 +1,11 @@
 //! The readers' targets, on what bolero thinks of.
 
+#![cfg(feature = "bolero")]
+
 #[path = "../../tests/readers/targets.rs"]
 mod targets;
 
 /// The target that `SINEW_TARGET` names; without a name all of them, by the first byte.
-#[cfg(feature = "bolero")]
 #[test]
 fn readers() {
     let wanted = std::env::var("SINEW_TARGET").ok();

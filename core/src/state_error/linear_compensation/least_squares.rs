@@ -2,8 +2,8 @@
 
 use glam::{Mat3, Quat, Vec3};
 
-use super::one_goal::{SHORTEST_AIM_M, SMALLEST_SINE};
-use super::{AimStatus, Compensation, compensate, with_turn};
+use super::one_goal::{SHORTEST_AIM_M, SMALLEST_SINE, toward};
+use super::{AimStatus, Compensation, with_turn};
 use crate::math;
 use crate::matrix::outer;
 use crate::state::BodyState;
@@ -48,46 +48,25 @@ pub fn compensate_all(
     desired: &BodyState,
     measured: &BodyState,
 ) -> (StateError, AimStatus) {
-    let world = StateError::between(desired, measured);
-    let arms = match Arms::new(goal_arms_m) {
-        Arms::None => return (world, AimStatus::Leaf),
-        Arms::TooShort => return (world, AimStatus::ZeroAim),
-        Arms::Balanced => return (world, AimStatus::Parallel),
-        Arms::Line(arm) => return compensate(Some(arm), settings, desired, measured),
-        Arms::TooLong => return (world, AimStatus::NotFinite),
-        Arms::Spread(arms) => arms,
-    };
-    let scale = arms.scale(world.linear_m);
-    if !(scale * scale).is_finite() {
-        return (world, AimStatus::NotFinite);
+    match Arms::new(goal_arms_m) {
+        Arms::Without(status) => toward(Err(status), settings, desired, measured),
+        Arms::Line(arm) => toward(Ok(arm), settings, desired, measured),
+        Arms::Spread(arms) => arms.compensate(settings, desired, measured),
     }
-    let Some(turn) = arms.best_turn(world.linear_m, scale) else {
-        return (world, AimStatus::Antiparallel);
-    };
-    let status = if turn == Quat::IDENTITY { AimStatus::Parallel } else { AimStatus::Compensated };
-    let turn = math::exp(math::log(turn) * settings.beta);
-    let rate = arms.turn_rate(world.linear_rate_m_s) * settings.beta;
-    (with_turn(turn, rate, settings.rate_term, desired, measured), status)
 }
 
 /// How the arms to a body's children lie.
-enum Arms {
-    /// There are none.
-    None,
-    /// All are shorter than what gives a direction.
-    TooShort,
-    /// f32 does not have the fourth powers of their lengths.
-    TooLong,
+pub(super) enum Arms {
+    /// There are none, or so that no turn brings the children nearer.
+    Without(AimStatus),
     /// On one line through the origin: only a turn across it counts, and it is that of this one arm.
     Line(Vec3),
-    /// On one line through the origin, evenly to both sides: no turn brings them nearer.
-    Balanced,
     /// In a plane or in space.
     Spread(Spread),
 }
 
 /// All that the best turn depends on.
-struct Spread {
+pub(super) struct Spread {
     /// `Σ a`, m.
     sum: Vec3,
     /// `Σ a aᵀ`, m².
@@ -95,7 +74,7 @@ struct Spread {
 }
 
 impl Arms {
-    fn new(arms: impl Iterator<Item = Vec3>) -> Self {
+    pub(super) fn new(arms: impl Iterator<Item = Vec3>) -> Self {
         let (mut count, mut sum, mut second_moment) = (0u32, Vec3::ZERO, Mat3::ZERO);
         for arm in arms {
             count = count.saturating_add(1);
@@ -103,7 +82,7 @@ impl Arms {
             second_moment += outer(arm, arm);
         }
         if count == 0 {
-            return Self::None;
+            return Self::Without(AimStatus::Leaf);
         }
         if count == 1 {
             return Self::Line(sum);
@@ -111,10 +90,11 @@ impl Arms {
         let squares = trace(second_moment);
         let shortest = SHORTEST_AIM_M * SHORTEST_AIM_M;
         if squares < shortest {
-            return Self::TooShort;
+            // All of them: what has no length has no direction.
+            return Self::Without(AimStatus::ZeroAim);
         }
         if !(squares * squares).is_finite() {
-            return Self::TooLong;
+            return Self::Without(AimStatus::NotFinite);
         }
         // The second eigenvalue, if it is small: the second elementary symmetric function of the three over
         // the first.
@@ -132,26 +112,52 @@ impl Arms {
         let direction = along / math::length(along);
         let lever = sum.dot(direction);
         if lever * lever < SMALLEST_SINE * SMALLEST_SINE * squares {
-            return Self::Balanced;
+            // Evenly to both sides of the origin.
+            return Self::Without(AimStatus::Parallel);
         }
         Self::Line(direction * (squares / lever))
     }
 }
 
 impl Spread {
+    /// The error of a body with such arms to its children, in world axes.
+    pub(super) fn compensate(
+        &self,
+        settings: Compensation,
+        desired: &BodyState,
+        measured: &BodyState,
+    ) -> (StateError, AimStatus) {
+        let shift = desired.pose.translation_m - measured.pose.translation_m;
+        let turn = match self.best_turn(shift) {
+            Ok(turn) => turn,
+            Err(status) => return (StateError::between(desired, measured), status),
+        };
+        let status =
+            if turn == Quat::IDENTITY { AimStatus::Parallel } else { AimStatus::Compensated };
+        let turn = math::exp(math::log(turn) * settings.beta);
+        let shift_rate = desired.velocity.linear - measured.velocity.linear;
+        let rate = self.turn_rate(shift_rate) * settings.beta;
+        (with_turn(turn, rate, settings.rate_term, desired, measured), status)
+    }
+
     /// The largest curvature that there can be, m².
     fn scale(&self, shift: Vec3) -> f32 {
         trace(self.second_moment) + math::length(shift) * math::length(self.sum)
     }
 
     /// The rotation Φ that makes `Σ |Φ a - (a + e)|²` least, `e` the desired less the measured origin; the
-    /// identity if nothing is better, and none if no way to better ones is the best. `scale` as [`Self::scale`].
+    /// identity if nothing is better, or why there is none: no way to better ones is the best, or f32 does not have
+    /// the curvature's square.
     ///
     /// It makes `tr(Φᵀ B)` largest, `B = Σ (a + e) aᵀ`. About a unit axis n through angle θ that grows by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature
     /// `H = tr(B Φᵀ) 1 - sym(B Φᵀ)`: so each step takes the axis that Newton's method gives, and the very
     /// best angle about it. It never goes down, and has no second maximum to end at.
-    fn best_turn(&self, shift: Vec3, scale: f32) -> Option<Quat> {
+    fn best_turn(&self, shift: Vec3) -> Result<Quat, AimStatus> {
+        let scale = self.scale(shift);
+        if !(scale * scale).is_finite() {
+            return Err(AimStatus::NotFinite);
+        }
         let goals = self.second_moment + outer(shift, self.sum);
         let mut turn = Quat::IDENTITY;
         for _ in 0..MOST_STEPS {
@@ -166,7 +172,7 @@ impl Spread {
             let newton = solve(curvature, SMALLEST_SINE * scale, slope);
             if math::length(slope) <= SMALLEST_SINE * scale {
                 // At a saddle more than one way leads up, and none of them is better than the others.
-                return newton.map(|_| turn);
+                return newton.map(|_| turn).ok_or(AimStatus::Antiparallel);
             }
             // Far from the best rotation the curvature has to be lifted for a direction that leads up: by
             // little more than needed, or the steps get short. The last is enough for any.
@@ -184,7 +190,7 @@ impl Spread {
                 break;
             }
         }
-        Some(turn)
+        Ok(turn)
     }
 
     /// Rate of the best turn where the linear error is small: `M φ = Σ a × e` there, with the curvature

@@ -13,6 +13,8 @@ use glam::{Quat, Vec3};
 use super::StateError;
 use crate::math;
 use crate::state::BodyState;
+use least_squares::Arms;
+use one_goal::toward;
 
 /// How strongly, and with which rate term, Linear Compensation acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,15 +146,19 @@ pub(crate) fn aimed(
         Some(child.pose.translation_m - of_desired.pose.translation_m)
     };
     let goal_arm = match *aim {
-        Aim::None => None,
-        Aim::Child(child) => arm_to(child),
-        Aim::Point(point) => Some(math::rotate(of_desired.pose.rotation, point)),
-        Aim::Children(children) => {
-            let arms = children.iter().filter_map(arm_to);
-            return compensate_all(arms, settings, of_desired, of_measured);
-        }
+        Aim::None => Err(AimStatus::Leaf),
+        Aim::Child(child) => arm_to(child).ok_or(AimStatus::Leaf),
+        Aim::Point(point) => Ok(math::rotate(of_desired.pose.rotation, point)),
+        // One place for a single goal, whatever it is of: images hold what is in line once.
+        Aim::Children(children) => match Arms::new(children.iter().filter_map(arm_to)) {
+            Arms::Without(status) => Err(status),
+            Arms::Line(arm) => Ok(arm),
+            Arms::Spread(arms) => {
+                return arms.compensate(settings, of_desired, of_measured);
+            }
+        },
     };
-    compensate(goal_arm, settings, of_desired, of_measured)
+    toward(goal_arm, settings, of_desired, of_measured)
 }
 
 /// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted

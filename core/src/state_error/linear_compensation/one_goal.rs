@@ -39,8 +39,19 @@ pub fn compensate(
     desired: &BodyState,
     measured: &BodyState,
 ) -> (StateError, AimStatus) {
+    toward(goal_arm_m.ok_or(AimStatus::Leaf), settings, desired, measured)
+}
+
+/// [`compensate`] of a body that has a goal, or of one that has none for a reason.
+#[inline]
+pub(super) fn toward(
+    goal_arm_m: Result<Vec3, AimStatus>,
+    settings: Compensation,
+    desired: &BodyState,
+    measured: &BodyState,
+) -> (StateError, AimStatus) {
     let linear_m = desired.pose.translation_m - measured.pose.translation_m;
-    let aimed = goal_arm_m.ok_or(AimStatus::Leaf).and_then(|arm| {
+    let aimed = goal_arm_m.and_then(|arm| {
         turn_to_goal(arm, linear_m, settings.beta).map(|(turn, status)| (arm, turn, status))
     });
     match aimed {

@@ -1,5 +1,7 @@
 //! The first fault, and the last ones.
 
+use core::mem;
+
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
@@ -46,9 +48,10 @@ impl<const K: usize> FaultLog<K> {
             again.times = again.times.saturating_add(1);
             return;
         }
-        self.last.rotate_right(usize::from(K > 0));
-        if let Some(newest) = self.last.first_mut() {
-            *newest = Some(record);
+        // Each gives its place to the one before it.
+        let mut newer = Some(record);
+        for place in &mut self.last {
+            newer = mem::replace(place, newer);
         }
         self.since = self.since.saturating_add(1);
     }
