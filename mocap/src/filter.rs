@@ -106,12 +106,13 @@ impl LowPass {
         // Transposed direct form II of the difference to the start, so that it starts at rest.
         let (mut s1, mut s2) = ([0.0; K], [0.0; K]);
         for values in signals {
-            for signal in 0..K {
-                let x = values[signal] - start[signal];
-                let y = b * x + s1[signal];
-                s1[signal] = 2.0 * b * x - a1 * y + s2[signal];
-                s2[signal] = b * x - a2 * y;
-                values[signal] = start[signal] + y;
+            let states = s1.iter_mut().zip(&mut s2);
+            for ((value, start), (s1, s2)) in values.iter_mut().zip(start).zip(states) {
+                let x = *value - start;
+                let y = b * x + *s1;
+                *s1 = 2.0 * b * x - a1 * y + *s2;
+                *s2 = b * x - a2 * y;
+                *value = start + y;
             }
         }
     }
