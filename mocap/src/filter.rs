@@ -76,31 +76,44 @@ impl LowPass {
     ///
     /// At both ends the signal goes on as its own odd reflection, which keeps value and slope.
     pub fn apply(&self, signal: &mut [f64]) {
-        let n = signal.len();
-        let (Some(&first), Some(&last)) = (signal.first(), signal.last()) else { return };
-        let padding = self.padding.min(n - 1);
-        let before = (1..=padding).rev().map(|k| 2.0 * first - signal[k]);
-        let after = (1..=padding).map(|k| 2.0 * last - signal[n - 1 - k]);
-        let mut padded: Vec<f64> = before.chain(signal.iter().copied()).chain(after).collect();
-        self.run(&mut padded);
-        padded.reverse();
-        self.run(&mut padded);
-        padded.reverse();
-        signal.copy_from_slice(&padded[padding..padding + n]);
+        let (lone, _) = signal.as_chunks_mut::<1>();
+        self.apply_to_all(lone);
     }
 
-    /// One pass, as if the signal had always been at its first value before.
-    fn run(&self, signal: &mut [f64]) {
-        let start = signal[0];
+    /// Low-passes `K` signals side by side: a sample of one waits for the sample before, not for the other signals.
+    fn apply_to_all<const K: usize>(&self, signals: &mut [[f64; K]]) {
+        let n = signals.len();
+        let (Some(&first), Some(&last)) = (signals.first(), signals.last()) else { return };
+        let padding = self.padding.min(n - 1);
+        let reflected = |end: [f64; K], inner: [f64; K]| {
+            std::array::from_fn(|signal| 2.0 * end[signal] - inner[signal])
+        };
+        let before = (1..=padding).rev().map(|k| reflected(first, signals[k]));
+        let after = (1..=padding).map(|k| reflected(last, signals[n - 1 - k]));
+        let mut padded: Vec<[f64; K]> =
+            before.chain(signals.iter().copied()).chain(after).collect();
+        self.run(&mut padded);
+        padded.reverse();
+        self.run(&mut padded);
+        padded.reverse();
+        signals.copy_from_slice(&padded[padding..padding + n]);
+    }
+
+    /// One pass, as if the signals had always been at their first values before.
+    fn run<const K: usize>(&self, signals: &mut [[f64; K]]) {
+        let start = signals[0];
         let Biquad { b, a1, a2 } = self.pass;
         // Transposed direct form II of the difference to the start, so that it starts at rest.
-        let (mut s1, mut s2) = (0.0, 0.0);
-        for value in signal {
-            let x = *value - start;
-            let y = b * x + s1;
-            s1 = 2.0 * b * x - a1 * y + s2;
-            s2 = b * x - a2 * y;
-            *value = start + y;
+        let (mut s1, mut s2) = ([0.0; K], [0.0; K]);
+        for values in signals {
+            let states = s1.iter_mut().zip(&mut s2);
+            for ((value, start), (s1, s2)) in values.iter_mut().zip(start).zip(states) {
+                let x = *value - start;
+                let y = b * x + *s1;
+                *s1 = 2.0 * b * x - a1 * y + *s2;
+                *s2 = b * x - a2 * y;
+                *value = start + y;
+            }
         }
     }
 
@@ -110,30 +123,24 @@ impl LowPass {
     /// [`RotationsCancel`] if a joint turns by about half a turn or more within the filter's memory.
     pub fn apply_to_clip(&self, clip: &mut Clip) -> Result<(), RotationsCancel> {
         for (j, joint) in clip.skeleton.joints.iter().enumerate() {
-            let mut signals: [Vec<f64>; 7] = Default::default();
             let mut previous = DQuat::IDENTITY;
-            for frame in &clip.frames {
-                let JointSample { rotation, position_m } = frame[j];
+            let components = |frame: &Vec<JointSample>| {
+                let JointSample { rotation, position_m: DVec3 { x, y, z } } = frame[j];
                 // Of the two quaternions of a rotation, the one near the last frame's.
                 previous = if rotation.dot(previous) < 0.0 { -rotation } else { rotation };
-                let components = previous.to_array().into_iter().chain(position_m.to_array());
-                for (signal, component) in signals.iter_mut().zip(components) {
-                    signal.push(component);
-                }
-            }
-            for signal in &mut signals {
-                self.apply(signal);
-            }
-            let [qx, qy, qz, qw, x, y, z] = signals;
-            for (f, frame) in clip.frames.iter_mut().enumerate() {
-                let sum = DQuat::from_xyzw(qx[f], qy[f], qz[f], qw[f]);
+                let [qx, qy, qz, qw] = previous.to_array();
+                [qx, qy, qz, qw, x, y, z]
+            };
+            let mut signals: Vec<[f64; 7]> = clip.frames.iter().map(components).collect();
+            self.apply_to_all(&mut signals);
+            for (f, (frame, signals)) in clip.frames.iter_mut().zip(signals).enumerate() {
+                let [qx, qy, qz, qw, x, y, z] = signals;
+                let sum = DQuat::from_xyzw(qx, qy, qz, qw);
                 if sum.length() < 0.1 {
                     return Err(RotationsCancel { joint: joint.name.clone(), frame: f });
                 }
-                frame[j] = JointSample {
-                    rotation: sum.normalize(),
-                    position_m: DVec3::new(x[f], y[f], z[f]),
-                };
+                frame[j] =
+                    JointSample { rotation: sum.normalize(), position_m: DVec3::new(x, y, z) };
             }
         }
         Ok(())

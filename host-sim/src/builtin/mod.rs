@@ -20,6 +20,7 @@ mod stance;
 mod tests;
 mod timing;
 
+use rayon::prelude::*;
 use sinew_mocap::Recording;
 
 use crate::random::{Random, Subject};
@@ -36,7 +37,12 @@ const RATE_HZ: f64 = 120.0;
 
 /// All built-in clips, in the order of their names' numbers, punches first.
 pub fn clips() -> Vec<Recording> {
-    script::scripts().iter().map(clip).collect()
+    par_clips().collect()
+}
+
+/// The same in parallel, each made where it is used, so that never all of them are in memory.
+pub fn par_clips() -> impl IndexedParallelIterator<Item = Recording> {
+    script::scripts().into_par_iter().map(|script| clip(&script))
 }
 
 /// The strikes in the built-in clip called `name`, in order; `None` if there is no such clip.

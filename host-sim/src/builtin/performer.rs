@@ -53,9 +53,12 @@ pub(super) struct LegMove {
     pub plantarflexion: Track,
 }
 
-/// Pelvis, abdomen and thorax in the world.
+/// The stance, and pelvis, abdomen and thorax in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Trunk {
+    stance_m: DVec3,
+    /// Rotation from the stance's axes to the world's.
+    axes: DQuat,
     pub pelvis: Frame,
     pub abdomen: Frame,
     pub thorax: Frame,
@@ -165,8 +168,12 @@ impl Performer {
 
     /// World position of the wrist and direction of the elbow if the arm stayed in guard.
     pub(super) fn guard_arm(&self, time_s: f64, side: Side) -> (DVec3, DVec3) {
-        let thorax = self.trunk(time_s).thorax;
-        let axes = self.stance(time_s).rotation();
+        self.guard_arm_on(&self.trunk(time_s), time_s, side)
+    }
+
+    /// The same on the trunk of that time.
+    fn guard_arm_on(&self, trunk: &Trunk, time_s: f64, side: Side) -> (DVec3, DVec3) {
+        let Trunk { axes, thorax, .. } = *trunk;
         let frame = Frame {
             rotation: (axes * self.guard.thorax).slerp(thorax.rotation, GUARD_FOLLOWS),
             ..thorax
@@ -205,45 +212,27 @@ impl Performer {
         rotation[PELVIS] = trunk.pelvis.rotation;
         rotation[ABDOMEN] = relative(&trunk.pelvis, trunk.abdomen.rotation);
         rotation[THORAX] = relative(&trunk.abdomen, trunk.thorax.rotation);
-        rotation[HEAD] = self.head(time_s, &trunk.thorax);
+        rotation[HEAD] = head(&trunk);
         for side in Side::BOTH {
-            rotation[side.clavicle()..=side.hand()].copy_from_slice(&self.arm(
-                time_s,
-                &trunk.thorax,
-                side,
-            ));
-            rotation[side.thigh()..=side.foot()].copy_from_slice(&self.leg(
-                time_s,
-                &trunk.pelvis,
-                side,
-            ));
+            rotation[side.clavicle()..=side.hand()]
+                .copy_from_slice(&self.arm(time_s, &trunk, side));
+            rotation[side.thigh()..=side.foot()].copy_from_slice(&self.leg(time_s, &trunk, side));
         }
         Pose { root_m: trunk.pelvis.origin_m, rotation }
     }
 
-    /// The head looks at the opponent as far as the neck allows.
-    fn head(&self, time_s: f64, thorax: &Frame) -> DQuat {
-        let stance = self.stance(time_s);
-        let opponent = stance.origin_m + stance.rotation() * stance::OPPONENT_M;
-        let gaze = thorax.rotation.conjugate() * (opponent - thorax.point(offset_m(HEAD) + EYES_M));
-        let turn = libm::atan2(gaze.x, gaze.z);
-        let nod = -libm::atan2(gaze.y, libm::hypot(gaze.x, gaze.z));
-        let [turn_limit, nod_limit] = HEAD_LIMIT_DEG.map(f64::to_radians);
-        from_turn(DVec3::new(softly_limited(nod, nod_limit), softly_limited(turn, turn_limit), 0.0))
-    }
-
     /// Rotations of clavicle, upper arm, forearm and hand.
-    fn arm(&self, time_s: f64, thorax: &Frame, side: Side) -> [DQuat; 4] {
+    fn arm(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 4] {
         let sign = side.sign();
-        let axes = self.stance(time_s).rotation();
-        let (wrist, elbow) = self.guard_arm(time_s, side);
+        let axes = trunk.axes;
+        let (wrist, elbow) = self.guard_arm_on(trunk, time_s, side);
         let wrist = wrist + axes * self.sum(|m| m.arms[side.index()].wrist.at(time_s));
         let elbow = elbow + axes * self.sum(|m| m.arms[side.index()].elbow.at(time_s));
         let pronation = stance::PRONATION_DEG.to_radians()
             + self.sum(|m| m.arms[side.index()].pronation.at(time_s));
 
         let clavicle_turn = self.clavicle(time_s, side);
-        let clavicle = thorax.child(side.clavicle(), clavicle_turn);
+        let clavicle = trunk.thorax.child(side.clavicle(), clavicle_turn);
         let shoulder = clavicle.point(offset_m(side.clavicle() + 1));
         let limb = ik::solve(shoulder, wrist, UPPER_ARM_M, FOREARM_M, elbow);
         // In the rest pose the arm lies along x and flexes forwards, about y.
@@ -258,8 +247,8 @@ impl Performer {
     }
 
     /// Rotations of thigh, shank and foot.
-    fn leg(&self, time_s: f64, pelvis: &Frame, side: Side) -> [DQuat; 3] {
-        let axes = self.stance(time_s).rotation();
+    fn leg(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 3] {
+        let Trunk { axes, pelvis, .. } = *trunk;
         let planted = self.planted_foot(time_s, side);
         let ankle = planted.origin_m + axes * self.sum(|m| m.legs[side.index()].ankle.at(time_s));
         let knee = self.planted_knee(time_s, side)
@@ -275,7 +264,7 @@ impl Performer {
         let shank = thigh * flexion;
         let on_floor = shank.conjugate() * planted.rotation;
         let foot = on_floor.slerp(DQuat::from_rotation_x(plantarflexion), loose);
-        [relative(pelvis, thigh), flexion, foot]
+        [relative(&pelvis, thigh), flexion, foot]
     }
 }
 
@@ -287,7 +276,18 @@ fn trunk(stance: &Stance, pelvis_m: DVec3, pelvis_turn: DVec3, trunk_turn: DVec3
     };
     let abdomen = pelvis.child(ABDOMEN, from_turn(trunk_turn * ABDOMEN_SHARE));
     let thorax = abdomen.child(THORAX, from_turn(trunk_turn * (1.0 - ABDOMEN_SHARE)));
-    Trunk { pelvis, abdomen, thorax }
+    Trunk { stance_m: stance.origin_m, axes, pelvis, abdomen, thorax }
+}
+
+/// The head looks at the opponent as far as the neck allows.
+fn head(trunk: &Trunk) -> DQuat {
+    let Trunk { stance_m, axes, thorax, .. } = *trunk;
+    let opponent = stance_m + axes * stance::OPPONENT_M;
+    let gaze = thorax.rotation.conjugate() * (opponent - thorax.point(offset_m(HEAD) + EYES_M));
+    let turn = libm::atan2(gaze.x, gaze.z);
+    let nod = -libm::atan2(gaze.y, libm::hypot(gaze.x, gaze.z));
+    let [turn_limit, nod_limit] = HEAD_LIMIT_DEG.map(f64::to_radians);
+    from_turn(DVec3::new(softly_limited(nod, nod_limit), softly_limited(turn, turn_limit), 0.0))
 }
 
 /// Heading about y, then pitch about x, then roll about z.

@@ -8,10 +8,12 @@
 //!
 //! Rest pose: T-pose, palms down, facing +z with the left side at +x; all frames along the world's.
 
+use std::sync::LazyLock;
+
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Skeleton, SkeletonJoint};
 
-use crate::figure::BODIES;
+use crate::figure::{BODIES, BODY_COUNT};
 
 const STATURE_M: f64 = 1.78;
 /// From de Leva's mean man to ours.
@@ -118,6 +120,13 @@ impl Side {
 
 /// Position of joint `body` in its parent's frame.
 pub(super) fn offset_m(body: usize) -> DVec3 {
+    static OFFSETS_M: LazyLock<[DVec3; BODY_COUNT]> =
+        LazyLock::new(|| std::array::from_fn(named_offset_m));
+    OFFSETS_M[body]
+}
+
+/// The same, by the body's name.
+fn named_offset_m(body: usize) -> DVec3 {
     let (segment, x) = segment(body);
     match segment {
         "pelvis" => DVec3::ZERO,
@@ -249,7 +258,6 @@ pub(super) fn mirror_turn(turn: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::BODY_COUNT;
 
     #[test]
     fn indices_name_the_bodies_they_claim() {

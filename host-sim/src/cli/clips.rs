@@ -186,10 +186,8 @@ impl ClipArgs {
         };
         settings.check()?;
         let (prepared, left_out) = if self.clips.is_empty() {
-            let prepared: Result<Vec<_>, _> = builtin::clips()
-                .into_par_iter()
-                .map(|clip| pipeline::prepare(clip, &settings))
-                .collect();
+            let prepared: Result<Vec<_>, _> =
+                builtin::par_clips().map(|clip| pipeline::prepare(clip, &settings)).collect();
             (prepared?, Vec::new())
         } else {
             let expanded = expand_all(&self.clips)?;

@@ -1,7 +1,7 @@
 //! More of a run than its means: by body, by size and over time, in memory that does not grow with the clip.
 
-use super::metrics::{ErrorTotals, angle_between_rad};
-use crate::plant::Pose;
+use super::metrics::ErrorTotals;
+use super::off::Off;
 
 /// The errors of one run, by body, by size and over time.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,18 +41,15 @@ pub struct Course {
 }
 
 impl Detail {
-    /// Adds one step: the poses of all bodies where they should be and where they are, in the world.
-    pub fn add(&mut self, desired: &[Pose], measured: &[Pose]) {
+    /// Adds one step: how far each body is off.
+    pub fn add(&mut self, off: &[Off]) {
         let mut step = ErrorTotals::default();
-        self.spread.hold(desired.len());
-        for ((desired, measured), body) in desired.iter().zip(measured).zip(&mut self.spread.bodies)
-        {
-            let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
-            let linear_m = (desired.position_m - measured.position_m).length();
-            body.add(angular_rad, linear_m);
-            step.add(angular_rad, linear_m);
-            self.spread.angular_deg.add(angular_rad.to_degrees());
-            self.spread.linear_cm.add(linear_m * 100.0);
+        self.spread.hold(off.len());
+        for (off, body) in off.iter().zip(&mut self.spread.bodies) {
+            body.add(off);
+            step.add(off);
+            self.spread.angular_deg.add(off.angular_rad.to_degrees());
+            self.spread.linear_cm.add(off.linear_m * 100.0);
         }
         self.course.add(&step);
     }
@@ -183,24 +180,17 @@ impl Default for Course {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DQuat, DVec3};
-
     use super::*;
     use crate::figure::BODY_COUNT;
-
-    const STILL: Pose = Pose::IDENTITY;
 
     /// A detail of `steps` steps, in step `s` of which body 7 alone is `s` mm and `s` mrad off.
     fn drifting(steps: u32) -> Detail {
         let mut detail = Detail::default();
         for step in 0..steps {
-            let off = f64::from(step) * 1e-3;
-            let mut measured = [STILL; BODY_COUNT];
-            measured[7] = Pose {
-                rotation: DQuat::from_rotation_y(off),
-                position_m: DVec3::new(0.0, 0.0, off),
-            };
-            detail.add(&[STILL; BODY_COUNT], &measured);
+            let mut off = [Off { angular_rad: 0.0, linear_m: 0.0 }; BODY_COUNT];
+            let grown = f64::from(step) * 1e-3;
+            off[7] = Off { angular_rad: grown, linear_m: grown };
+            detail.add(&off);
         }
         detail
     }

@@ -8,7 +8,7 @@ use sinew_rig::mechanism::{Link, Mechanism};
 
 use super::controller::narrow;
 use super::error::RunError;
-use super::metrics::angle_between_rad;
+use super::off::angle_between_rad;
 use super::rig::CAPACITY;
 use crate::plant::Pose;
 

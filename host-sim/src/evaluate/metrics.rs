@@ -1,8 +1,8 @@
 //! How far the measured figure is from the desired one, in the world, as the paper reports it.
 
-use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
+use super::off::Off;
 use super::{Rig, Step};
 use crate::plant::Pose;
 
@@ -44,21 +44,24 @@ pub struct WeightedTotals {
 impl Errors {
     /// Adds one step: the poses of all bodies where they should be and where they are.
     pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
-        self.weighted.add(rig.levers().error_m(desired, measured));
-        let bodies = desired.iter().zip(measured).enumerate();
-        for (body, (desired, measured)) in bodies.skip(rig.first_judged()) {
-            let angular_rad = angle_between_rad(desired.rotation, measured.rotation);
-            let linear_m = (desired.position_m - measured.position_m).length();
-            self.all.add(angular_rad, linear_m);
+        let off: Vec<Off> = Off::of_all(desired, measured).collect();
+        self.add_off(&off, rig.levers().error_m(desired, measured), rig);
+    }
+
+    fn add_off(&mut self, off: &[Off], weighted_m: f64, rig: &Rig) {
+        self.weighted.add(weighted_m);
+        for (body, off) in off.iter().enumerate().skip(rig.first_judged()) {
+            self.all.add(off);
             if rig.is_leaf(body) {
-                self.leaf.add(angular_rad, linear_m);
+                self.leaf.add(off);
             }
         }
     }
 
     /// Adds one step of a run.
     pub fn add_step(&mut self, step: &Step<'_>) {
-        self.add(step.desired, step.measured, step.rig);
+        let weighted_m = step.rig.levers().error_m(step.desired, step.measured);
+        self.add_off(step.off, weighted_m, step.rig);
         self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
         self.limited += step.limited as u64;
     }
@@ -74,7 +77,8 @@ impl Errors {
 }
 
 impl ErrorTotals {
-    pub(super) fn add(&mut self, angular_rad: f64, linear_m: f64) {
+    pub(super) fn add(&mut self, off: &Off) {
+        let Off { angular_rad, linear_m } = *off;
         self.n += 1;
         self.angular_sum_rad += angular_rad;
         self.linear_sum_m += linear_m;
@@ -146,16 +150,9 @@ impl WeightedTotals {
     }
 }
 
-/// Angle in [0, π] of the rotation that takes one orientation to the other.
-#[inline]
-pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
-    let turn = a * b.conjugate();
-    2.0 * libm::atan2(turn.xyz().length(), turn.w.abs())
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DQuat, DVec3};
 
     use super::*;
     use crate::evaluate::Levers;

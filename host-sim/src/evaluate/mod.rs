@@ -10,6 +10,7 @@ mod friction;
 mod levers;
 mod likeness;
 mod metrics;
+mod off;
 pub mod optimum;
 pub mod paper;
 pub mod pareto;
@@ -37,6 +38,7 @@ pub use error::{EvaluateError, RunError};
 pub use levers::Levers;
 pub use likeness::{Angles, Likeness};
 pub use metrics::{ErrorTotals, Errors, WeightedTotals};
+pub use off::Off;
 pub use rig::{CAPACITY, Rig};
 pub use setup::{BodySource, RigTracker, Setup, SetupError};
 pub use take::Take;
@@ -198,8 +200,7 @@ pub fn evaluate<T: Take>(
             let mut run = Run::default();
             let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
                 run.errors.add_step(&step);
-                let judged = step.rig.first_judged()..;
-                run.detail.add(&step.desired[judged.clone()], &step.measured[judged]);
+                run.detail.add(&step.off[step.rig.first_judged()..]);
                 let Likeness { retargeting, total } = &mut run.likeness;
                 for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
                     take.limb_errors_deg(step.frame, poses, &mut |angle| angles.take(angle));

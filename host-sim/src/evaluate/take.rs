@@ -91,14 +91,14 @@ impl Take for FigureMotion {
     }
 
     fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>) {
-        let pose = |(rotation, position_m)| Pose { rotation, position_m };
+        let frame = frame.min(self.rotation.len() - 1);
+        let joints = self.rotation[frame].iter().zip(&self.offset_m);
         out.clear();
-        out.extend(self.joints(frame).map(pose));
-        if setup.root == Root::Fixed
-            && let (Some(root), Some(held)) = (out.first_mut(), self.joints(0).next())
-        {
-            *root = pose(held);
-        }
+        out.extend(
+            joints.map(|(rotation, offset_m)| Pose { rotation: *rotation, position_m: *offset_m }),
+        );
+        let held = if setup.root == Root::Fixed { 0 } else { frame };
+        out[0] = Pose { rotation: self.rotation[held][0], position_m: self.root_position_m[held] };
     }
 }
 

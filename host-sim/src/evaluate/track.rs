@@ -7,6 +7,7 @@ use sinew_rig::mechanism::{Freedom, Link};
 use super::disturbance::{DelayLine, Sensors};
 use super::error::RunError;
 use super::friction::FrictionFeed;
+use super::off::Off;
 use super::reference::{Frames, Performance, one_step_before};
 use super::rig::Rig;
 use super::setup::{RigTracker, Setup};
@@ -25,6 +26,8 @@ pub struct Step<'a> {
     pub desired: &'a [Pose],
     /// Where the plant has them.
     pub measured: &'a [Pose],
+    /// How far each is off.
+    pub off: &'a [Off],
     /// The rig, as its controller knows it.
     pub rig: &'a Rig,
     /// How many joints were not given the torque they wanted.
@@ -104,7 +107,7 @@ pub fn track(
     let mut wanted = Vec::new();
     let mut drive = Drive::none(rig.links().len());
     let lost_m = lost_m(&performance);
-    let mut desired = Vec::new();
+    let (mut desired, mut off) = (Vec::new(), Vec::new());
 
     let (mut before, mut now) = (Vec::new(), Vec::new());
     rig.joint_poses(&one_step_before(&start, take.dt_s()), &mut before);
@@ -131,11 +134,14 @@ pub fn track(
         plant.step(&drive);
 
         performance.desired(frame + 1, &mut desired);
-        check(frame + 1, &rig, &desired, plant.poses(), lost_m)?;
+        off.clear();
+        off.extend(Off::of_all(&desired, plant.poses()));
+        check(frame + 1, &rig, &off, plant.poses(), lost_m)?;
         observe(Step {
             frame: frame + 1,
             desired: &desired,
             measured: plant.poses(),
+            off: &off,
             rig: &rig,
             limited,
             readings: [&before, &now],
@@ -180,19 +186,18 @@ fn slide_m(link: &Link) -> Option<f64> {
 fn check(
     frame: usize,
     rig: &Rig,
-    desired: &[Pose],
+    off: &[Off],
     measured: &[Pose],
     lost_m: f64,
 ) -> Result<(), RunError> {
     let mut worst = (0, 0.0);
-    for (body, (desired, measured)) in desired.iter().zip(measured).enumerate() {
-        let linear_m = (desired.position_m - measured.position_m).length();
+    for (body, (Off { linear_m, .. }, measured)) in off.iter().zip(measured).enumerate() {
         if !(linear_m.is_finite() && measured.rotation.is_finite()) {
             worst = (body, f64::INFINITY);
             break;
         }
-        if linear_m > worst.1 {
-            worst = (body, linear_m);
+        if *linear_m > worst.1 {
+            worst = (body, *linear_m);
         }
     }
     let (body, linear_m) = worst;

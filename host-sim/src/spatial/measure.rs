@@ -3,12 +3,15 @@
 use std::fmt;
 
 use glam::DQuat;
+use sinew_core::Transform;
+use sinew_core::glam::Quat;
 use sinew_core::pose_space::{
     BodyPoses, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
 };
 
 use super::BODY_COUNT;
 use super::rig::SpatialRig;
+use super::turns::rotation_distance;
 
 /// What of two poses is compared. Hauberg & Pedersen (2012); all of them are `core`'s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
@@ -99,14 +102,17 @@ impl fmt::Display for Measure {
 pub struct Measuring<'r, const N: usize = BODY_COUNT> {
     rig: &'r SpatialRig<N>,
     space: PoseSpace<'r, N>,
+    weights: Vec<f32>,
     measure: Measure,
 }
 
-/// A pose, made ready to be compared: 60 bytes for each of `N`.
+/// A pose, made ready to be compared: 60 bytes for each of `N`, and 16 for each joint where rotations are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     coordinates: PoseCoordinates<N>,
     places: BodyPoses<N>,
+    /// Rotations of the joints in their parents, where those are compared.
+    turns: Vec<Quat>,
 }
 
 impl<'r, const N: usize> Measuring<'r, N> {
@@ -129,9 +135,10 @@ impl<'r, const N: usize> Measuring<'r, N> {
         let space = if has_bones {
             alike.with_weights(&weights).expect("importances and lengths are weights")
         } else {
+            weights.fill(1.0);
             alike
         };
-        Self { rig, space, measure }
+        Self { rig, space, weights, measure }
     }
 
     /// The measure.
@@ -151,7 +158,13 @@ impl<'r, const N: usize> Measuring<'r, N> {
     pub fn pose(&self, rotations: &[DQuat]) -> Result<MeasuredPose<N>, PoseSpaceError> {
         let coordinates = self.space.coordinates(&self.rig.joint_poses(rotations))?;
         let places = self.space.body_poses(&coordinates);
-        Ok(MeasuredPose { coordinates, places })
+        let mut turns = Vec::new();
+        if self.measure.metric == Metric::Rotations {
+            let mut joints = vec![Transform::IDENTITY; places.as_slice().len()];
+            self.space.joint_poses(&coordinates, &mut joints);
+            turns.extend(joints.iter().map(|joint| joint.rotation));
+        }
+        Ok(MeasuredPose { coordinates, places, turns })
     }
 
     /// How far two poses are apart, in the metric's unit.
@@ -163,7 +176,7 @@ impl<'r, const N: usize> Measuring<'r, N> {
     ) -> f32 {
         match self.measure.metric {
             Metric::Angles => self.space.angle_distance(&a.coordinates, &b.coordinates),
-            Metric::Rotations => self.space.rotation_distance(&a.coordinates, &b.coordinates),
+            Metric::Rotations => rotation_distance(&self.weights, &a.turns, &b.turns),
             Metric::Positions => self.position_distance(a, b),
             Metric::Line => {
                 let (a, b) = (&a.coordinates, &b.coordinates);
@@ -198,6 +211,30 @@ pub type Workspace<const N: usize = BODY_COUNT> = LineWorkspace<N>;
 mod tests {
     use super::*;
     use crate::builtin;
+
+    #[test]
+    fn rotations_are_as_far_apart_as_for_the_core_to_the_bit() {
+        let clip = builtin::clips().swap_remove(0);
+        let measure = Measure::new(Metric::Rotations);
+        for (root, measure) in [(None, measure), (Some("head"), measure.weighted())] {
+            let rig = SpatialRig::new(&clip.skeleton, root).unwrap();
+            let measuring = Measuring::new(&rig, measure);
+            let complete = clip.frames.iter().filter(|frame| frame.iter().all(Option::is_some));
+            let poses: Vec<MeasuredPose> = complete
+                .step_by(60)
+                .map(|frame| {
+                    let turns: Vec<DQuat> = frame.iter().flatten().map(|s| s.rotation).collect();
+                    measuring.pose(&turns).unwrap()
+                })
+                .collect();
+            let mut workspace = Workspace::new();
+            for (a, b) in poses.iter().flat_map(|a| poses.iter().map(move |b| (a, b))) {
+                let of_core = measuring.space().rotation_distance(&a.coordinates, &b.coordinates);
+                let found = measuring.distance(a, b, &mut workspace);
+                assert_eq!(found.to_bits(), of_core.to_bits());
+            }
+        }
+    }
 
     #[test]
     fn the_same_turn_counts_more_the_longer_the_bone() {

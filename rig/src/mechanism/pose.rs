@@ -16,6 +16,7 @@ impl Pose {
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
 
     /// Pose of a frame at `position_m` and `rotation` in this one.
+    #[inline]
     #[must_use]
     pub fn child(&self, position_m: DVec3, rotation: DQuat) -> Self {
         Self {
@@ -25,6 +26,7 @@ impl Pose {
     }
 
     /// Another pose in the same frame as this one, seen from this one.
+    #[inline]
     #[must_use]
     pub fn inside(&self, other: &Self) -> Self {
         Self {
@@ -34,12 +36,14 @@ impl Pose {
     }
 
     /// A point of this frame, in the other; m.
+    #[inline]
     #[must_use]
     pub fn point(&self, local_m: DVec3) -> DVec3 {
         self.position_m + self.rotation * local_m
     }
 
     /// A point of the other frame, in this one; m.
+    #[inline]
     #[must_use]
     pub fn to_local(&self, point_m: DVec3) -> DVec3 {
         self.rotation.conjugate() * (point_m - self.position_m)

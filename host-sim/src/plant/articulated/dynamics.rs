@@ -48,7 +48,7 @@ impl Tree {
     /// Works out the accelerations that the drives make; friction and the ends of ranges as over `h` seconds.
     pub(super) fn accelerate(&mut self, h: f64) {
         self.pass(h);
-        if !self.links.iter().any(|link| link.joint.as_ref().is_some_and(Joint::is_bounded)) {
+        if !self.links.iter().any(|link| link.joint.as_deref().is_some_and(Joint::is_bounded)) {
             return;
         }
         let ways: usize =
@@ -214,7 +214,7 @@ impl Link {
             passed.force_bias += pushed[row].linear * alone;
             (answer.alone[*way], answer.dragged[*way]) = (alone, dragged);
         }
-        self.answer = answer;
+        joint.answer = answer;
         passed
     }
 
@@ -226,7 +226,7 @@ impl Link {
         let mut own = Way::default();
         for way in 0..joint.count {
             if matches!(joint.modes[way], Mode::Slide(_)) {
-                joint.rates[way] = self.answer.alone[way] - self.answer.dragged[way].dot(parent);
+                joint.rates[way] = joint.answer.alone[way] - joint.answer.dragged[way].dot(parent);
             }
             own = own.plus(joint.ways[way], joint.rates[way]);
         }
@@ -273,6 +273,7 @@ impl Link {
 
 impl Articulated {
     /// Lets the joint turn under its torque. What is left is `force = mass a + force_bias`, returned.
+    #[inline]
     fn release(&mut self, torque: DVec3) -> (DMat3, DVec3) {
         let inverse = self.rotational.inverse();
         self.free = inverse * (torque - self.torque_bias);
@@ -282,31 +283,33 @@ impl Articulated {
     }
 
     /// Adds a released child: its force at the end of the arm, and the reaction of its torque.
+    #[inline]
     fn carry(&mut self, child: &World, mass: DMat3, force_bias: DVec3, torque: DVec3) {
-        let arm = skew(child.arm_m);
         let force = mass * child.linear_bias_m_s2 + force_bias;
-        let coupling = arm * mass;
+        let coupling = skew_times(child.arm_m, mass);
         self.mass += mass;
         self.coupling += coupling;
-        self.rotational += coupling * arm.transpose();
+        self.rotational += times_skew_transposed(coupling, child.arm_m);
         self.force_bias += force;
         self.torque_bias += torque + child.arm_m.cross(force);
     }
 
     /// Adds a child that passes on all that its bearings carry.
     fn carry_all(&mut self, child: &World, passed: &Self) {
-        let arm = skew(child.arm_m);
-        let turned = passed.coupling * arm.transpose();
-        let coupling = arm * passed.mass;
+        let turned = times_skew_transposed(passed.coupling, child.arm_m);
+        let coupling = skew_times(child.arm_m, passed.mass);
         self.mass += passed.mass;
         self.coupling += passed.coupling + coupling;
-        self.rotational +=
-            passed.rotational + turned + turned.transpose() + coupling * arm.transpose();
+        self.rotational += passed.rotational
+            + turned
+            + turned.transpose()
+            + times_skew_transposed(coupling, child.arm_m);
         self.force_bias += passed.force_bias;
         self.torque_bias += passed.torque_bias + child.arm_m.cross(passed.force_bias);
     }
 
     /// Moves a released body with its joint.
+    #[inline]
     fn follow(&mut self, linear: DVec3) {
         self.linear = linear;
         self.angular = self.free - self.dragged * linear;
@@ -373,5 +376,21 @@ pub(super) fn skew(v: DVec3) -> DMat3 {
         DVec3::new(0.0, v.z, -v.y),
         DVec3::new(-v.z, 0.0, v.x),
         DVec3::new(v.y, -v.x, 0.0),
+    )
+}
+
+/// `skew(v) m`, without the products by zero.
+#[inline]
+fn skew_times(v: DVec3, m: DMat3) -> DMat3 {
+    DMat3::from_cols(v.cross(m.x_axis), v.cross(m.y_axis), v.cross(m.z_axis))
+}
+
+/// `m skew(v)ᵀ`, without the products by zero.
+#[inline]
+fn times_skew_transposed(m: DMat3, v: DVec3) -> DMat3 {
+    DMat3::from_cols(
+        m.z_axis * v.y - m.y_axis * v.z,
+        m.x_axis * v.z - m.z_axis * v.x,
+        m.y_axis * v.x - m.x_axis * v.y,
     )
 }

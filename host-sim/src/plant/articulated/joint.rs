@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::bounds::{Bounds, Mode};
+use super::dynamics::Answer;
 use super::tree::World;
 use crate::plant::{Freedom, Link as Given, Pose};
 
@@ -47,6 +48,7 @@ pub(super) struct Joint {
     pub(super) modes: [Mode; WAYS],
     /// Accelerations along the ways.
     pub(super) rates: [f64; WAYS],
+    pub(super) answer: Answer,
 }
 
 /// Where a body is in its parent, and how it moves there.
@@ -102,6 +104,7 @@ impl Joint {
             count: given.joint.kind().degrees_of_freedom(),
             modes: [Mode::Slide(0.0); WAYS],
             rates: [0.0; WAYS],
+            answer: Answer::default(),
         };
         let in_body = joint.axes_in_body(&state.pose);
         let in_parent = joint.slides_in_parent();

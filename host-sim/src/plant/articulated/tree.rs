@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::dynamics::{Answer, Articulated, skew};
+use super::dynamics::{Articulated, skew};
 use super::joint::{InParent, Joint};
 use crate::plant::{Drive, Freedom, GRAVITY_M_S2, Link as Given, Mechanism, MovingPose, Pose};
 
@@ -51,11 +51,12 @@ pub(super) struct Link {
     /// Torque of the joint on the body, body axes.
     pub(super) torque_nm: DVec3,
     /// What the joint is, if it is no ball joint that turns freely.
-    pub(super) joint: Option<Joint>,
+    ///
+    /// Apart, since it is large: a tree of ball joints stays in the processor's nearest cache.
+    pub(super) joint: Option<Box<Joint>>,
 
     pub(super) world: World,
     pub(super) articulated: Articulated,
-    pub(super) answer: Answer,
 }
 
 /// Where a body is and how it turns, world axes: what follows from the joints.
@@ -101,7 +102,7 @@ impl Link {
             spin_rad_s: state.pose.rotation.conjugate() * (state.angular_rad_s - angular),
             slide_m_s: rotation.conjugate() * slide_m_s,
         };
-        let joint = Joint::new(body, &in_parent);
+        let joint = Joint::new(body, &in_parent).map(Box::new);
         match body.joint {
             Freedom::Free => {}
             Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
@@ -129,7 +130,6 @@ impl Link {
             joint,
             world: World::default(),
             articulated: Articulated::default(),
-            answer: Answer::default(),
         }
     }
 }
