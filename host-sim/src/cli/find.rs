@@ -108,7 +108,8 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A time that may be none.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("expected a number of seconds from 0 to 1000000".into()),
@@ -234,7 +235,7 @@ pub(super) fn ensure_room(file: &Path, bodies: usize) -> anyhow::Result<()> {
     clippy::cast_sign_loss,
     reason = "not negative, and saturates"
 )]
-fn frames(count: f64) -> usize {
+pub(super) fn frames(count: f64) -> usize {
     libm::ceil(count - 1e-6).max(0.0) as usize
 }
 
