@@ -315,7 +315,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
-            "--steps: expected with the metric line",
+            "--steps: expected with the metrics line and geodesic",
         ),
         (
             vec!["find", "clips", "--like", &pose, "--out", "a.jpg"],
