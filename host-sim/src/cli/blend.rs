@@ -245,7 +245,8 @@ impl Room {
         let is_one = reference.part != Part::Whole && first == last;
         if places.is_empty() || (is_one && first != *places.start()) {
             bail!(
-                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the blend on both sides and what is left of the clip (see --leave)",
+                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
+                 blend on both sides and what is left of the clip (see --leave)",
                 seconds(before),
                 seconds(after)
             );
