@@ -36,9 +36,9 @@ use super::told::ToldArgs;
 /// The result is that of computing all distances: a place is left out only if a lower bound
 /// of its distance is too large.
 ///
-/// --metric geodesic is for a pose in a few hours of clips: it takes some 10 ms of a processor
-/// for each pose that comes near, of a figure of 31 joints, and a piece of a clip takes as
-/// many times that as it has frames. --check then takes it for every pose there is.
+/// --metric geodesic takes some 50 ms of a processor for each pose that comes near, of a figure
+/// of 31 joints; a piece of a clip takes as many times that as it has frames. With --check it
+/// takes them for every pose there is.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
