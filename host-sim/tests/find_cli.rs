@@ -236,6 +236,34 @@ fn a_blend_is_a_file_that_is_read_again() {
     assert!(!picture.contains("NaN") && !picture.contains("inf") && !picture.contains("var("));
 }
 
+/// Where a blend would leave next to nothing of a clip it is not put, and what would do is told and does.
+#[test]
+fn a_blend_leaves_enough_of_both_clips() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A period of 1.05 s: of all places that are alike, the earliest is taken.
+    bvh::write(&folder.path().join("a.bvh"), &creature(12, 0), 0.01).expect("a clip");
+    let blend = |leave: &[&str]| {
+        let all = [&["blend", "a.bvh", "a.bvh", "--out", "b.bvh", "--seconds", "0.4"], leave];
+        all.concat()
+    };
+    for (leave, left_s) in [(&[][..], 0.5), (&["--leave", "0.8"], 0.8), (&["--leave", "0"], 0.0)] {
+        let (told, _) = json(folder.path(), &blend(leave));
+        let time_s = |name: &str| told[name]["time_s"].as_f64().expect("a time");
+        let end_s = 59.0 / 30.0;
+        let (before_s, after_s) = (time_s("leaves_a"), end_s - time_s("middle_b") - 0.2);
+        assert!(before_s >= left_s - 1e-9 && after_s >= left_s - 1e-9, "{told}");
+        assert!(left_s > 0.0 || before_s < 0.1, "{told}");
+    }
+    let refused = sinew(folder.path(), &blend(&["--leave", "1.6"]));
+    assert_eq!(refused.status.code(), Some(2));
+    let told = text(&refused.stderr);
+    let expected =
+        "expected at least 2.000 s, the blend and 1.600 s of the clip alone, found 1.967 s";
+    assert!(told.contains(expected), "{told}");
+    assert!(told.contains("--leave 1.566 would do"), "{told}");
+    let (_, _) = json(folder.path(), &blend(&["--leave", "1.566"]));
+}
+
 #[test]
 fn pictures_are_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -287,7 +315,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
-            "--steps: expected with the metric line",
+            "--steps: expected with the metrics line and geodesic",
         ),
         (
             vec!["find", "clips", "--like", &pose, "--out", "a.jpg"],
@@ -296,11 +324,15 @@ fn what_cannot_be_done_is_said() {
         (vec!["blend", &file, &file, "--out", "a.txt"], "--out a.txt: expected a file named *.bvh"),
         (
             vec!["blend", &file, &file, "--out", "a.bvh", "--seconds", "900"],
-            "expected at least 900.000 s for the blend",
+            "expected at least 900.500 s, the blend and 0.500 s of the clip alone",
+        ),
+        (
+            vec!["blend", &file, &file, "--out", "a.bvh", "--leave", "-1"],
+            "expected a number of seconds from 0",
         ),
         (
             vec!["blend", &start, &file, "--out", "a.bvh"],
-            "expected a place at least 0.250 s, half the blend, from both ends",
+            "expected a place at least 0.750 s from the clip's start and 0.250 s from its end",
         ),
         (
             vec!["blend", &file, &file, "--out", "no/a.bvh", "--seconds", "0"],
@@ -358,7 +390,8 @@ fn any_skeleton_is_searched_and_blended() {
             assert_eq!(found["moments"][0]["frame"], 51, "{found}");
         }
     }
-    let blend = ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2"];
+    let blend =
+        ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2", "--leave", "0"];
     bvh::write(&folder.path().join("a.bvh"), &creature(40, 10), 0.01).expect("a clip");
     let (blended, _) = json(folder.path(), &blend);
     assert!(blended["geodesic_m"].as_f64().is_some_and(|length_m| length_m > 0.0), "{blended}");
@@ -504,7 +537,8 @@ fn a_chain_of_256_joints_is_searched_and_one_of_257_refused() {
         assert_eq!(found["moments"][0]["frame"], 50, "{found}");
     }
     bvh::write(&folder.path().join("a.bvh"), &chain(257), 0.01).expect("a clip");
-    let blend = ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2"];
+    let blend =
+        ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2", "--leave", "0"];
     for arguments in [&["find", "a.bvh", "--like", "a.bvh@20"][..], &blend] {
         let refused = sinew(folder.path(), arguments);
         let told = text(&refused.stderr);

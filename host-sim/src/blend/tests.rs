@@ -182,7 +182,7 @@ fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
     let clip = |phase: f64| {
         let frame = |k: usize| {
             let joint = |index: usize| {
-                let angle = 0.2 * libm::sin(0.3 * index as f64 + 0.02 * k as f64 + phase);
+                let angle = 0.1 * libm::sin(0.3 * index as f64 + 0.02 * k as f64 + phase);
                 JointSample {
                     rotation: DQuat::from_scaled_axis(DVec3::new(angle, 0.3 * angle, -angle)),
                     position_m: DVec3::new(0.0, 0.05, 0.0),
@@ -197,7 +197,7 @@ fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
             frame_time_s: 0.02,
         }
     };
-    let pair = Pair::new(clip(0.0), &clip(2.0)).unwrap();
+    let pair = Pair::new(clip(0.0), &clip(3.0)).unwrap();
     let joined = blend(&pair, 4, 4, 2, |_| ()).unwrap();
     assert!(joined.gave_up > 0);
     let near = |q: DQuat, p: DQuat| q.angle_between(p);

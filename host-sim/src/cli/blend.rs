@@ -17,7 +17,7 @@ use sinew_sim::report::blend as picture;
 use sinew_sim::spatial::{BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace};
 
 use super::clips::seconds;
-use super::find::ensure_room;
+use super::find::{self, ensure_room, frames};
 use super::told::ToldArgs;
 
 /// Blend from one clip to another where their poses are nearest, and write the motion as
@@ -37,8 +37,7 @@ use super::told::ToldArgs;
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face.
 /// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
-/// where it is. Default: anywhere at least half a blend from the ends. This can be close to
-/// an end: look at how much of either clip is left.
+/// where it is. Default: anywhere that leaves enough of both clips, see --leave.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]
@@ -60,6 +59,11 @@ pub(super) struct Args {
     /// abrupt, longer mixes different steps.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
+
+    /// How much plays alone at least: of A before the blend, of B after it. 0 lets the blend begin and end where the
+    /// clips do.
+    #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = find::seconds, allow_negative_numbers = true)]
+    leave: f64,
 
     /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
     /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
@@ -129,18 +133,17 @@ impl Args {
         let (b, frames_b) = read(&self.b)?;
         let rate_hz = a.clip.rate_hz();
         let half = half(0.5 * self.seconds * rate_hz);
+        let left = half + frames(self.leave * rate_hz);
         let (clip_a, clip_b) = (a.clip.clone(), &b.clip);
         let pair = Pair::new(clip_a, clip_b).with_context(|| self.b.file.display().to_string())?;
         ensure_room(&self.a.file, pair.body().joints.len())?;
         let places = Places {
-            a: room(&self.a, frames_a, 1.0, pair.a.frames.len(), half, rate_hz)?,
-            b: room(
+            a: Room { frames: pair.a.frames.len(), around: [left, half], rate_hz }
+                .places(&self.a, frames_a, 1.0)?,
+            b: Room { frames: pair.b.frames.len(), around: [half, left], rate_hz }.places(
                 &self.b,
                 frames_b,
                 rate_hz / b.clip.rate_hz(),
-                pair.b.frames.len(),
-                half,
-                rate_hz,
             )?,
         };
         let pairs = places.a.clone().count() * places.b.clone().count();
@@ -196,41 +199,60 @@ fn half(frames: f64) -> usize {
     libm::round(frames).max(1.0) as usize
 }
 
-/// Where the middle may be: what was asked for, with half a blend on both sides.
-fn room(
-    reference: &Reference,
-    (first, last): (usize, usize),
-    factor: f64,
-    count: usize,
-    half: usize,
+/// A clip, and how many frames of it there are to be before the blend's middle and after it.
+struct Room {
+    frames: usize,
+    around: [usize; 2],
     rate_hz: f64,
-) -> anyhow::Result<RangeInclusive<usize>> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "frames of the clip"
-    )]
-    let at_rate = |frame: usize| libm::round(frame as f64 * factor) as usize;
-    let (first, last) = (at_rate(first), at_rate(last).min(count.saturating_sub(1)));
-    let file = reference.file.display();
-    let seconds = half as f64 / rate_hz;
-    if count.saturating_sub(1) / 2 < half {
-        bail!(
-            "{file}: expected at least {:.3} s for the blend (see --seconds), found {:.3} s",
-            2.0 * seconds,
-            count.saturating_sub(1) as f64 / rate_hz
-        );
+}
+
+impl Room {
+    /// Where the middle may be: what was asked for, in frames of the file, as far as there is room around it.
+    fn places(
+        &self,
+        reference: &Reference,
+        (first, last): (usize, usize),
+        factor: f64,
+    ) -> anyhow::Result<RangeInclusive<usize>> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "frames of the clip"
+        )]
+        let at_rate = |frame: usize| libm::round(frame as f64 * factor) as usize;
+        let end = self.frames.saturating_sub(1);
+        let (first, last) = (at_rate(first), at_rate(last).min(end));
+        let file = reference.file.display();
+        let seconds = |frames: usize| frames as f64 / self.rate_hz;
+        let [before, after] = self.around;
+        if end < before + after {
+            let (half, left) = (before.min(after), before.abs_diff(after));
+            // Rounded down to what a time is printed with.
+            let at_most = |frames: usize| libm::floor(1e3 * seconds(frames)) / 1e3;
+            let would_do = match end.checked_sub(2 * half) {
+                Some(rest) => format!("--leave {:.3} would do", at_most(rest)),
+                None if end < 2 => "take a longer clip".to_owned(),
+                None => format!("--leave 0 --seconds {:.3} would do", at_most(end - end % 2)),
+            };
+            bail!(
+                "{file}: expected at least {:.3} s, the blend and {:.3} s of the clip alone, found {:.3} s; {would_do}",
+                seconds(before + after),
+                seconds(left),
+                seconds(end)
+            );
+        }
+        let places = first.max(before)..=last.min(end - after);
+        let is_one = reference.part != Part::Whole && first == last;
+        if places.is_empty() || (is_one && first != *places.start()) {
+            bail!(
+                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
+                 blend on both sides and what is left of the clip (see --leave)",
+                seconds(before),
+                seconds(after)
+            );
+        }
+        Ok(places)
     }
-    let places = first.max(half)..=last.min(count - 1 - half);
-    if places.is_empty()
-        || (reference.part != Part::Whole && first == last && first != *places.start())
-    {
-        bail!(
-            "{file}: expected a place at least {seconds:.3} s, half the blend, from both ends of the clip, of {:.3} s",
-            (count - 1) as f64 / rate_hz
-        );
-    }
-    Ok(places)
 }
 
 /// The line's length in space, as `sinew find` measures it.

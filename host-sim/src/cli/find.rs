@@ -35,6 +35,10 @@ use super::told::ToldArgs;
 ///
 /// The result is that of computing all distances: a place is left out only if a lower bound
 /// of its distance is too large.
+///
+/// --metric geodesic takes some 50 ms of a processor for each pose that comes near, of a figure
+/// of 31 joints; a piece of a clip takes as many times that as it has frames. With --check it
+/// takes them for every pose there is.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -108,7 +112,8 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A time that may be none.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("expected a number of seconds from 0 to 1000000".into()),
@@ -234,7 +239,7 @@ pub(super) fn ensure_room(file: &Path, bodies: usize) -> anyhow::Result<()> {
     clippy::cast_sign_loss,
     reason = "not negative, and saturates"
 )]
-fn frames(count: f64) -> usize {
+pub(super) fn frames(count: f64) -> usize {
     libm::ceil(count - 1e-6).max(0.0) as usize
 }
 

@@ -15,7 +15,7 @@ pub struct MeasureArgs {
     #[arg(long)]
     weighted: bool,
 
-    /// Steps in which a line is sampled. Default: 10, as in the paper.
+    /// Steps of a line or a geodesic. Default: 10, as in the paper.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     steps: Option<u16>,
 
@@ -31,8 +31,8 @@ impl MeasureArgs {
     /// If steps are given for a metric that has none.
     pub fn measure(&self) -> anyhow::Result<Measure> {
         ensure!(
-            self.steps.is_none() || self.metric == Metric::Line,
-            "--steps: expected with the metric line, which alone has steps"
+            self.steps.is_none() || self.metric.is_length_of_curve(),
+            "--steps: expected with the metrics line and geodesic, which alone have steps"
         );
         let measure = Measure::new(self.metric);
         let measure = Measure { steps: self.steps.unwrap_or(measure.steps), ..measure };

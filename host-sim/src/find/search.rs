@@ -19,7 +19,7 @@ use crate::spatial::{
 /// order of a lower bound of their distance, until that exceeds the distance of the last moment wanted; sums are
 /// given up once they exceed it. The bounds:
 ///
-/// - for lines, the way straight through space, [`Measuring::position_distance`], of which in exact numbers no line
+/// - for lines and geodesics, the way straight through space, [`Measuring::position_distance`], of which in exact numbers none
 ///   is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints' reach from
 ///   the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what rounding comes
 ///   to.
@@ -87,6 +87,7 @@ impl Work {
 
 /// Places that are looked at before the limit is set anew: few where each takes long. It is part of the result's
 /// work, so it does not depend on threads.
+const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;
 
@@ -161,7 +162,11 @@ impl<'a, const N: usize> Search<'a, N> {
                 Known::AtLeast(sum) => open.push(Reverse((sum.to_bits(), index))),
             }
         }
-        let most = if self.is_line() { LINES } else { OTHERS };
+        let most = match self.measuring.measure().metric {
+            Metric::Geodesic => GEODESICS,
+            Metric::Line => LINES,
+            _ => OTHERS,
+        };
         loop {
             let limit = computed.limit();
             let mut batch = Vec::with_capacity(most);
@@ -242,11 +247,11 @@ impl<'a, const N: usize> Search<'a, N> {
         self.query.iter().zip(&self.clips[clip][pose..pose + self.query.len()])
     }
 
-    fn is_line(&self) -> bool {
-        self.measuring.measure().metric == Metric::Line
+    fn is_length_of_curve(&self) -> bool {
+        self.measuring.measure().metric.is_length_of_curve()
     }
 
-    /// What the squared distance of two poses along a line is at least.
+    /// What the squared distance of two poses along a curve is at least.
     fn least(&self, (a, b): (&MeasuredPose<N>, &MeasuredPose<N>)) -> f64 {
         let way_m = f64::from(self.measuring.position_distance(a, b));
         let least_m = (way_m * (1.0 - 1e-5) - self.slack_m).max(0.0);
@@ -256,7 +261,7 @@ impl<'a, const N: usize> Search<'a, N> {
     /// What the squared sum of a place is at least.
     fn bound(&self, place: Place, workspace: &mut Workspace<N>) -> (Known, Work) {
         let count = self.query.len();
-        if self.is_line() {
+        if self.is_length_of_curve() {
             let sum: f64 = self.pairs(place).map(|pair| self.least(pair)).sum();
             return (Known::AtLeast(sum * SUM), Work { bounds: count, ..Work::default() });
         }
@@ -275,7 +280,7 @@ impl<'a, const N: usize> Search<'a, N> {
         let mut work = Work::default();
         // What the frames from each one on come to at least.
         let mut rest = Vec::new();
-        if self.is_line() && limit.is_finite() && count > 1 {
+        if self.is_length_of_curve() && limit.is_finite() && count > 1 {
             rest = self.pairs(place).rev().map(|pair| self.least(pair)).collect();
             for later in 1..count {
                 rest[later] += rest[later - 1];

@@ -121,13 +121,9 @@ impl Joint<'_> {
         (0..self.placed.len() * own).map(move |row| (row, row / own, self.first + row % own))
     }
 
-    /// How a coordinate moves the body; not at all where it is held.
+    /// How a coordinate moves the body.
     fn axis(self, k: usize, column: usize) -> Axis {
-        if self.poses[k].held[column] {
-            Axis { angular: DVec3::ZERO, linear: DVec3::ZERO }
-        } else {
-            self.placed[k].axes[column].1
-        }
+        self.placed[k].axes[column].1
     }
 
     fn arm_m(self, k: usize) -> DVec3 {
@@ -201,10 +197,7 @@ impl Joint<'_> {
             for (other, moved) in moved.column_iter().enumerate() {
                 matrix[(*row, other)] = own(moved.as_slice(), *k, *column);
             }
-            matrix[(*row, *row)] += pose.rim[*column] + added[*k][*column];
-            if pose.held[*column] {
-                matrix[(*row, *row)] += 1.0;
-            }
+            matrix[(*row, *row)] += pose.barrier[*column] + added[*k][*column];
         }
         for mut column in moved.column_iter_mut() {
             self.to_parent(column.as_mut_slice());
@@ -212,10 +205,7 @@ impl Joint<'_> {
         if bends {
             for (row, k, column) in &unknowns {
                 let (pose, placed) = (&self.poses[*k], &self.placed[*k]);
-                if pose.held[*column] {
-                    continue;
-                }
-                for outer in (self.first..=*column).filter(|outer| !pose.held[*outer]) {
+                for outer in self.first..=*column {
                     let value = self.rig.bend_along(placed, &pose.pull, outer, *column);
                     let other = row - (column - outer);
                     matrix[(other, *row)] += value;

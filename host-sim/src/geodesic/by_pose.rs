@@ -25,26 +25,15 @@ impl Blocks {
         for (k, (at, pose)) in placed.iter().zip(poses).enumerate() {
             let jacobian = &jacobians[k];
             let mut convex = jacobian.tr_mul(jacobian) * 4.0;
-            for (index, rim) in pose.rim.iter().enumerate() {
-                convex[(index, index)] += rim;
+            for (index, barrier) in pose.barrier.iter().enumerate() {
+                convex[(index, index)] += barrier;
             }
             let mut diagonal = convex.clone();
             if has_second_derivatives {
                 diagonal += rig.bend(at, &pose.pull);
             }
-            for index in held(pose) {
-                hold(&mut diagonal, index);
-                hold(&mut convex, index);
-            }
             if k > 0 {
-                let mut above = jacobians[k - 1].tr_mul(jacobian) * -2.0;
-                for index in held(&poses[k - 1]) {
-                    above.row_mut(index).fill(0.0);
-                }
-                for index in held(pose) {
-                    above.column_mut(index).fill(0.0);
-                }
-                blocks.above.push(above);
+                blocks.above.push(jacobians[k - 1].tr_mul(jacobian) * -2.0);
             }
             blocks.diagonal.push(diagonal);
             blocks.convex.push(convex);
@@ -69,17 +58,6 @@ impl Blocks {
         let right: Vec<_> = poses.iter().map(|pose| pose.downhill.clone()).collect();
         solve(&diagonal, &self.above, &right)
     }
-}
-
-fn held(pose: &PoseModel) -> impl Iterator<Item = usize> {
-    pose.held.iter().enumerate().filter(|(_, held)| **held).map(|(index, _)| index)
-}
-
-/// Takes a coordinate out of a block: it stays where it is.
-fn hold(block: &mut DMatrix<f64>, index: usize) {
-    block.row_mut(index).fill(0.0);
-    block.column_mut(index).fill(0.0);
-    block[(index, index)] = 1.0;
 }
 
 /// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the

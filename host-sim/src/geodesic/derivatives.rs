@@ -12,7 +12,8 @@ pub(super) struct Pull {
     /// Jᵀ times the force.
     pub(super) along: DVector<f64>,
     /// Σ over all joints that an axis carries: the velocity that it gives, times the force (a cross product). So much
-    /// more the force pulls along the column, by the angular velocity of what carries its joint.
+    /// more the force pulls along the column, by the angular velocity of what carries its joint. Of what a ball turns
+    /// in the world ([`Rig::stepped`]), the mean of that and of the same with both velocities in the other order.
     pub(super) gathered: Vec<DVec3>,
 }
 
@@ -68,18 +69,24 @@ impl Rig {
     /// What a force on F does. O(joints).
     pub(super) fn pull(&self, at: &Placed, force: &DVector<f64>) -> Pull {
         let count = self.joints.len();
-        // Of what every joint carries: the sum of forces, and Σ r fᵀ about the joint.
+        // Of what every joint carries: the sum of forces, Σ r fᵀ about the joint, and the part of that which second
+        // derivatives see.
         let mut sum = vec![DVec3::ZERO; count];
         let mut moment = vec![DMat3::ZERO; count];
+        let mut bent = vec![DMat3::ZERO; count];
         for index in (0..count).rev() {
             let joint = &self.joints[index];
             let own = DVec3::from_slice(&force.as_slice()[3 * index..]) * libm::sqrt(joint.weight);
             sum[index] += own;
+            if joint.turns_in_world() {
+                bent[index] = (bent[index] + bent[index].transpose()) * 0.5;
+            }
             if let Some(parent) = joint.parent {
                 let arm = at.positions_m[index] - at.positions_m[parent];
-                let (force, carried) = (sum[index], moment[index]);
+                let (force, carried, of_bends) = (sum[index], moment[index], bent[index]);
                 sum[parent] += force;
                 moment[parent] += carried + outer(arm, force);
+                bent[parent] += of_bends + outer(arm, force);
             }
         }
         let along = at.axes.iter().map(|(joint, axis)| {
@@ -90,7 +97,7 @@ impl Rig {
             axis.angular.dot(torque) + axis.linear.dot(sum[*joint])
         });
         let gathered = at.axes.iter().map(|(joint, axis)| {
-            let (matrix, turn) = (moment[*joint], axis.angular);
+            let (matrix, turn) = (bent[*joint], axis.angular);
             matrix * turn - turn * trace(matrix) + axis.linear.cross(sum[*joint])
         });
         Pull { along: DVector::from_iterator(self.columns, along), gathered: gathered.collect() }

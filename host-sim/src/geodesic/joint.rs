@@ -19,6 +19,17 @@ pub enum JointPosition {
     Free(DQuat, DVec3),
 }
 
+impl JointPosition {
+    /// The same with quaternions of length 1.
+    pub(super) fn normalized(self) -> Self {
+        match self {
+            Self::Turn(q) => Self::Turn(q.normalize()),
+            Self::Free(q, p) => Self::Free(q.normalize(), p),
+            other => other,
+        }
+    }
+}
+
 /// A direction that a joint can move in: how the body moves when its coordinate does, in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
@@ -97,7 +108,7 @@ impl Model {
     }
 
     /// The directions that a joint can move in, outer ones first. `frame`: rotation of the joint frame in the world,
-    /// `body`: of the body. At the end of a turn's range, the first is the way out.
+    /// `body`: of the body. Of a turn with a range, the first is the way out.
     pub(super) fn axes(
         self,
         state: &JointPosition,
@@ -124,60 +135,15 @@ impl Model {
         }
     }
 
-    /// Of each axis, whether the state is at its range's lower end, and at its upper one.
-    pub(super) fn ends(self, state: &JointPosition, range: JointRange, out: &mut Vec<[bool; 2]>) {
-        let side = |x: f64, [least, most]: [f32; 2]| [x <= f64::from(least), x >= f64::from(most)];
-        match (range, *state) {
-            (JointRange::Axis(ends), JointPosition::Along([a, _])) => out.push(side(a, ends)),
-            (JointRange::Axes([first, second]), JointPosition::Along([a, b])) => {
-                out.extend([side(a, first), side(b, second)]);
-            }
-            (JointRange::Turn(most), JointPosition::Turn(q)) => {
-                out.extend([[false, is_at_end(q, most)], [false; 2], [false; 2]]);
-            }
-            _ => out.extend(std::iter::repeat_n([false; 2], self.degrees_of_freedom())),
-        }
-    }
-
-    /// How much the end of the range that the state is at bends inwards, per rad, seen across the first axis: of
-    /// turns up to `m` from the middle, ½ cot(m/2) (the second derivative of the angle across the way out).
-    pub(super) fn bend_of_end(state: &JointPosition, range: JointRange) -> Option<f64> {
-        match (range, *state) {
-            (JointRange::Turn(most), JointPosition::Turn(q)) if is_at_end(q, most) => {
-                Some(0.5 / libm::tan(0.5 * f64::from(most)))
-            }
-            _ => None,
-        }
-    }
-
-    /// The state after a step along its axes, brought back within the range.
+    /// The state after a step along its axes.
     pub(super) fn stepped(state: &JointPosition, range: JointRange, step: &[f64]) -> JointPosition {
-        let within = |x: f64, [least, most]: [f32; 2]| x.max(f64::from(least)).min(f64::from(most));
         match (*state, step) {
-            (JointPosition::Along([a, _]), [da]) => {
-                let a = a + da;
-                JointPosition::Along([
-                    if let JointRange::Axis(ends) = range { within(a, ends) } else { a },
-                    0.0,
-                ])
-            }
-            (JointPosition::Along([a, b]), [da, db]) => {
-                let (a, b) = (a + da, b + db);
-                JointPosition::Along(match range {
-                    JointRange::Axes([first, second]) => [within(a, first), within(b, second)],
-                    _ => [a, b],
-                })
-            }
+            (JointPosition::Along([a, b]), [da]) => JointPosition::Along([a + da, b]),
+            (JointPosition::Along([a, b]), [da, db]) => JointPosition::Along([a + da, b + db]),
             (JointPosition::Turn(q), [x, y, z]) => {
                 let [e, f, g] = basis(state, range);
-                let turned = (q * DQuat::from_scaled_axis(e * *x + f * *y + g * *z)).normalize();
-                JointPosition::Turn(match range {
-                    JointRange::Turn(most) if is_at_end(turned, most) => {
-                        let vector = rotation_vector(turned);
-                        DQuat::from_scaled_axis(vector.normalize() * f64::from(most))
-                    }
-                    _ => turned,
-                })
+                let turn = DQuat::from_scaled_axis(e * *x + f * *y + g * *z);
+                JointPosition::Turn((q * turn).normalize())
             }
             (JointPosition::Free(q, p), [x, y, z, tx, ty, tz]) => JointPosition::Free(
                 (q * DQuat::from_scaled_axis(DVec3::new(*x, *y, *z))).normalize(),
@@ -217,21 +183,16 @@ impl Model {
     }
 }
 
-/// Turning axes of a spherical joint in the body: at the end of its range, the way out and two across it.
+/// Turning axes of a spherical joint in the body: with a range, the way out and two across it.
 fn basis(state: &JointPosition, range: JointRange) -> [DVec3; 3] {
     match (*state, range) {
-        (JointPosition::Turn(q), JointRange::Turn(most)) if is_at_end(q, most) => {
-            let out = rotation_vector(q).normalize();
+        (JointPosition::Turn(q), JointRange::Turn(_)) => {
+            let Some(out) = rotation_vector(q).try_normalize() else { return DVec3::AXES };
             let (across, other) = out.any_orthonormal_pair();
             [out, across, other]
         }
         _ => DVec3::AXES,
     }
-}
-
-/// Whether a turn is as far as it may be; what rounding brings inside is at the end too.
-fn is_at_end(q: DQuat, most_rad: f32) -> bool {
-    rotation_vector(q).length() >= f64::from(most_rad) * (1.0 - 1e-14)
 }
 
 /// Axis times angle, the angle in [0, π].

@@ -3,8 +3,10 @@
 
 mod by_joint;
 mod by_pose;
+mod curve;
 mod derivatives;
 mod joint;
+mod limit;
 mod model;
 mod rig;
 mod solver;

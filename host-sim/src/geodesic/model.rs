@@ -4,33 +4,35 @@ use nalgebra::DVector;
 
 use super::by_joint;
 use super::by_pose::Blocks;
+use super::curve::Curve;
 use super::derivatives::Pull;
 use super::rig::Rig;
-use super::solver::Curve;
 
 /// What is added to second derivatives for every unit of the gradient.
 const RIDGE: f64 = 0.3;
 
-/// The energy near a curve, to second order, with what the ranges hold.
+/// The energy near a curve, to second order, with barriers before the ends of ranges.
 pub(super) struct Model {
     /// Of each pose between the ends.
     poses: Vec<PoseModel>,
     /// The matrix, where it is eliminated pose by pose.
     blocks: Option<Blocks>,
-    /// Largest component of the gradient that is not held.
+    /// Largest component of the gradient that no limit's force takes.
     pub(super) gradient: f64,
+    /// Largest product of a limit's gap and force, m².
+    pub(super) press_m2: f64,
+    /// What these products are to be: the barriers' height.
+    height_m2: f64,
     has_second_derivatives: bool,
 }
 
 /// What a model knows of one pose, by column.
 pub(super) struct PoseModel {
-    /// Minus the gradient; 0 where held.
+    /// Minus the gradient.
     pub(super) downhill: DVector<f64>,
-    /// Whether it is pressed against an end of its range, and stays.
-    pub(super) held: Vec<bool>,
-    /// What ends of turns add to the diagonal.
-    pub(super) rim: DVector<f64>,
-    /// The diagonal without second derivatives, 1 where held.
+    /// What barriers add to the diagonal.
+    pub(super) barrier: DVector<f64>,
+    /// The diagonal without second derivatives and barriers.
     own: DVector<f64>,
     /// What the forces of the curve's bends do.
     pub(super) pull: Pull,
@@ -42,6 +44,17 @@ pub(super) struct Direction {
     pub(super) step: Vec<DVector<f64>>,
     /// What was added to the diagonal for it.
     added: Vec<DVector<f64>>,
+}
+
+/// A curve after a step.
+pub(super) struct Next {
+    pub(super) curve: Curve,
+    /// How much less its energy is, with that of barriers, m².
+    pub(super) gain_m2: f64,
+    /// How much less it should be, m².
+    pub(super) predicted_m2: f64,
+    /// How much less it should be after the whole step, where a limit kept the curve from taking it, m².
+    pub(super) decrement_m2: f64,
 }
 
 /// In which order the unknowns are eliminated.
@@ -61,44 +74,57 @@ impl Order {
 }
 
 impl Model {
-    pub(super) fn new(rig: &Rig, curve: &Curve, has_second_derivatives: bool) -> Self {
-        let poses = curve.placed.len().saturating_sub(2);
-        Self::in_order(rig, curve, has_second_derivatives, Order::cheaper(rig, poses))
+    pub(super) fn new(
+        rig: &Rig,
+        curve: &Curve,
+        has_second_derivatives: bool,
+        height_m2: f64,
+    ) -> Self {
+        let order = Order::cheaper(rig, curve.inner().len());
+        Self::in_order(rig, curve, has_second_derivatives, height_m2, order)
     }
 
     pub(super) fn in_order(
         rig: &Rig,
         curve: &Curve,
         has_second_derivatives: bool,
+        height_m2: f64,
         order: Order,
     ) -> Self {
         let inner = 1..curve.placed.len() - 1;
-        let poses: Vec<_> = inner.map(|k| PoseModel::new(rig, curve, k)).collect();
+        let mut poses: Vec<_> = inner.map(|k| PoseModel::new(rig, curve, k)).collect();
         let gradient = poses.iter().map(|pose| pose.downhill.amax()).fold(0.0, f64::max);
+        let limits = curve.limits.iter().flatten();
+        let press_m2 = limits.map(|limit| limit.gap * limit.force).fold(0.0, f64::max);
+        // From the forces that limits have to those of barriers.
+        for (pose, limits) in poses.iter_mut().zip(&curve.limits) {
+            for limit in limits {
+                pose.downhill[limit.column] += (height_m2 / limit.gap - limit.force) * limit.slope;
+            }
+        }
         let blocks = (order == Order::Poses)
             .then(|| Blocks::new(rig, curve.inner(), &poses, has_second_derivatives));
-        Self { poses, blocks, gradient, has_second_derivatives }
+        Self { poses, blocks, gradient, press_m2, height_m2, has_second_derivatives }
     }
 
-    /// How many coordinates ranges hold.
-    #[cfg(test)]
-    pub(super) fn held(&self) -> usize {
-        self.poses.iter().flat_map(|pose| &pose.held).filter(|held| **held).count()
-    }
-
-    /// The curve after a step, and how much less its energy should be. `None` if the step cannot be found.
-    pub(super) fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<(Curve, f64)> {
+    /// The curve after a step. `None` if the step cannot be found.
+    pub(super) fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<Next> {
         let Direction { step, added } = self.direction(rig, curve, damping)?;
-        // What the model says of the step: -gᵀs - ½ sᵀHs, with (H + D) s = -g.
-        let mut predicted = 0.0;
+        // Of the step `s`, with (H + D) s = -g: -gᵀs and sᵀDs.
+        let (mut slope, mut damped) = (0.0, 0.0);
         for ((pose, step), added) in self.poses.iter().zip(&step).zip(&added) {
-            predicted += 0.5 * (pose.downhill.dot(step) + step.component_mul(added).dot(step));
+            slope += pose.downhill.dot(step);
+            damped += step.component_mul(added).dot(step);
         }
-        let mut poses = curve.poses.clone();
-        for (pose, step) in poses[1..].iter_mut().zip(&step) {
-            *pose = rig.stepped(pose, step.as_slice());
-        }
-        Some((Curve::new(rig, poses), predicted))
+        // What the model says of a share t of it: -t gᵀs - ½ t² sᵀHs.
+        let less = |t: f64| t * slope - 0.5 * t * t * (slope - damped);
+        let (next, share) = curve.stepped(rig, &step, self.height_m2);
+        Some(Next {
+            gain_m2: curve.gain_m2(&next, self.height_m2),
+            predicted_m2: less(share),
+            decrement_m2: less(1.0),
+            curve: next,
+        })
     }
 
     /// Newton's step. `None` if it cannot be found.
@@ -108,7 +134,8 @@ impl Model {
             // Turns that move next to nothing get a floor: without one they go anywhere.
             let floor = 1e-3 * largest;
             let added = |own: f64| damping * own.max(floor) + 1e-12 * largest + ridge;
-            let added: Vec<_> = self.poses.iter().map(|pose| pose.own.map(added)).collect();
+            let diagonals = self.poses.iter().map(|pose| &pose.own + &pose.barrier);
+            let added: Vec<_> = diagonals.map(|own| own.map(added)).collect();
             let step = match &self.blocks {
                 Some(blocks) => blocks.solve(bends, &added, &self.poses),
                 None => by_joint::solve(rig, curve.inner(), &self.poses, bends, &added),
@@ -129,25 +156,14 @@ impl PoseModel {
         let force = ((&at.f - &before.f) - (&after.f - &at.f)) * 2.0;
         let pull = rig.pull(at, &force);
         let mut downhill = -&pull.along;
-        let ends = rig.ends(&curve.poses[k]);
-        let held: Vec<bool> = ends
-            .iter()
-            .zip(&downhill)
-            .map(|(end, downhill)| end[usize::from(*downhill > 0.0)])
-            .collect();
-        // Who goes along the end of a turn's range is brought back onto it, uphill.
-        let mut rim = DVector::zeros(rig.columns);
-        for (column, bend) in rig.spheres(&curve.poses[k]) {
-            if held[column] {
-                for across in [column + 1, column + 2] {
-                    rim[across] += downhill[column] * bend;
-                }
+        let mut barrier = DVector::zeros(rig.columns);
+        for limit in &curve.limits[k - 1] {
+            downhill[limit.column] += limit.force * limit.slope;
+            barrier[limit.column] += limit.force / limit.gap * limit.slope * limit.slope;
+            for column in limit.column..limit.column + limit.bends {
+                barrier[column] -= limit.force * limit.bend;
             }
         }
-        let mut own = rig.squares(at) * 4.0 + &rim;
-        for (index, _) in held.iter().enumerate().filter(|(_, held)| **held) {
-            (downhill[index], own[index]) = (0.0, 1.0);
-        }
-        Self { downhill, held, rim, own, pull }
+        Self { downhill, barrier, own: rig.squares(at) * 4.0, pull }
     }
 }

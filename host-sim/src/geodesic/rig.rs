@@ -7,6 +7,7 @@ use sinew_core::{Body, JointKind};
 use thiserror::Error;
 
 use super::joint::{Axis, JointPosition, Model};
+use super::limit::{self, Limit};
 
 /// The rig that poses are of: its joints, their ranges, and how much it counts where each is.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +62,11 @@ pub(super) struct Joint {
 }
 
 impl Joint {
+    /// Whether a step turns its body in the world, whatever its parents do: a ball that no range holds to its parent.
+    pub(super) fn turns_in_world(&self) -> bool {
+        self.moves && self.model == Model::Spherical && self.range == JointRange::Any
+    }
+
     /// How many columns of the Jacobian are its.
     pub(super) fn columns(&self) -> usize {
         if self.moves { self.model.degrees_of_freedom() } else { 0 }
@@ -96,6 +102,8 @@ pub(super) struct Placed {
     /// F: positions of all joints in one vector, each times the root of its weight.
     pub(super) f: DVector<f64>,
     pub(super) positions_m: Vec<DVec3>,
+    /// Of all bodies, in the world.
+    rotations: Vec<DQuat>,
     /// By column: the joint, and how it moves.
     pub(super) axes: Vec<(usize, Axis)>,
 }
@@ -131,7 +139,7 @@ impl Rig {
                     rotation: given.rotation.normalize(),
                     offset_m: given.offset_m,
                     weight: given.weight,
-                    range: given.range,
+                    range: limit::real(given.range),
                     moves: false,
                 });
                 continue;
@@ -168,15 +176,14 @@ impl Rig {
             let what = "expected a finite state of the joint's kind, with a unit quaternion";
             return Err(RigError::Joint { joint, what });
         }
-        let still = [0.0; 6];
-        Ok(self
-            .joints
-            .iter()
-            .zip(pose)
-            .map(|(joint, state)| {
-                Model::stepped(state, joint.range, &still[..joint.model.degrees_of_freedom()])
-            })
-            .collect())
+        let unit: Vec<_> = pose.iter().map(|state| state.normalized()).collect();
+        Ok(self.within(&unit, 0.0))
+    }
+
+    /// The pose with each joint at least a share `margin` of its range's width away from the range's ends.
+    pub(super) fn within(&self, pose: &[JointPosition], margin: f64) -> Vec<JointPosition> {
+        let joints = self.joints.iter().zip(pose);
+        joints.map(|(joint, state)| limit::within(state, joint.range, margin)).collect()
     }
 
     /// Positions of all joints in a pose as seen from the root, m.
@@ -216,14 +223,15 @@ impl Rig {
                 axes.extend(of_joint.drain(..).map(|axis| (index, axis)));
             }
         }
-        let positions_m: Vec<_> = frames.into_iter().map(|(_, _, position)| position).collect();
+        let (rotations, positions_m): (Vec<_>, Vec<_>) =
+            frames.into_iter().map(|(_, rotation, position)| (rotation, position)).unzip();
         let weighted = self
             .joints
             .iter()
             .zip(&positions_m)
             .flat_map(|(joint, position)| (*position * libm::sqrt(joint.weight)).to_array());
         let f = DVector::from_iterator(3 * self.joints.len(), weighted);
-        Placed { f, positions_m, axes }
+        Placed { f, positions_m, rotations, axes }
     }
 
     /// Whether a joint is another or carries it.
@@ -236,43 +244,54 @@ impl Rig {
     }
 
     /// The pose after a step along all axes.
-    pub(super) fn stepped(&self, pose: &[JointPosition], step: &[f64]) -> Vec<JointPosition> {
-        let mut rest = step;
-        self.joints
-            .iter()
-            .zip(pose)
-            .map(|(joint, state)| {
-                if !joint.moves {
-                    return *state;
-                }
-                let (own, after) = rest.split_at(joint.model.degrees_of_freedom());
-                rest = after;
-                Model::stepped(state, joint.range, own)
-            })
-            .collect()
-    }
-
-    /// By column: whether the range ends there downwards, and upwards.
-    pub(super) fn ends(&self, pose: &[JointPosition]) -> Vec<[bool; 2]> {
-        let mut ends = Vec::with_capacity(self.columns);
-        for (joint, state) in self.joints.iter().zip(pose).filter(|(joint, _)| joint.moves) {
-            joint.model.ends(state, joint.range, &mut ends);
-        }
-        ends
-    }
-
-    /// Columns of the ways out of ranges that end in a sphere, at their ends, and how much each sphere bends across
-    /// its way out: see [`Model::bend_of_end`]. The two columns after are across.
-    pub(super) fn spheres(&self, pose: &[JointPosition]) -> Vec<(usize, f64)> {
+    ///
+    /// A ball's body is turned in the world by the step's angular velocity of it: as the positions are sums of bones,
+    /// they then bend with each bone's own turn, and not with those of all that carry it times each other. A joint of
+    /// another kind, or with a range, takes its own coordinates further.
+    pub(super) fn stepped(
+        &self,
+        pose: &[JointPosition],
+        at: &Placed,
+        step: &[f64],
+    ) -> Vec<JointPosition> {
+        // Of each body: its rotation after the step, and the step's angular velocity.
+        let mut after: Vec<(DQuat, DVec3)> = Vec::with_capacity(pose.len());
         let mut column = 0;
-        let mut spheres = Vec::new();
+        let joints = self.joints.iter().zip(pose).enumerate();
+        let stepped = joints.map(|(index, (joint, state))| {
+            let Some(parent) = joint.parent else {
+                after.push((DQuat::IDENTITY, DVec3::ZERO));
+                return *state;
+            };
+            let columns = column..column + joint.columns();
+            column = columns.end;
+            let axes = at.axes[columns.clone()].iter().zip(&step[columns.clone()]);
+            let turn =
+                axes.fold(after[parent].1, |turn, ((_, axis), by)| turn + axis.angular * *by);
+            let frame = after[parent].0 * joint.rotation;
+            let state = if joint.turns_in_world() {
+                let rotation = DQuat::from_scaled_axis(turn) * at.rotations[index];
+                JointPosition::Turn((frame.conjugate() * rotation).normalize())
+            } else if joint.moves {
+                Model::stepped(state, joint.range, &step[columns])
+            } else {
+                *state
+            };
+            after.push(((frame * joint.model.pose(&state).0).normalize(), turn));
+            state
+        });
+        stepped.collect()
+    }
+
+    /// By limit of all joints that move: how far a pose is from it. In an order of its own, the same in every pose.
+    pub(super) fn limits(&self, pose: &[JointPosition]) -> Vec<Limit> {
+        let mut column = 0;
+        let mut limits = Vec::new();
         for (joint, state) in self.joints.iter().zip(pose).filter(|(joint, _)| joint.moves) {
-            if let Some(bend) = Model::bend_of_end(state, joint.range) {
-                spheres.push((column, bend));
-            }
-            column += joint.model.degrees_of_freedom();
+            limit::of_joint(state, joint.range, column, &mut limits);
+            column += joint.columns();
         }
-        spheres
+        limits
     }
 
     /// The pose a share `t` of the way from one to another, each joint on its own.

@@ -3,6 +3,7 @@ use sinew_core::JointKind;
 use sinew_core::glam::Vec3;
 use sinew_core::projection::JointRange;
 
+use super::curve::Curve;
 use super::model::{Model, Order};
 use super::*;
 
@@ -66,7 +67,7 @@ fn derivatives_are_those_of_positions() {
         for (column, change) in changes {
             along[*column] += change;
         }
-        rig.place(&rig.stepped(&at, &along))
+        rig.place(&rig.stepped(&at, &placed, &along))
     };
     let jacobian = rig.jacobian(&placed);
     let force = placed.f.map(|x| libm::sin(17.0 * x) + 0.3);
@@ -106,16 +107,12 @@ fn steps_are_the_same_in_every_order() {
     let (from, mut to) = (pose(1.0), pose(-1.0));
     to[2] = JointPosition::Turn(DQuat::from_scaled_axis(DVec3::new(0.8, -0.2, 0.5)));
     let steps = 6;
-    let poses = (0..=steps).map(|k| {
-        let pose = rig.between(&from, &to, f64::from(k) / f64::from(steps));
-        rig.stepped(&pose, &vec![0.0; rig.columns])
-    });
-    let curve = solver::Curve::new(&rig, poses.collect());
+    let poses = (0..=steps).map(|k| rig.between(&from, &to, f64::from(k) / f64::from(steps)));
+    let mut curve = Curve::new(&rig, poses.collect()).within(&rig, 1e-2);
+    curve.push(1e-3);
     for has_second_derivatives in [true, false] {
         let step = |order| {
-            let model = Model::in_order(&rig, &curve, has_second_derivatives, order);
-            let held = model.held();
-            assert!(held > 0);
+            let model = Model::in_order(&rig, &curve, has_second_derivatives, 1e-4, order);
             model.direction(&rig, &curve, 1e-3).expect("positive definite").step
         };
         let by_pose = step(Order::Poses);
@@ -172,7 +169,7 @@ fn no_other_curve_has_less_energy() {
                 let mut along = vec![0.0; rig.columns];
                 along[column] = change;
                 let mut poses = geodesic.poses.clone();
-                poses[k] = rig.stepped(&poses[k], &along);
+                poses[k] = rig.stepped(&poses[k], &rig.place(&poses[k]), &along);
                 assert!(energy(&poses) > geodesic.energy_m2 - 1e-12, "{k} {column}");
             }
         }
@@ -231,7 +228,8 @@ fn joints_stay_within_their_ranges() {
     let locked = of(&stiff);
     assert!(any.converged && ranged.converged && locked.converged);
     assert!(widest(&any) > 0.3, "{}", widest(&any));
-    assert!((widest(&ranged) - 0.25).abs() < 1e-12, "{}", widest(&ranged));
+    // Its force times its distance is at most 1e-9 of the energy, and the force is above a hundredth of that.
+    assert!((-1e-7..=0.0).contains(&(widest(&ranged) - 0.25)), "{}", widest(&ranged));
     assert!(widest(&locked) <= 0.0);
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
 }
@@ -300,11 +298,84 @@ fn the_way_goes_along_the_end_of_a_turns_range() {
         assert!(found.converged && found.course.len() < 80, "{}", found.course.len());
         let turns = found.poses.iter().map(|pose| {
             let JointPosition::Turn(q) = pose[2] else { unreachable!("a ball") };
-            joint::rotation_vector(q).length() / f64::from(most_rad)
+            joint::rotation_vector(q).length() - f64::from(most_rad)
         });
-        let turns: Vec<f64> = turns.collect();
-        assert!(turns.iter().all(|turn| *turn < 1.0 + 1e-9), "{turns:?}");
-        assert!(turns[1..10].iter().any(|turn| *turn > 1.0 - 1e-9), "{turns:?}");
+        let beyond_rad: Vec<f64> = turns.collect();
+        assert!(beyond_rad.iter().all(|beyond| *beyond < 1e-15), "{beyond_rad:?}");
+        // A force times its distance is at most 1e-9 of the energy, and the ball is pulled with a hundredth of that.
+        assert!(beyond_rad[1..10].iter().any(|beyond| *beyond > -1e-7), "{beyond_rad:?}");
+    }
+}
+
+/// A figure of balls whose hips and collars, as those of recorded skeletons, turn by next to nothing, and whose other
+/// joints all come near the ends of their ranges. With an active set this takes more than 200 iterations.
+#[test]
+fn tight_ranges_converge() {
+    let ball = |parent, x: f64, y: f64| RigJoint {
+        offset_m: DVec3::new(x, y, 0.02),
+        ..joint(Some(parent), JointKind::Spherical)
+    };
+    let mut joints = vec![joint(None, JointKind::Fixed)];
+    for side in [-1.0, 1.0] {
+        let hip = joints.len();
+        joints.push(ball(0, 0.0, 0.0));
+        joints.push(ball(hip, 0.1 * side, -0.1));
+        joints.extend([0.4, 0.4, 0.15].map(|bone| ball(0, 0.0, -bone)));
+        let collar = joints.len();
+        joints.push(ball(0, 0.0, 0.3));
+        joints.push(ball(collar, 0.2 * side, 0.1));
+        joints.extend([0.3, 0.25, 0.1].map(|bone| ball(0, bone * side, 0.0)));
+        for inner in [hip + 2, hip + 3, hip + 4, collar + 2, collar + 3, collar + 4] {
+            joints[inner].parent = Some(inner - 1);
+        }
+    }
+    let pose = |phase: f64| -> Vec<DVec3> {
+        let turn = |index: usize| {
+            let at = 1.7 * index as f64 + phase;
+            DVec3::new(libm::sin(at), 0.7 * libm::cos(2.0 * at), 0.5 * libm::sin(3.0 * at))
+        };
+        (0..joints.len()).map(turn).collect()
+    };
+    let of = |vectors: &[DVec3], moves: &dyn Fn(usize) -> f64| -> Vec<JointPosition> {
+        let turns = vectors.iter().enumerate().skip(1);
+        let turns = turns.map(|(index, v)| DQuat::from_scaled_axis(*v * moves(index)));
+        std::iter::once(JointPosition::Fixed).chain(turns.map(JointPosition::Turn)).collect()
+    };
+    for (phase, slack) in [(1.5, 1.05), (1.5, 1.3), (1.9, 1.3)] {
+        let (a, b) = (pose(0.0), pose(phase));
+        let mut ranged = joints.clone();
+        let is_stiff = |index: usize| index % 5 == 1;
+        for (index, joint) in ranged.iter_mut().enumerate().skip(1) {
+            let most = slack * a[index].length().max(b[index].length());
+            joint.range = JointRange::Turn(if is_stiff(index) { 1e-3 } else { most as f32 });
+        }
+        let moves = |index: usize| if is_stiff(index) { 0.0 } else { 1.0 };
+        let rig = Rig::new(&ranged).unwrap();
+        let found = solve(&rig, &of(&a, &moves), &of(&b, &moves), &Options::default()).unwrap();
+        assert!(found.converged && found.course.len() < 100, "{phase}: {}", found.course.len());
+    }
+}
+
+/// Bones of a chain turn in the world: in joints' own turns this takes more than 200 iterations.
+#[test]
+fn chains_of_many_balls_converge() {
+    for (count, size) in [(30, 0.05), (40, 0.05), (60, 0.1), (60, 0.2)] {
+        let joints: Vec<_> = (0..count)
+            .map(|index| RigJoint {
+                offset_m: DVec3::new(0.0, 0.05, 0.0),
+                ..joint(usize::checked_sub(index, 1), JointKind::Spherical)
+            })
+            .collect();
+        let rig = Rig::new(&joints).unwrap();
+        let pose = |phase: f64| -> Vec<_> {
+            let turn = |index: usize| {
+                let angle = size * libm::sin(0.3 * index as f64 + phase);
+                DQuat::from_scaled_axis(DVec3::new(angle, 0.3 * angle, -angle))
+            };
+            (0..count).map(|index| JointPosition::Turn(turn(index))).collect()
+        };
+        let found = solve(&rig, &pose(0.0), &pose(2.0), &Options::default()).unwrap();
+        assert!(found.converged, "{count} {size}: {}", found.gradient);
     }
 }
 

@@ -6,14 +6,16 @@ use glam::DQuat;
 use sinew_core::Transform;
 use sinew_core::glam::Quat;
 use sinew_core::pose_space::{
-    BodyPoses, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
+    BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
 };
+use sinew_core::{Body, JointKind};
 
 use super::BODY_COUNT;
-use super::rig::SpatialRig;
+use super::rig::{SpatialRig, single};
 use super::turns::rotation_distance;
+use crate::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
 
-/// What of two poses is compared. Hauberg & Pedersen (2012); all of them are `core`'s.
+/// What of two poses is compared. Hauberg & Pedersen (2012); all but geodesics are `core`'s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Metric {
     /// Coordinates of joints, rad: eq. (1).
@@ -24,10 +26,13 @@ pub enum Metric {
     Positions,
     /// The length of the straight line between their coordinates, in space, m: eq. (4) over section 2.2.
     Line,
+    /// The length of the shortest way in space that keeps bones as long as they are, m, of all that lines stand in for:
+    /// a thousand times the work of a line.
+    Geodesic,
 }
 
 impl Metric {
-    /// All, in the order in which they are shown.
+    /// Those of `core`, in the order in which they are shown: cheap enough to compare all poses of a study.
     pub const ALL: [Self; 4] = [Self::Angles, Self::Rotations, Self::Positions, Self::Line];
 
     /// The name in tables and options.
@@ -37,6 +42,7 @@ impl Metric {
             Self::Rotations => "rotations",
             Self::Positions => "positions",
             Self::Line => "line",
+            Self::Geodesic => "geodesic",
         }
     }
 
@@ -45,8 +51,13 @@ impl Metric {
         match self {
             Self::Angles => "rad",
             Self::Rotations => "m rad",
-            Self::Positions | Self::Line => "m",
+            Self::Positions | Self::Line | Self::Geodesic => "m",
         }
+    }
+
+    /// Whether it is the length of a curve in steps. The way straight through space is a lower bound of it.
+    pub const fn is_length_of_curve(self) -> bool {
+        matches!(self, Self::Line | Self::Geodesic)
     }
 }
 
@@ -66,7 +77,7 @@ pub struct Measure {
     pub metric: Metric,
     /// How much joints count.
     pub weighting: Weighting,
-    /// Steps that a line is sampled in.
+    /// Steps that a line or a geodesic has.
     pub steps: u16,
 }
 
@@ -104,6 +115,8 @@ pub struct Measuring<'r, const N: usize = BODY_COUNT> {
     space: PoseSpace<'r, N>,
     weights: Vec<f32>,
     measure: Measure,
+    /// The same rig for geodesics, if those are measured.
+    geodesics: Option<Rig>,
 }
 
 /// A pose, made ready to be compared: 60 bytes for each of `N`, and 16 for each joint where rotations are.
@@ -131,14 +144,18 @@ impl<'r, const N: usize> Measuring<'r, N> {
                 *weight *= length_m * length_m;
             }
         }
-        let has_bones = weights.iter().any(|weight| *weight > 0.0);
-        let space = if has_bones {
-            alike.with_weights(&weights).expect("importances and lengths are weights")
-        } else {
+        if weights.iter().all(|weight| *weight <= 0.0) {
             weights.fill(1.0);
-            alike
+        }
+        let space = alike.with_weights(&weights).expect("importances and lengths are weights");
+        let joint = |(body, weight): (&Body, &f32)| RigJoint {
+            weight: f64::from(*weight),
+            ..RigJoint::from(body)
         };
-        Self { rig, space, weights, measure }
+        let joints = || rig.tree().bodies().iter().zip(&weights).map(joint).collect::<Vec<_>>();
+        let geodesics = (measure.metric == Metric::Geodesic)
+            .then(|| Rig::new(&joints()).expect("a tree's bodies are joints of a rig"));
+        Self { rig, space, weights, measure, geodesics }
     }
 
     /// The measure.
@@ -167,7 +184,8 @@ impl<'r, const N: usize> Measuring<'r, N> {
         Ok(MeasuredPose { coordinates, places, turns })
     }
 
-    /// How far two poses are apart, in the metric's unit.
+    /// How far two poses are apart, in the metric's unit. Of a geodesic that the solver did not find to the end, the
+    /// length that it came to.
     pub fn distance(
         &self,
         a: &MeasuredPose<N>,
@@ -182,7 +200,24 @@ impl<'r, const N: usize> Measuring<'r, N> {
                 let (a, b) = (&a.coordinates, &b.coordinates);
                 self.space.line_distance(a, b, self.measure.steps, workspace)
             }
+            Metric::Geodesic => self.geodesics.as_ref().map_or(0.0, |rig| {
+                let options = Options { steps: self.measure.steps.into(), ..Options::default() };
+                let found = solve(rig, &self.position(a), &self.position(b), &options);
+                single(found.expect("a measured pose is one of the rig").length_m)
+            }),
         }
+    }
+
+    /// A pose as the geodesics' solver takes it: a spatial rig has balls and what is fixed.
+    fn position(&self, pose: &MeasuredPose<N>) -> Vec<JointPosition> {
+        let bodies = self.rig.tree().bodies().iter().zip(pose.coordinates.as_slice());
+        let turn = |(body, of): (&Body, &JointCoordinates)| match body.joint {
+            JointKind::Spherical => {
+                JointPosition::Turn(DQuat::from_scaled_axis(of.angular_rad.as_dvec3()))
+            }
+            _ => JointPosition::Fixed,
+        };
+        bodies.map(turn).collect()
     }
 
     /// The way straight through space, with the measure's weights: in exact numbers a line or a geodesic is never

@@ -216,7 +216,7 @@ impl<const N: usize> SpatialRig<N> {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "core weighs in f32")]
-fn single(x: f64) -> f32 {
+pub(super) fn single(x: f64) -> f32 {
     x as f32
 }
 

@@ -159,3 +159,27 @@ fn lines_far_away_are_spared() {
         assert!(found.work.spared() > 0.5, "{:?}", found.work);
     }
 }
+
+/// Geodesics are visited in the order of the way straight through space, and found all the same.
+#[test]
+fn geodesics_far_away_are_spared() {
+    let rig = SpatialRig::new(&skeleton(), None).unwrap();
+    let mut random = Random::new(2, subject());
+    let motion = motion(&mut random, 200, 0.5);
+    let of = |metric| {
+        let measuring = Measuring::new(&rig, Measure::new(metric).weighted());
+        let clips: Vec<Vec<_>> =
+            vec![motion.iter().map(|pose| measuring.pose(pose).unwrap()).collect()];
+        let search = Search::new(&rig, &measuring, &clips[0][100..102], &clips);
+        let limits = Limits { count: 3, apart: 6 };
+        (search.nearest(limits, |_| ()), search.nearest_of_all(limits, |_| ()))
+    };
+    let (found, all) = of(Metric::Geodesic);
+    assert_eq!(found.moments, all.moments);
+    assert!(found.work.computed > 0 && found.work.spared() > 0.5, "{:?}", found.work);
+    // A line is never shorter, and here longer.
+    let lines = of(Metric::Line).0.moments;
+    for (geodesic, line) in found.moments.iter().zip(&lines).skip(1) {
+        assert!(geodesic.distance < line.distance, "{geodesic:?} {line:?}");
+    }
+}

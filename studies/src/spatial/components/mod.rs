@@ -239,7 +239,7 @@ pub const fn mode_of_paper(metric: Metric) -> Option<f64> {
     match metric {
         Metric::Angles => Some(0.4),
         Metric::Line => Some(0.8),
-        Metric::Rotations | Metric::Positions => None,
+        Metric::Rotations | Metric::Positions | Metric::Geodesic => None,
     }
 }
 
