@@ -296,5 +296,5 @@ fn the_recommended_setting_survives_lost_ticks_and_jumps_and_refuses_what_is_too
     assert_eq!(late, TrackerError::TooLate);
     assert!(late.to_string().contains("10 ms"));
     // Spelled out, it is no promise.
-    tracker(&Settings::recommended().effective(timing)).unwrap();
+    tracker(&Settings::recommended().effective(show.dt_s())).unwrap();
 }

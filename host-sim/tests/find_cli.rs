@@ -242,7 +242,7 @@ fn a_blend_leaves_enough_of_both_clips() {
     let folder = tempfile::tempdir().expect("a folder");
     // A period of 1.05 s: of all places that are alike, the earliest is taken.
     bvh::write(&folder.path().join("a.bvh"), &creature(12, 0), 0.01).expect("a clip");
-    let blend = |leave: &[&str]| {
+    let blend = |leave: &[&'static str]| {
         let all = [&["blend", "a.bvh", "a.bvh", "--out", "b.bvh", "--seconds", "0.4"], leave];
         all.concat()
     };

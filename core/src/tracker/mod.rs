@@ -154,7 +154,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
             timing.check_recommended()?;
         }
         settings.set_controller(&mut self.controller, tree, dt_s)?;
-        let effective = settings.effective(timing);
+        let effective = settings.effective(dt_s);
         // Who does not look ahead acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);

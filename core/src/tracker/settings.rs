@@ -15,12 +15,11 @@ use super::error::{SettingError, TrackerError};
 use super::names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
-use super::timing::Timing;
 
 /// What a turn counts against a distance in the projection, as it is recommended: 1 rad as much as half a metre.
 pub const ROTATION_M: f32 = 0.5;
 
-/// Bandwidth of the recommended observer, where latency and tick together are not longer than one over it.
+/// Bandwidth of the recommended observer, where a tick is not longer than one over it.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
 /// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.
@@ -184,22 +183,19 @@ impl<B: Default + Clone> Settings<B> {
         Self { method: MethodName::Recommended, ..Self::default() }
     }
 
-    /// The same with the method [`MethodName::Recommended`] spelled out for a rig's timing: the settings that it stands
-    /// for. Gains and the projection's weights stay.
+    /// The same with the method [`MethodName::Recommended`] spelled out for a rig that acts once in `dt_s` seconds: the
+    /// settings that it stands for. Gains and the projection's weights stay.
     ///
-    /// Its observer is not faster than what it sees: the bandwidth is one over the time from a measurement to the end
-    /// of the tick that its torque acts in, and at most [`BANDWIDTH_RAD_S`]. So the two together turn a phase by 1 rad
-    /// at most, at any latency.
-    ///
-    /// A tracker of settings that are spelled out does not check its [`Timing`]: for simulations of drives that come
-    /// too late.
+    /// A tracker of settings that are spelled out does not check its [`Timing`](super::Timing): for simulations of
+    /// drives that come too late.
     #[must_use]
-    pub fn effective(self, timing: Timing) -> Self {
+    pub fn effective(self, dt_s: f32) -> Self {
         let recommended = self.method == MethodName::Recommended;
         let mut effective = self.spelled_out();
         if recommended {
+            // An observer cannot be faster than its ticks.
             let bandwidth_rad_s = &mut effective.observer.bandwidth_rad_s;
-            *bandwidth_rad_s = bandwidth_rad_s.min(1.0 / timing.late_s());
+            *bandwidth_rad_s = bandwidth_rad_s.min(1.0 / dt_s);
         }
         effective
     }
@@ -376,8 +372,7 @@ impl Settings {
         dt_s: f32,
     ) -> Result<(), TrackerError> {
         self.check()?;
-        // All but the observer, which is no part of a controller, is the same at any timing.
-        let settings = self.spelled_out();
+        let settings = self.effective(dt_s);
         let method = settings.state_error(tree)?;
         let outer = match settings.gains {
             GainsName::Uniform => None,

@@ -30,12 +30,6 @@ impl Timing {
         Ok(())
     }
 
-    /// Time from a measurement to the end of the tick that its torque acts in, s.
-    pub(super) fn late_s(self) -> f32 {
-        let ticks = u16::try_from(self.latency_ticks).unwrap_or(u16::MAX);
-        (f32::from(ticks) + 1.0) * self.dt_s
-    }
-
     /// Refuses a timing at which simulated rigs with the recommended setting were lost: a torque that ends more than
     /// [`LATE_MOST_S`] after its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
     ///
@@ -45,7 +39,12 @@ impl Timing {
     /// # Errors
     /// [`TrackerError::TooLate`].
     pub fn check_recommended(self) -> Result<(), TrackerError> {
+        let ticks = u16::try_from(self.latency_ticks).unwrap_or(u16::MAX);
         // A thousandth takes up the rounding of the period. Written so that NaN fails.
-        if self.late_s() <= LATE_MOST_S * 1.001 { Ok(()) } else { Err(TrackerError::TooLate) }
+        if (f32::from(ticks) + 1.0) * self.dt_s <= LATE_MOST_S * 1.001 {
+            Ok(())
+        } else {
+            Err(TrackerError::TooLate)
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! What a real rig does to a setup: masses that nobody knows, sensors in steps, drives that come late.
 
 use rayon::prelude::*;
-use sinew_core::tracker::Timing;
 
 use super::controller::narrow;
 pub use super::disturbance::LATENCY_MOST;
@@ -78,15 +77,13 @@ pub fn largest_latency(
     look_ahead: bool,
     seconds: Option<f64>,
 ) -> Result<Option<usize>, Lost> {
-    let (controller, mut setup) = (&setup.controller, setup.clone());
+    let mut setup = setup.clone();
+    if let Some(take) = takes.first() {
+        setup.controller = setup.controller.clone().effective(narrow(take.dt_s()));
+    }
+    setup.controller.observer.predict = look_ahead;
     let mut largest = None;
     for latency_steps in 0..=LATENCY_MOST {
-        if let Some(take) = takes.first() {
-            let latency_ticks = if look_ahead { latency_steps } else { 0 };
-            let timing = Timing { dt_s: narrow(take.dt_s()), latency_ticks };
-            setup.controller = controller.clone().effective(timing);
-        }
-        setup.controller.observer.predict = look_ahead;
         setup.disturbance.latency_steps = latency_steps;
         match trial(takes, &setup, seconds) {
             Ok(errors) if errors.all.angular_mean_deg() < TRACKS_BELOW_DEG => {

@@ -246,7 +246,7 @@ impl Setup {
         let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
         self.controller.check().map_err(TrackerError::from)?;
         // Spelled out, since it is an evaluation's business to try drives that come too late.
-        let settings = self.controller_of(rig.links())?.effective(timing);
+        let settings = self.controller_of(rig.links())?.effective(timing.dt_s);
         let supply = supply(self, &tree, rig)?;
         let tracker = Tracker::with_workspace(tree, &settings, timing, Workspace::resolving())?
             .with_limits(&self.disturbance.torque_limits(rig.links()))?

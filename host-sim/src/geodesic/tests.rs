@@ -341,13 +341,15 @@ fn tight_ranges_converge() {
         let turns = turns.map(|(index, v)| DQuat::from_scaled_axis(*v * moves(index)));
         std::iter::once(JointPosition::Fixed).chain(turns.map(JointPosition::Turn)).collect()
     };
+    #[expect(clippy::cast_possible_truncation, reason = "a range is in f32")]
+    let within = |most: f64| JointRange::Turn(most as f32);
     for (phase, slack) in [(1.5, 1.05), (1.5, 1.3), (1.9, 1.3)] {
         let (a, b) = (pose(0.0), pose(phase));
         let mut ranged = joints.clone();
         let is_stiff = |index: usize| index % 5 == 1;
         for (index, joint) in ranged.iter_mut().enumerate().skip(1) {
             let most = slack * a[index].length().max(b[index].length());
-            joint.range = JointRange::Turn(if is_stiff(index) { 1e-3 } else { most as f32 });
+            joint.range = within(if is_stiff(index) { 1e-3 } else { most });
         }
         let moves = |index: usize| if is_stiff(index) { 0.0 } else { 1.0 };
         let rig = Rig::new(&ranged).unwrap();

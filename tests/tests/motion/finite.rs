@@ -522,8 +522,8 @@ proptest! {
         for method in MethodName::ALL {
             let tree = show.tree::<N>().expect("what was a tree is one");
             // Spelled out: any period will do.
+            let settings = settings(method).effective(dt_s);
             let timing = Timing { dt_s, latency_ticks: 1 };
-            let settings = settings(method).effective(timing);
             let workspace = Workspace::<N, N>::resolving();
             let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
             let Ok(mut tracker) = tracker else { continue };

@@ -14,7 +14,6 @@ use sinew_core::{
 
 const JOINTS: usize = 3;
 const DT_S: f32 = 0.002;
-const TIMING: Timing = Timing { dt_s: DT_S, latency_ticks: 0 };
 
 fn arm() -> Tree<JOINTS> {
     let link = |index: usize| Body {
@@ -221,7 +220,7 @@ fn after_a_jump_targets_go_on_until_new_frames_tell_them() {
             }
             late.step(&mut frames, tick, &rest()).unwrap();
             // No tick is dearer than another.
-            assert_eq!(frames.taken, tick as u32 - 10);
+            assert_eq!(i32::try_from(frames.taken), Ok(tick - 10));
             let (of_late, of_steady) = (late.targets().states(), steady.targets().states());
             if tick <= 13 {
                 for (now, before) in of_late.iter().zip(&before) {
@@ -461,13 +460,13 @@ fn settings_and_timings_that_cannot_be_are_refused() {
         assert_eq!(error, TrackerError::Setting(SettingError::Fixed { key }));
         // In a comparison the others have it, and this method its own.
         let compared = settings.with_method(MethodName::Recommended);
-        assert_eq!(compared.effective(TIMING), Settings::recommended().effective(TIMING));
+        assert_eq!(compared.effective(DT_S), Settings::recommended().effective(DT_S));
         assert_eq!(
             settings.with_method(MethodName::World),
             Settings { method: MethodName::World, ..settings }
         );
     }
-    let spelled_out = Settings::recommended().effective(TIMING);
+    let spelled_out = Settings::recommended().effective(DT_S);
     tracker(Settings { method: MethodName::Recommended, ..spelled_out }, 0);
 }
 
