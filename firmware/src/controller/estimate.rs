@@ -4,7 +4,7 @@
 /// `budget.toml` has of 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: by current, `recommended`, all read
 /// in every tick), which a test of `xtask` compares: instructions by the manual's cycles, without wait states of the
 /// flash.
-pub const TICK_CYCLES: [u32; 2] = [22_400, 16_500];
+pub const TICK_CYCLES: [u32; 2] = [21_000, 15_900];
 
 /// Boards' images are optimized for size, those that [`TICK_CYCLES`] are of for speed. So many per cent of their
 /// instructions a tick takes: 220 and 208 of arms of 3 and 6 servos on the emulated F446, 186 of 20 servos in QEMU.
