@@ -28,8 +28,8 @@ const LAST_STEP_RAD: f32 = 1e-5;
 /// the `z_k - p_d`, from the desired origin to the goals, in world axes.
 ///
 /// The turn Φ makes `Σ |p_m + Φ a_k - z_k|²` least (Wahba, "A Least Squares Estimate of Satellite
-/// Attitude", 1965), `a_k` the arms. For one child that is [`compensate`](super::compensate) but for a turn about the arm, so
-/// there, and where all children are on one line with the origin, it is that function that answers.
+/// Attitude", 1965), `a_k` the arms. For one child that is [`compensate`](super::compensate) but for a turn about the
+/// arm, so there, and where all children are on one line with the origin, it is that function that answers.
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
