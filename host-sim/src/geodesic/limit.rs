@@ -1,4 +1,5 @@
-//! The ends of ranges, as interior-point methods take them: a gap that is positive inside, and a force that keeps it so.
+//! The ends of ranges, as interior-point methods take them: a gap that is positive inside, and a force that keeps it
+//! so.
 
 use glam::DQuat;
 use sinew_core::projection::JointRange;
