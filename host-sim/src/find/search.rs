@@ -20,9 +20,9 @@ use crate::spatial::{
 /// given up once they exceed it. The bounds:
 ///
 /// - for lines and geodesics, the way straight through space, [`Measuring::position_distance`], of which in exact
-///   numbers none is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints' reach from
-///   the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what rounding comes
-///   to.
+///   numbers none is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints'
+///   reach from the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what
+///   rounding comes to.
 /// - for the other measures, the sum over every eighth frame. Of a single pose there is then nothing left out: the
 ///   distance costs little more than any bound.
 #[derive(Debug, Clone)]
