@@ -135,7 +135,11 @@ pub(crate) fn pose_space() {
     space.joint_poses(&pose, slice_mut());
     let bodies = black_box(space.body_poses(&pose));
     black_box((bodies.as_slice(), bodies.positions_m().count()));
-    black_box((space.angle_distance(&pose, &pose), space.rotation_distance(&pose, &pose)));
+    let rotations = black_box(space.joint_rotations(&pose));
+    black_box((
+        space.angle_distance(&pose, &pose),
+        space.rotation_distance(&rotations, &rotations),
+    ));
     black_box(space.position_distance(&bodies, &bodies));
     let mut workspace = LineWorkspace::new();
     black_box(space.line_distance(&pose, &pose, black_box(10), &mut workspace));

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use heapless::Vec;
 
-use super::{BodyPoses, PoseCoordinates, PoseSpace, chart};
+use super::{BodyPoses, JointRotations, PoseCoordinates, PoseSpace, chart};
 use crate::dynamics::degrees_of_freedom;
 use crate::fixed;
 use crate::joint::JointKind;
@@ -33,11 +33,29 @@ impl<const N: usize> PoseSpace<'_, N> {
     ///
     /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Motion compression
     /// using principal geodesics analysis" (2009), in metres.
-    pub fn rotation_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
-        let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
-        let squares = joints.map(|((body, weight), (a, b))| {
-            let (a, b) = (chart::pose(body, a), chart::pose(body, b));
-            let turn = math::log(math::turn_in_body(a.rotation, b.rotation));
+    ///
+    /// ```
+    /// use sinew_core::pose_space::PoseSpace;
+    /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3, math};
+    /// let neck = Body {
+    ///     parent: None,
+    ///     joint: JointKind::Spherical,
+    ///     placement: Transform::IDENTITY,
+    ///     inertia: Inertia::default(),
+    ///     rotor_inertia: 0.0,
+    /// };
+    /// let tree = Tree::<1>::from_bodies(&[neck])?;
+    /// let space = PoseSpace::new(&tree).with_root();
+    /// let [ahead, aside] = [0.0, 0.5].map(|rad| Transform::new(math::exp(Vec3::Y * rad), Vec3::ZERO));
+    /// let [ahead, aside] = [space.coordinates(&[ahead])?, space.coordinates(&[aside])?];
+    /// let [ahead, aside] = [&ahead, &aside].map(|pose| space.joint_rotations(pose));
+    /// assert!((space.rotation_distance(&ahead, &aside) - 0.5).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn rotation_distance(&self, a: &JointRotations<N>, b: &JointRotations<N>) -> f32 {
+        let joints = self.weights.iter().zip(a.rotations.iter().zip(&b.rotations));
+        let squares = joints.map(|(weight, (a, b))| {
+            let turn = math::log(math::turn_in_body(*a, *b));
             weight * turn.dot(turn)
         });
         math::sqrt(squares.sum())

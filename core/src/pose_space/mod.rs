@@ -7,7 +7,7 @@ mod metric;
 
 use core::fmt;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use heapless::Vec;
 
 pub use chart::JointCoordinates;
@@ -80,6 +80,14 @@ enum Root {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PoseCoordinates<const N: usize> {
     joints: Vec<JointCoordinates, N>,
+}
+
+/// Rotations of all joints in their parents' frames, made ready once to be compared with many, see
+/// [`PoseSpace::rotation_distance`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct JointRotations<const N: usize> {
+    rotations: Vec<Quat, N>,
 }
 
 /// Where the bodies of a pose are, seen from the world, or from the root where that does not count.
@@ -167,6 +175,13 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         for ((body, joint), out) in self.tree.bodies().iter().zip(&at.joints).zip(out) {
             *out = if self.leaves_out(body) { body.placement } else { chart::pose(body, joint) };
         }
+    }
+
+    /// The rotations of all joints, from coordinates. O(n).
+    pub fn joint_rotations(&self, at: &PoseCoordinates<N>) -> JointRotations<N> {
+        let joints = self.tree.bodies().iter().zip(&at.joints);
+        let rotations = fixed::collect(joints.map(|(body, at)| chart::pose(body, at).rotation));
+        JointRotations { rotations }
     }
 
     /// Where all bodies are in a pose. A root that does not count is at the origin, not turned. O(n).

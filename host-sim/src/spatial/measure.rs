@@ -3,16 +3,14 @@
 use std::fmt;
 
 use glam::DQuat;
-use sinew_core::Transform;
-use sinew_core::glam::Quat;
 use sinew_core::pose_space::{
-    BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
+    BodyPoses, JointCoordinates, JointRotations, LineWorkspace, PoseCoordinates, PoseSpace,
+    PoseSpaceError,
 };
 use sinew_core::{Body, JointKind};
 
 use super::BODY_COUNT;
 use super::rig::{SpatialRig, single};
-use super::turns::rotation_distance;
 use crate::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
 
 /// What of two poses is compared. Hauberg & Pedersen (2012); all but geodesics are `core`'s.
@@ -113,19 +111,17 @@ impl fmt::Display for Measure {
 pub struct Measuring<'r, const N: usize = BODY_COUNT> {
     rig: &'r SpatialRig<N>,
     space: PoseSpace<'r, N>,
-    weights: Vec<f32>,
     measure: Measure,
     /// The same rig for geodesics, if those are measured.
     geodesics: Option<Rig>,
 }
 
-/// A pose, made ready to be compared: 60 bytes for each of `N`, and 16 for each joint where rotations are.
+/// A pose, made ready to be compared: 76 bytes for each of `N`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     coordinates: PoseCoordinates<N>,
     places: BodyPoses<N>,
-    /// Rotations of the joints in their parents, where those are compared.
-    turns: Vec<Quat>,
+    rotations: JointRotations<N>,
 }
 
 impl<'r, const N: usize> Measuring<'r, N> {
@@ -155,7 +151,7 @@ impl<'r, const N: usize> Measuring<'r, N> {
         let joints = || rig.tree().bodies().iter().zip(&weights).map(joint).collect::<Vec<_>>();
         let geodesics = (measure.metric == Metric::Geodesic)
             .then(|| Rig::new(&joints()).expect("a tree's bodies are joints of a rig"));
-        Self { rig, space, weights, measure, geodesics }
+        Self { rig, space, measure, geodesics }
     }
 
     /// The measure.
@@ -175,13 +171,8 @@ impl<'r, const N: usize> Measuring<'r, N> {
     pub fn pose(&self, rotations: &[DQuat]) -> Result<MeasuredPose<N>, PoseSpaceError> {
         let coordinates = self.space.coordinates(&self.rig.joint_poses(rotations))?;
         let places = self.space.body_poses(&coordinates);
-        let mut turns = Vec::new();
-        if self.measure.metric == Metric::Rotations {
-            let mut joints = vec![Transform::IDENTITY; places.as_slice().len()];
-            self.space.joint_poses(&coordinates, &mut joints);
-            turns.extend(joints.iter().map(|joint| joint.rotation));
-        }
-        Ok(MeasuredPose { coordinates, places, turns })
+        let rotations = self.space.joint_rotations(&coordinates);
+        Ok(MeasuredPose { coordinates, places, rotations })
     }
 
     /// How far two poses are apart, in the metric's unit. Of a geodesic that the solver did not find to the end, the
@@ -194,7 +185,7 @@ impl<'r, const N: usize> Measuring<'r, N> {
     ) -> f32 {
         match self.measure.metric {
             Metric::Angles => self.space.angle_distance(&a.coordinates, &b.coordinates),
-            Metric::Rotations => rotation_distance(&self.weights, &a.turns, &b.turns),
+            Metric::Rotations => self.space.rotation_distance(&a.rotations, &b.rotations),
             Metric::Positions => self.position_distance(a, b),
             Metric::Line => {
                 let (a, b) = (&a.coordinates, &b.coordinates);
@@ -246,30 +237,6 @@ pub type Workspace<const N: usize = BODY_COUNT> = LineWorkspace<N>;
 mod tests {
     use super::*;
     use crate::builtin;
-
-    #[test]
-    fn rotations_are_as_far_apart_as_for_the_core_to_the_bit() {
-        let clip = builtin::clips().swap_remove(0);
-        let measure = Measure::new(Metric::Rotations);
-        for (root, measure) in [(None, measure), (Some("head"), measure.weighted())] {
-            let rig = SpatialRig::new(&clip.skeleton, root).unwrap();
-            let measuring = Measuring::new(&rig, measure);
-            let complete = clip.frames.iter().filter(|frame| frame.iter().all(Option::is_some));
-            let poses: Vec<MeasuredPose> = complete
-                .step_by(60)
-                .map(|frame| {
-                    let turns: Vec<DQuat> = frame.iter().flatten().map(|s| s.rotation).collect();
-                    measuring.pose(&turns).unwrap()
-                })
-                .collect();
-            let mut workspace = Workspace::new();
-            for (a, b) in poses.iter().flat_map(|a| poses.iter().map(move |b| (a, b))) {
-                let of_core = measuring.space().rotation_distance(&a.coordinates, &b.coordinates);
-                let found = measuring.distance(a, b, &mut workspace);
-                assert_eq!(found.to_bits(), of_core.to_bits());
-            }
-        }
-    }
 
     #[test]
     fn the_same_turn_counts_more_the_longer_the_bone() {

@@ -4,7 +4,6 @@ mod matrix;
 mod measure;
 mod rig;
 mod rigid;
-mod turns;
 
 pub use matrix::Distances;
 pub use measure::{Measure, MeasuredPose, Measuring, Metric, Weighting, Workspace};

@@ -161,7 +161,7 @@ fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), Case
     };
     let got = space.angle_distance(&a, &b);
     number("joint_angle_distance", "rad", rounded.angle_distance(), got, case.joint_angle_distance);
-    let got = space.rotation_distance(&a, &b);
+    let got = space.rotation_distance(&space.joint_rotations(&a), &space.joint_rotations(&b));
     number("so3_distance", "rad", rounded.rotation_distance(), got, case.so3_distance);
     let got = space.position_distance(first, last);
     number("chord", "m", rounded.distance(0, usize::from(case.N)), got, case.chord);
