@@ -12,6 +12,7 @@ mod features;
 mod firmware;
 mod image;
 mod limits;
+mod nextest;
 mod node;
 mod package;
 mod parity;

@@ -7,8 +7,8 @@ use sinew_image::BOARDS;
 
 use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, deny, docs, emulate, features, firmware, node, package, parity,
-    setup, step,
+    arm, audit, budget, clients, deny, docs, emulate, features, firmware, nextest, node, package,
+    parity, setup, step,
 };
 
 pub(crate) fn run() -> Result<()> {
@@ -51,9 +51,8 @@ pub(crate) fn run() -> Result<()> {
     let machines = parity::build()?;
     let image = node::build()?;
     let emulator = emulate::build()?;
-    let mut tests = step::cargo();
+    let mut tests = nextest::run()?;
     tests
-        .args(["test", "--locked", "--workspace"])
         .env("INSTA_UPDATE", "no")
         // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
         // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
@@ -63,11 +62,11 @@ pub(crate) fn run() -> Result<()> {
     let browser = setup::chromium().unwrap_or_default();
     tests.env("SINEW_CHROMIUM", &browser);
     if std::env::var_os("SINEW_DATA").is_some() {
-        tests.args(["--", "--include-ignored"]);
+        tests.args(["--run-ignored", "all"]);
         if emulator.is_none() {
-            tests.args(["--skip", "emulated_"]);
+            tests.args(["--filterset", "not test(emulated_)"]);
         }
-        step::run("tests, those on real mocap too", &mut tests)
+        step::run("tests, those on real mocap too", &mut tests)?;
     } else {
         eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
         step::run("tests", &mut tests)?;
@@ -81,8 +80,9 @@ pub(crate) fn run() -> Result<()> {
             .args(["test", "--locked", "--workspace", "--test", "browser"])
             .args(["--", "--ignored"])
             .env("SINEW_CHROMIUM", browser);
-        step::run("pages in a browser", &mut report)
+        step::run("pages in a browser", &mut report)?;
     }
+    step::run("examples", step::cargo().args(["test", "--locked", "--workspace", "--doc"]))
 }
 
 /// Lints all images as the host's crates are.
