@@ -1,29 +1,19 @@
-//! The core and the firmware's library with their features: nothing else in the workspace switches them on.
+//! Features of the core and the firmware's library that nothing else in the workspace switches on. With serde alone the
+//! workspace's own checks have the core, and images have it with defmt alone.
 
 use anyhow::Result;
 
 use crate::{arm, step};
 
 pub(crate) fn run() -> Result<()> {
-    let deny = ["--", "--deny", "warnings"];
-    let clippy = |title: &str, packages: &[&str], features: &str| {
-        let mut command = step::cargo();
-        command.args(["clippy", "--locked", "--all-targets", "--features", features]);
-        for package in packages {
-            command.args(["--package", package]);
-        }
-        step::run(title, command.args(deny))
-    };
-    clippy("clippy of the core with serde", &["sinew-core"], "serde")?;
-    clippy("clippy of the core with serde and defmt", &["sinew-core"], "serde,defmt")?;
-    clippy(
-        "clippy of core, firmware and the servos' stand-in with defmt",
-        &["sinew-core", "sinew-firmware", "sinew-parity"],
-        "sinew-core/defmt,sinew-firmware/defmt,sinew-parity/defmt",
-    )?;
+    let mut clippy = step::cargo();
+    clippy.args(["clippy", "--locked", "--all-targets"]);
+    clippy.args(["--package", "sinew-core", "--package", "sinew-firmware"]);
+    clippy.args(["--package", "sinew-parity", "--features"]);
+    clippy.arg("sinew-core/serde,sinew-core/defmt,sinew-firmware/defmt,sinew-parity/defmt");
     step::run(
-        "tests of the core with serde",
-        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
+        "clippy of core, firmware and the servos' stand-in with all features",
+        clippy.args(["--", "--deny", "warnings"]),
     )?;
     step::run(
         "documentation of the core with all features",

@@ -92,8 +92,8 @@ fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
     ];
     let (motions, rounds) = if options::quick() { (20, 200) } else { (1000, 5000) };
     let motions: Vec<_> = (0..motions).map(|seed| RigMotion::random(tree.bodies(), seed)).collect();
-    let turns: usize = motions.first().map_or(0, |motion| motion.turns.iter().map(Vec::len).sum());
-    println!("\nRNEA, {BODIES} bodies, {} degrees of freedom", 6 + turns);
+    let freedoms = motions.first().map_or(0, RigMotion::freedoms);
+    println!("\nRNEA, {BODIES} bodies, {freedoms} degrees of freedom");
 
     let worst = disagreement(&mut contenders, &motions);
     println!(

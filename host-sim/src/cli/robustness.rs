@@ -6,8 +6,9 @@ use std::process::ExitCode;
 use anyhow::{bail, ensure};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use sinew_sim::command::{ThreadArgs, print, with_progress};
+use sinew_sim::evaluate::pareto::on_front;
 use sinew_sim::evaluate::robustness::{Trial, as_built, median, trial};
-use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Take as _, step_count};
+use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
 use sinew_sim::figure::Dimensions;
 
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
@@ -26,6 +27,8 @@ use super::setup::SetupArgs;
 /// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance.
 /// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
 /// and its linear error are smaller.
+///
+/// `--front` gives angle against distance: `recommended` with other weights than its own, beside the methods.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -47,6 +50,11 @@ pub(super) struct Args {
     /// How many rigs.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
     seeds: u64,
+
+    /// Track with `recommended` and these weights, too: 1 rad as much as so many metres (100: World with the observer).
+    /// A second table has medians, and on how many rigs angle and distance are below all methods without projection.
+    #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
+    front: Vec<f32>,
 
     #[command(flatten)]
     pub(super) setup: SetupArgs,
@@ -85,21 +93,22 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
     check_fixed(&setup, &methods)?;
-    for method in &methods {
-        as_built(&setup, *method, 0).check()?;
+    let variants = variants(&setup, &methods, &args.front);
+    for Variant { setup, .. } in &variants {
+        setup.check()?;
     }
     let (motions, lines) = args.clips.at(500.0, 100.0).takes(rig)?;
     tell(&lines);
     let steps: usize = motions.iter().map(|motion| step_count(motion, args.seconds)).sum();
     let seeds: Vec<u64> = (1..=args.seeds).collect();
-    let trials: Vec<Vec<Trial>> = with_progress(steps * methods.len() * seeds.len(), |progress| {
+    let trials: Vec<Vec<Trial>> = with_progress(steps * variants.len() * seeds.len(), |progress| {
         let of_seed = |seed: &u64| {
-            let of_method = |method: &MethodName| {
-                let result = trial(&motions, &as_built(&setup, *method, *seed), args.seconds);
+            let of_variant = |variant: &Variant| {
+                let result = trial(&motions, &variant.of_rig(*seed), args.seconds);
                 progress(steps);
                 result
             };
-            methods.iter().map(of_method).collect()
+            variants.iter().map(of_variant).collect()
         };
         seeds.iter().map(of_seed).collect()
     });
@@ -124,8 +133,49 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     for line in wins(&methods, &trials) {
         writeln!(text, "{line}")?;
     }
+    if !args.front.is_empty() {
+        writeln!(
+            text,
+            "\nmedians over the rigs, and on how many of them an error is below those of all methods without projection\n"
+        )?;
+        writeln!(text, "{}", front(&variants, &trials))?;
+    }
     print(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// A method, or the recommended one with a weight of its own.
+struct Variant {
+    name: String,
+    /// Of the first rig.
+    setup: Setup,
+}
+
+impl Variant {
+    fn of_rig(&self, seed: u64) -> Setup {
+        let mut setup = self.setup.clone();
+        setup.disturbance.seed = seed;
+        setup
+    }
+
+    /// Whether its targets are poses of the rig itself, found for angle and distance together.
+    fn projects(&self) -> bool {
+        use MethodName::{ManifoldProjection, Recommended};
+        matches!(self.setup.controller.method, ManifoldProjection | Recommended)
+    }
+}
+
+fn variants(setup: &Setup, methods: &[MethodName], weights: &[f32]) -> Vec<Variant> {
+    let of_method = |method: &MethodName| Variant {
+        name: method.to_string(),
+        setup: as_built(setup, *method, 1),
+    };
+    let of_weight = |rotation_m: &f32| {
+        let mut setup = as_built(setup, MethodName::Recommended, 1);
+        setup.controller.projection.rotation_m = *rotation_m;
+        Variant { name: format!("recommended, {rotation_m} m"), setup }
+    };
+    methods.iter().map(of_method).chain(weights.iter().map(of_weight)).collect()
 }
 
 /// Mean angular, linear and importance-weighted error.
@@ -144,23 +194,64 @@ fn table(seeds: &[u64], methods: &[MethodName], trials: &[Vec<Trial>]) -> Table 
     let heading = ["rig".to_owned()].into_iter();
     table.set_header(heading.chain(methods.iter().map(ToString::to_string)));
     for (seed, trials) in seeds.iter().zip(trials) {
-        let cells = trials.iter().map(|trial| match trial {
+        let cells = trials.iter().take(methods.len()).map(|trial| match trial {
             Ok(errors) => shown(means(errors)),
             Err(_) => "lost".to_owned(),
         });
         table.add_row([seed.to_string()].into_iter().chain(cells));
     }
-    // A rig that is lost is worse than any that is not.
-    let of_method = |method: usize, error: usize| {
-        let of = |trials: &Vec<Trial>| {
-            trials[method].as_ref().map_or(f64::INFINITY, |errors| means(errors)[error])
-        };
-        median(trials.iter().map(of).collect()).unwrap_or(f64::NAN)
-    };
-    let medians =
-        (0..methods.len()).map(|method| shown([0, 1, 2].map(|error| of_method(method, error))));
+    let medians = (0..methods.len())
+        .map(|method| shown([0, 1, 2].map(|error| middle(trials, method, error))));
     table.add_row(["median".to_owned()].into_iter().chain(medians));
     for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// An error of a trial. A rig that is lost is worse than any that is not.
+fn error(trial: &Trial, error: usize) -> f64 {
+    trial.as_ref().map_or(f64::INFINITY, |errors| means(errors)[error])
+}
+
+/// The median over the rigs of an error of a variant.
+fn middle(trials: &[Vec<Trial>], variant: usize, of: usize) -> f64 {
+    median(trials.iter().map(|trials| error(&trials[variant], of)).collect()).unwrap_or(f64::NAN)
+}
+
+/// Angle against distance.
+fn front(variants: &[Variant], trials: &[Vec<Trial>]) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN);
+    table.set_header(["", "deg", "cm", "Pareto-optimal", "angle below", "distance below", "both"]);
+    let others: Vec<usize> =
+        (0..variants.len()).filter(|variant| !variants[*variant].projects()).collect();
+    let is_below = |trials: &Vec<Trial>, variant: usize, of: usize| {
+        others.iter().all(|other| error(&trials[variant], of) < error(&trials[*other], of))
+    };
+    let medians: Vec<[f64; 2]> = (0..variants.len())
+        .map(|variant| [0, 1].map(|error| middle(trials, variant, error)))
+        .collect();
+    for (index, (variant, on_front)) in variants.iter().zip(on_front(&medians)).enumerate() {
+        let count = |errors: &[usize]| {
+            if !variant.projects() {
+                return String::new();
+            }
+            let all = |trials: &&Vec<Trial>| errors.iter().all(|of| is_below(trials, index, *of));
+            format!("{} of {}", trials.iter().filter(all).count(), trials.len())
+        };
+        let [angular_deg, linear_cm] = medians[index];
+        table.add_row([
+            variant.name.clone(),
+            format!("{angular_deg:.3}"),
+            format!("{linear_cm:.3}"),
+            if on_front { "yes" } else { "" }.to_owned(),
+            count(&[0]),
+            count(&[1]),
+            count(&[0, 1]),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
