@@ -30,6 +30,30 @@ fn every_rig_has_a_row_and_the_threads_do_not_matter() {
 }
 
 #[test]
+fn the_front_trades_angle_for_distance() {
+    let text = printed(&[
+        "robustness",
+        "--seconds",
+        "0.5",
+        "--seeds",
+        "2",
+        "--methods",
+        "local,recommended",
+        "--front",
+        "1,0.5",
+    ]);
+    let medians = |name: &str| -> [f64; 2] {
+        let row = text.lines().find(|line| line.contains(&format!("| {name} ")) && line.len() > 60);
+        let cells: Vec<&str> = row.expect("a row of the setting").split('|').collect();
+        [2, 3].map(|cell| cells[cell].trim().parse().expect("a number"))
+    };
+    assert_eq!(medians("recommended, 0.5 m"), medians("recommended          "), "{text}");
+    let ([angle, distance], [default_angle, default_distance]) =
+        (medians("recommended, 1 m"), medians("recommended, 0.5 m"));
+    assert!(angle < default_angle && distance > default_distance, "{text}");
+}
+
+#[test]
 fn looking_ahead_lets_a_drive_come_later() {
     let text = printed(&["latency", "--seconds", "1", "--rates", "500", "--methods", "world"]);
     let steps = |looks_ahead: &str| -> usize {
@@ -44,6 +68,8 @@ fn looking_ahead_lets_a_drive_come_later() {
 fn what_cannot_be_is_refused_with_what_could() {
     for (arguments, part) in [
         (&["robustness", "--seeds", "0"][..], "1..=1000"),
+        (&["robustness", "--front", "0.5,0"], "rotation_m"),
+        (&["robustness", "--front", "nan"], "rotation_m"),
         (&["robustness", "--rate", "500", "--frames", "300"], "a whole number of times"),
         (&["robustness", "--set", "controller.law=pd"], "inverse_dynamics"),
         (&["robustness", "--set", "disturbance.sensor_bits=40"], "0 to 24 bits"),
