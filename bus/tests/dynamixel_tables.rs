@@ -114,3 +114,18 @@ fn what_is_measured_is_not_written() {
         );
     }
 }
+
+#[test]
+fn an_address_is_that_of_the_one_item_that_has_it() {
+    for model in MODELS {
+        for firmware in [45, 52] {
+            let table = Table { model, firmware };
+            for address in 0..1024 {
+                let by_search = table.items().find(|item| item.contains(address));
+                let found = table.at(address);
+                assert!(by_search.is_none() || by_search == found, "{}: {address}", model.name);
+                assert!(found.is_none_or(|item| item.contains(address)));
+            }
+        }
+    }
+}

@@ -76,7 +76,14 @@ impl Table {
 
     /// The item that has this address.
     pub fn at(&self, address: u16) -> Option<Item> {
-        self.items().find(|item| item.contains(address)).or_else(|| self.indirect_item(address))
+        // A simulated servo asks this for all that it keeps, in every millisecond: only items that can have the address
+        // are looked at.
+        let behind = ITEMS.partition_point(|(_, item)| item.end() <= address);
+        let (_, from) = ITEMS.split_at_checked(behind)?;
+        from.iter()
+            .take_while(|(_, item)| item.address <= address)
+            .find_map(|(only, item)| self.own(*only, item))
+            .or_else(|| self.indirect_item(address))
     }
 
     /// The item of this name, as the maker writes it; case and what separates words do not matter.
