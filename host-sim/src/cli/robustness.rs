@@ -92,6 +92,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     setup.dimensions = Dimensions { scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
+    ensure_different(&args.front, "--front")?;
     check_fixed(&setup, &methods)?;
     let variants = variants(&setup, &methods, &args.front);
     for Variant { setup, .. } in &variants {
@@ -234,7 +235,7 @@ fn front(variants: &[Variant], trials: &[Vec<Trial>]) -> Table {
         .collect();
     for (index, (variant, on_front)) in variants.iter().zip(on_front(&medians)).enumerate() {
         let count = |errors: &[usize]| {
-            if !variant.projects() {
+            if !variant.projects() || others.is_empty() {
                 return String::new();
             }
             let all = |trials: &&Vec<Trial>| errors.iter().all(|of| is_below(trials, index, *of));
