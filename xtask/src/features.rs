@@ -1,5 +1,5 @@
-//! Features of the core and the firmware's library that nothing else in the workspace switches on. With serde alone the
-//! workspace's own checks have the core, and images have it with defmt alone.
+//! Features of the core and the firmware's library as nothing else in the workspace has them. Clippy of the workspace
+//! has the core with serde, and images have it with defmt alone.
 
 use anyhow::Result;
 
@@ -14,6 +14,11 @@ pub(crate) fn run() -> Result<()> {
     step::run(
         "clippy of core, firmware and the servos' stand-in with all features",
         clippy.args(["--", "--deny", "warnings"]),
+    )?;
+    // The workspace's tests have the core as hosts do, with `large`; boards have it without.
+    step::run(
+        "tests of the core with serde",
+        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
     )?;
     step::run(
         "documentation of the core with all features",

@@ -24,16 +24,15 @@ pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<d
         .map(|program| Peer::new(&program, tree.bodies()))
         .collect::<Result<Vec<_>, _>>()?;
     let (motions, rounds, calls) = if options::quick() { (3, 20, 20) } else { (100, 501, 100) };
-    let mut freedoms = 0;
     for seed in 0..motions {
         let motion = RigMotion::random(tree.bodies(), seed);
-        freedoms = motion.freedoms();
         ours.set(&motion);
         for peer in &mut peers {
             peer.set(&motion)?;
             agree(&mut ours, peer)?;
         }
     }
+    let freedoms = RigMotion::random(tree.bodies(), 0).freedoms();
     println!(
         "\nKernels, {BODIES} bodies, {freedoms} degrees of freedom: median, ns, and ours as a part of it"
     );

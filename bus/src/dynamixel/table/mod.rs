@@ -76,11 +76,12 @@ impl Table {
 
     /// The item that has this address.
     pub fn at(&self, address: u16) -> Option<Item> {
-        // A simulated servo asks this for all that it keeps, in every millisecond: only items that can have the address
-        // are looked at.
-        let behind = ITEMS.partition_point(|(_, item)| item.end() <= address);
-        let (_, from) = ITEMS.split_at_checked(behind)?;
-        from.iter()
+        // A simulated servo asks this for all that it reads of itself, again and again: only items that can have the
+        // address are looked at.
+        let before = ITEMS.partition_point(|(_, item)| item.end() <= address);
+        ITEMS
+            .iter()
+            .skip(before)
             .take_while(|(_, item)| item.address <= address)
             .find_map(|(only, item)| self.own(*only, item))
             .or_else(|| self.indirect_item(address))

@@ -183,7 +183,9 @@ impl Table {
 
     /// The item that has this address.
     pub fn at(&self, address: u8) -> Option<Item> {
-        self.items().find(|item| item.contains(address.into()))
+        let items = self.model.family.items().iter();
+        let found = items.copied().find(|item| item.contains(address.into()));
+        found.map(|item| self.adapted(item))
     }
 
     /// The item of this name; case and what separates words do not matter.
