@@ -14,6 +14,7 @@ use crate::{
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
     step::run("format", step::cargo().args(["fmt", "--all", "--check"]))?;
+    docs::text()?;
     let deny = ["--", "--deny", "warnings"];
     step::run(
         "clippy",

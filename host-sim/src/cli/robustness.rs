@@ -52,7 +52,8 @@ pub(super) struct Args {
     seeds: u64,
 
     /// Track with `recommended` and these weights, too: 1 rad as much as so many metres (100: nearly World with the
-    /// observer). A second table has medians, and on how many rigs angle and distance are below all methods without projection.
+    /// observer). A second table has medians, and on how many rigs angle and distance are below all methods without
+    /// projection.
     #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
     front: Vec<f32>,
 

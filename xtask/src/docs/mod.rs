@@ -24,21 +24,31 @@ struct Fault {
 
 /// Checks every page of the repository, then builds the book.
 pub(crate) fn run() -> Result<()> {
-    eprintln!("\n== documentation: links, commands, figures, width");
+    text()?;
+    eprintln!("\n== documentation: commands");
+    let pages = pages()?;
+    none_of(&commands::check(&pages)?)?;
+    book::build(&pages)
+}
+
+/// Checks what is known without the programs, which take minutes to build.
+pub(crate) fn text() -> Result<()> {
+    eprintln!("\n== documentation: links, figures, width");
     let pages = pages()?;
     let mut faults = links::check(&pages);
     faults.extend(book::check(&pages));
     faults.extend(figures::check(&pages)?);
     faults.extend(width::check(&pages)?);
-    // Building the programs takes minutes: what is known without them is said at once.
-    if faults.is_empty() {
-        faults.extend(commands::check(&pages)?);
-    }
-    for Fault { path, line, what } in &faults {
+    none_of(&faults)
+}
+
+/// Names faults, and fails if there are any.
+fn none_of(faults: &[Fault]) -> Result<()> {
+    for Fault { path, line, what } in faults {
         eprintln!("   {}:{line}: {what}", path.display());
     }
     ensure!(faults.is_empty(), "the documentation has {} faults, see above", faults.len());
-    book::build(&pages)
+    Ok(())
 }
 
 /// All Markdown files that are no one's output.
