@@ -341,7 +341,7 @@ impl<const N: usize> Controller<N> {
             // World errors only what their joints can act on.
             Method::World if !self.slides => {
                 kinematics::body_turns(bodies, measured, &mut w.measured);
-                targets.complete(&self.tree);
+                targets.complete_turns(&self.tree);
             }
             _ => {
                 kinematics::body_states(bodies, measured, &mut w.measured);

@@ -30,9 +30,18 @@ use crate::tree::Tree;
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Twist, N>,
-    /// The world states of the bodies that follow from `states`, for a tree of the shape `known_for`.
+    /// The world states of the bodies that follow from `states`, as far as they are known.
     bodies: Vec<BodyState, N>,
-    known_for: Option<u32>,
+    known: Known,
+}
+
+/// What is known of the bodies' world states, and for trees of which shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Known {
+    Nothing,
+    /// What [`kinematics::body_turns`] finds.
+    Turns(u32),
+    All(u32),
 }
 
 /// Equal if the joints' targets are: the bodies' follow from them.
@@ -49,12 +58,13 @@ impl<const N: usize> JointTargets<N> {
         let states: Vec<JointState, N> = fixed::collect(at_rest.as_slice().iter().copied());
         let accelerations = fixed::collect(states.iter().map(|_| Twist::ZERO));
         let bodies = fixed::collect(states.iter().map(|_| BodyState::WORLD));
-        Self { states, accelerations, bodies, known_for: None }
+        Self { states, accelerations, bodies, known: Known::Nothing }
     }
 
     /// For no joints.
     pub(crate) fn of_nothing() -> Self {
-        Self { states: Vec::new(), accelerations: Vec::new(), bodies: Vec::new(), known_for: None }
+        let (states, accelerations, bodies) = (Vec::new(), Vec::new(), Vec::new());
+        Self { states, accelerations, bodies, known: Known::Nothing }
     }
 
     /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
@@ -93,7 +103,7 @@ impl<const N: usize> JointTargets<N> {
         };
         *slot = state.with_unit_rotation();
         *acceleration_slot = acceleration;
-        self.known_for = None;
+        self.known = Known::Nothing;
         Ok(())
     }
 
@@ -108,7 +118,7 @@ impl<const N: usize> JointTargets<N> {
         }
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
         slot.velocity = velocity;
-        self.known_for = None;
+        self.known = Known::Nothing;
         Ok(())
     }
 
@@ -126,7 +136,7 @@ impl<const N: usize> JointTargets<N> {
             }
             *acceleration = Twist::ZERO;
         }
-        self.known_for = None;
+        self.known = Known::Nothing;
     }
 
     /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
@@ -135,19 +145,31 @@ impl<const N: usize> JointTargets<N> {
         &mut self,
         tree: &Tree<N>,
     ) -> (&mut [JointState], &mut [Twist], &mut [BodyState]) {
-        self.known_for = (self.states.len() == tree.len()).then_some(tree.shape());
+        let fits = self.states.len() == tree.len();
+        self.known = if fits { Known::All(tree.shape()) } else { Known::Nothing };
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
 
     /// Finds the world states of the bodies of a tree from those of the joints, if they are not known yet.
     pub(crate) fn complete(&mut self, tree: &Tree<N>) {
-        if self.known_for != Some(tree.shape()) {
+        let all = Known::All(tree.shape());
+        if self.known != all {
             kinematics::body_states(tree.bodies(), &self.states, &mut self.bodies);
-            self.known_for = Some(tree.shape());
+            self.known = all;
         }
     }
 
-    /// World states of the bodies after [`Self::complete`].
+    /// As [`Self::complete`], of bodies that have a parent only rotations and angular velocities. O(n), or O(1) if they
+    /// are known.
+    pub(crate) fn complete_turns(&mut self, tree: &Tree<N>) {
+        let turns = Known::Turns(tree.shape());
+        if self.known != Known::All(tree.shape()) && self.known != turns {
+            kinematics::body_turns(tree.bodies(), &self.states, &mut self.bodies);
+            self.known = turns;
+        }
+    }
+
+    /// World states of the bodies after [`Self::complete`], or what of them [`Self::complete_turns`] has found.
     pub(crate) fn bodies(&self) -> &[BodyState] {
         &self.bodies
     }

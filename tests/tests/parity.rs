@@ -2,7 +2,7 @@
 //!
 //! The evaluation writes down what its own tracker gets and computes; its runs are made again here and on each other
 //! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other
-//! machines' programs. Emulators are slow: the former gives them a third of the runs, the latter all.
+//! machines' programs. Emulators are slow: the former gives them a sixth of the runs, the latter all.
 //!
 //! And recorded shows of ten minutes, decoded.
 
@@ -29,7 +29,7 @@ const PAPER_FRAMES: usize = 22_560;
 
 /// Emulated machines get one run in so many, unless [`ALL`] is set: of each figure and method that share of the clips,
 /// of each clip that share of figures and methods.
-const SHARE: usize = 3;
+const SHARE: usize = 6;
 
 /// The environment variable that gives all runs to all machines with an FPU.
 const ALL: &str = "SINEW_PARITY_ALL";

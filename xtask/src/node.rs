@@ -15,7 +15,7 @@ pub(crate) const IMAGE: Image = Image { package: "sinew-emulated", name: "node",
 /// Builds the image and runs the tests.
 pub(crate) fn run() -> Result<()> {
     let image = build()?;
-    step::run("the node in QEMU", test().envs([image]))
+    step::run("the node in QEMU", test().envs([image]).env("SINEW_NODE_ALL", "1"))
 }
 
 /// The tests, which need what [`build`] returns in their environment; those of robots need `SINEW_DATA`, too.

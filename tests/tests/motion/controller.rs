@@ -208,6 +208,31 @@ proptest! {
 proptest! {
     #![proptest_config(property(50))]
 
+    /// Methods ask for different parts of the bodies' states, which targets remember.
+    #[test]
+    fn targets_tell_every_method_the_same_whichever_has_used_them(
+        rig in prop_oneof![rigs(16, Joints::Mixed), rigs(16, Joints::Figure)],
+    ) {
+        let controllers = methods_of_inverse_dynamics(&rig.tree).into_iter().map(|method| {
+            Controller::new(rig.tree.clone(), gains(), method)
+                .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
+                .expect("a good controller")
+        });
+        let controllers: Vec<_> = controllers.collect();
+        // At rest, so that there is an error.
+        let measured = JointStates::rest(&rig.tree);
+        let mut workspace = Workspace::resolving();
+        for before in &controllers {
+            for after in &controllers {
+                let (mut used, mut fresh) = (targets(&rig), targets(&rig));
+                before.tick(&mut used, &measured, &[], &mut workspace);
+                let of_used = after.tick(&mut used, &measured, &[], &mut workspace).to_vec();
+                let of_fresh = after.tick(&mut fresh, &measured, &[], &mut workspace);
+                prop_assert_eq!(of_used, of_fresh);
+            }
+        }
+    }
+
     #[test]
     fn gains_by_joint_are_those_of_the_joint((desired, measured) in figures(18, 0.6), odd in 1.0f32..900.0) {
         let (targets, states) = (targets(&desired), measured.states());
