@@ -37,7 +37,7 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, Python's venv, rustfmt and clippy
-  test      Sets up, then runs all checks and tests
+  test      Sets up, then runs all checks and tests; of what QEMU can run, a part: `parity` and `node` run all
   firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's;
             with a board's name, only that board's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with

@@ -208,15 +208,31 @@ proptest! {
 proptest! {
     #![proptest_config(property(50))]
 
+    /// Two trees of one size, and the joints' targets of both.
+    #[test]
+    fn targets_follow_the_tree_that_asks((desired, measured) in figures(18, 0.6)) {
+        let mut bodies = desired.tree.bodies().to_vec();
+        bodies.iter_mut().skip(1).for_each(|body| body.parent = Some(0));
+        let star = Tree::<CAPACITY>::from_bodies(&bodies).expect("a good tree");
+        let (states, mut used) = (measured.states(), targets(&desired));
+        for (own, of_star) in methods(&desired.tree).into_iter().zip(methods(&star)) {
+            for (tree, method) in [(&desired.tree, &own), (&star, &of_star), (&desired.tree, &own)] {
+                let controller = Controller::new(tree.clone(), gains(), method.clone()).expect("a good controller");
+                let tick = |targets: &mut JointTargets<CAPACITY>| {
+                    controller.tick(targets, &states, &[], &mut Workspace::resolving()).to_vec()
+                };
+                prop_assert_eq!(tick(&mut used), tick(&mut targets(&desired)));
+            }
+        }
+    }
+
     /// Methods ask for different parts of the bodies' states, which targets remember.
     #[test]
     fn targets_tell_every_method_the_same_whichever_has_used_them(
         rig in prop_oneof![rigs(16, Joints::Mixed), rigs(16, Joints::Figure)],
     ) {
         let controllers = methods_of_inverse_dynamics(&rig.tree).into_iter().map(|method| {
-            Controller::new(rig.tree.clone(), gains(), method)
-                .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
-                .expect("a good controller")
+            Controller::new(rig.tree.clone(), gains(), method).expect("a good controller")
         });
         let controllers: Vec<_> = controllers.collect();
         // At rest, so that there is an error.

@@ -27,7 +27,7 @@ pub(crate) fn run() -> Result<()> {
     text()?;
     eprintln!("\n== documentation: commands");
     let pages = pages()?;
-    none_of(&commands::check(&pages)?)?;
+    refuse(&commands::check(&pages)?)?;
     book::build(&pages)
 }
 
@@ -39,11 +39,11 @@ pub(crate) fn text() -> Result<()> {
     faults.extend(book::check(&pages));
     faults.extend(figures::check(&pages)?);
     faults.extend(width::check(&pages)?);
-    none_of(&faults)
+    refuse(&faults)
 }
 
 /// Names faults, and fails if there are any.
-fn none_of(faults: &[Fault]) -> Result<()> {
+fn refuse(faults: &[Fault]) -> Result<()> {
     for Fault { path, line, what } in faults {
         eprintln!("   {}:{line}: {what}", path.display());
     }
