@@ -66,6 +66,11 @@ fn items_do_not_overlap_and_begin_within_range() {
                 "{}",
                 model.name
             );
+            for address in 0..1_024 {
+                if let Some(item) = items.iter().find(|item| item.contains(address)) {
+                    assert_eq!(table.at(address), Some(*item), "{}: {address}", model.name);
+                }
+            }
             for item in items {
                 let bytes = item.bytes(item.initial, ByteOrder::Little);
                 assert_eq!(

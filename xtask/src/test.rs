@@ -42,7 +42,7 @@ pub(crate) fn run() -> Result<()> {
             .args(["--exclude", "sinew-stm32"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
-    docs::run()?;
+    docs::with_programs()?;
 
     budget::run(false, firmware::run)?;
     lint_images()?;

@@ -59,11 +59,6 @@ impl RigMotion {
         let turns = turns.collect();
         Self { root, turns }
     }
-
-    /// How many numbers its position takes, the root's six among them.
-    pub(crate) fn freedoms(&self) -> usize {
-        6 + self.turns.iter().map(Vec::len).sum::<usize>()
-    }
 }
 
 /// A joint's rotation, and angular velocity and acceleration relative to the parent in body axes.

@@ -32,7 +32,7 @@ pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<d
             agree(&mut ours, peer)?;
         }
     }
-    let freedoms = RigMotion::random(tree.bodies(), 0).freedoms();
+    let freedoms = tree.degrees_of_freedom();
     println!(
         "\nKernels, {BODIES} bodies, {freedoms} degrees of freedom: median, ns, and ours as a part of it"
     );

@@ -88,6 +88,10 @@ const TABLES: [Table; 8] = [
             ("a tick of Linear Compensation", &["instructions.tick_linear_compensation.18"]),
             ("a tick of `recommended`, as boards run it", &["instructions.board_recommended.18"]),
             (
+                "a tick of World in a board's image, with its show's frame",
+                &["show_instructions.world.tick"],
+            ),
+            (
                 "deepest stack of the core's tick, World / Linear Compensation",
                 &[
                     "painted_stack_bytes.tick_world.18",

@@ -25,6 +25,11 @@ struct Fault {
 /// Checks every page of the repository, then builds the book.
 pub(crate) fn run() -> Result<()> {
     text()?;
+    with_programs()
+}
+
+/// Checks the commands on all pages with the programs themselves, then builds the book.
+pub(crate) fn with_programs() -> Result<()> {
     eprintln!("\n== documentation: commands");
     let pages = pages()?;
     refuse(&commands::check(&pages)?)?;
