@@ -8,7 +8,6 @@ mod deny;
 mod docs;
 mod elf;
 mod emulate;
-mod features;
 mod firmware;
 mod image;
 mod limits;

@@ -28,6 +28,9 @@ pub(crate) fn test() -> Command {
         "in_qemu",
         "--include-ignored",
         "--nocapture",
+        // It needs the emulator, and is one of its tests.
+        "--skip",
+        "emulated_nucleo",
     ]);
     if std::env::var_os("SINEW_DATA").is_none() {
         test.args(["--skip", "robots"]);

@@ -7,9 +7,12 @@ use sinew_image::BOARDS;
 
 use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, deny, docs, emulate, features, firmware, nextest, node, package,
-    parity, setup, step,
+    arm, audit, budget, clients, deny, docs, emulate, firmware, nextest, node, package, parity,
+    setup, step,
 };
+
+/// Core, firmware and parity with `defmt`, which else images alone have: what is linted and documented has all features.
+const ALL_FEATURES: &str = "--features=sinew-parity/defmt";
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -19,7 +22,7 @@ pub(crate) fn run() -> Result<()> {
     step::run(
         "clippy",
         step::cargo()
-            .args(["clippy", "--locked", "--workspace", "--all-targets"])
+            .args(["clippy", "--locked", "--workspace", "--all-targets", ALL_FEATURES])
             // Fuzz targets as a fuzzer builds them.
             .args(
                 ["bus", "link", "firmware", "sim"]
@@ -28,14 +31,18 @@ pub(crate) fn run() -> Result<()> {
             .args(deny),
     )?;
     deny::run()?;
-    features::run()?;
+    // The workspace's tests have the core as hosts do, with `large`; boards have it without.
+    step::run(
+        "tests of the core as boards have it",
+        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
+    )?;
     package::run()?;
     step::run(
         "documentation",
         step::cargo()
             // Examples let it share with clippy what is checked of the dependencies.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
-            .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask"])
+            .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask", ALL_FEATURES])
             // They hold nothing but tests.
             .args(["--exclude", "sinew-*-fuzz"])
             // It is empty for a host.

@@ -11,6 +11,8 @@ mod errors;
 mod planted;
 mod tally;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use case::Case;
@@ -24,17 +26,25 @@ fn cases() -> u64 {
     }
 }
 
+/// So many cases take a minute: each time a line says how far it is.
+const TOLD: u64 = 500;
+
 /// Compares all cases in one way and prints the table of it.
 fn all_within(title: &str, compare: impl Fn(&Case, &mut Table) + Sync) {
-    let table = (0..cases())
+    let (cases, done) = (cases(), AtomicU64::new(0));
+    let table = (0..cases)
         .into_par_iter()
         .map(|number| {
             let mut table = Table::of_case(number);
             compare(&Case::new(number), &mut table);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if done.is_multiple_of(TOLD) {
+                eprintln!("{title}: {done} of {cases} cases");
+            }
             table
         })
         .reduce(Table::default, Table::with);
-    println!("{title}, {} cases\n{table}", cases());
+    println!("{title}, {cases} cases\n{table}");
     let over = table.over();
     assert!(over.is_empty(), "over their limits: {over:#?}");
 }

@@ -114,8 +114,8 @@ impl fmt::Display for Table {
         let (half, most) = ("in half of cases", "in 99 of 100");
         writeln!(
             f,
-            "{:<30} {:>11} {:>7}  {half:>16} {most:>12}  nearest",
-            "", "compared", "share"
+            "{:<32} {:>10} {:>7} {:>8}  {half:>16} {most:>12}  nearest",
+            "", "compared", "share", "at most"
         )?;
         for row in &self.rows {
             let name = format!("{}, {}", row.name, row.unit);
@@ -125,8 +125,11 @@ impl fmt::Display for Table {
             let (half, most) = (of(50), of(99));
             writeln!(
                 f,
-                "{name:<30} {:>11} {:>7.3}  {half:>16.1e} {most:>12.1e}  {}",
-                row.compared, row.share, row.worst
+                "{name:<32} {:>10} {:>7.3} {:>8.3}  {half:>16.1e} {most:>12.1e}  {}",
+                row.compared,
+                row.share,
+                row.allowed(),
+                row.worst
             )?;
         }
         Ok(())
