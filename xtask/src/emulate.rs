@@ -1,14 +1,16 @@
 //! The emulated NUCLEO-F446RE: builds the tool, which stands outside of the workspace with a compiler of its own, and
 //! runs what is tried over it.
 
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 
 use crate::arm;
 use crate::image::Image;
 use crate::parity::Variable;
+use crate::step::Beside;
 use crate::{setup, step};
 
 /// What the tool is built with: that of `emulator/rust-toolchain.toml`.
@@ -25,7 +27,7 @@ const STALE: Option<&str> = Some("stale-tc");
 
 /// Builds the tool and the images, and runs the tests.
 pub(crate) fn run() -> Result<()> {
-    match build()? {
+    match build(begin()?)? {
         Some(variables) => step::run("the emulated NUCLEO", test().envs(variables)),
         None => Ok(()),
     }
@@ -45,28 +47,42 @@ pub(crate) fn test() -> Command {
     test
 }
 
-/// Builds the tool and the images, and says where tests find them; none where the tool's compiler cannot be had.
-pub(crate) fn build() -> Result<Option<[Variable; 4]>> {
+/// Begins to build the tool, in a folder of its own; none where its compiler cannot be had.
+pub(crate) fn begin() -> Result<Option<Beside>> {
     if !setup::rust(RUST) {
         eprintln!("\n== the emulated NUCLEO: ignored, it needs Rust {RUST} by rustup");
         return Ok(None);
     }
-    let target = step::root().join("target/emulator");
-    let mut tool = step::command("rustup");
+    let target = target();
+    fs::create_dir_all(&target).with_context(|| target.display().to_string())?;
+    let mut tool = step::patient("rustup");
     tool.args(["run", RUST, "cargo", "build", "--locked", "--release"]);
     tool.args(["--manifest-path", MANIFEST, "--target-dir"]).arg(&target);
     // The compiler of this program is named in them.
     for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
         tool.env_remove(variable);
     }
-    step::run("build the emulator", &mut tool)?;
-    let tool = target.join("release/sinew-emulator");
+    Beside::begin("build the emulator", &mut tool, target.join("build.log")).map(Some)
+}
+
+/// Builds the images, waits for the tool, and says where tests find them all.
+pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
+    let Some(tool) = tool else { return Ok(None) };
+    let images = [image(CHIP)?, image(Image { feature: STALE, ..CHIP })?, image(NUCLEO)?];
+    tool.end()?;
+    let [chip, stale, nucleo] = images;
+    let tool = target().join("release/sinew-emulator");
     Ok(Some([
         ("SINEW_EMULATOR", tool),
-        ("SINEW_CHIP_IMAGE", image(CHIP)?),
-        ("SINEW_STALE_TC_IMAGE", image(Image { feature: STALE, ..CHIP })?),
-        ("SINEW_NUCLEO_IMAGE", image(NUCLEO)?),
+        ("SINEW_CHIP_IMAGE", chip),
+        ("SINEW_STALE_TC_IMAGE", stale),
+        ("SINEW_NUCLEO_IMAGE", nucleo),
     ]))
+}
+
+/// Where the tool is built.
+fn target() -> PathBuf {
+    step::root().join("target/emulator")
 }
 
 /// Builds an image, and puts it where the next one of the same name does not.
@@ -75,6 +91,6 @@ fn image(image: Image) -> Result<PathBuf> {
     let name = format!("{}{features}", image.name);
     step::run(&format!("build {name}"), &mut image.cargo("build")?)?;
     let kept = arm::target_dir().join(name).with_extension("elf");
-    std::fs::copy(image.path(), &kept)?;
+    fs::copy(image.path(), &kept)?;
     Ok(kept)
 }

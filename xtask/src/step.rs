@@ -1,7 +1,8 @@
 //! Running other programs, and saying so.
 
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -26,6 +27,16 @@ pub(crate) fn command(program: &str) -> Command {
     command
 }
 
+/// A program that lets all others go first, where the system has a way to say so.
+pub(crate) fn patient(program: &str) -> Command {
+    if cfg!(not(unix)) {
+        return command(program);
+    }
+    let mut command = command("nice");
+    command.args(["-n", "19", program]);
+    command
+}
+
 /// Runs a step to its end, its output as it comes.
 pub(crate) fn run(title: &str, command: &mut Command) -> Result<()> {
     eprintln!("\n== {title}");
@@ -36,6 +47,47 @@ pub(crate) fn run(title: &str, command: &mut Command) -> Result<()> {
     }
     eprintln!("== {title}: done in {:.0} s", start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// A step beside others, for what these leave idle: an image is linked by one core.
+pub(crate) struct Beside {
+    title: &'static str,
+    command: String,
+    child: Child,
+    log: PathBuf,
+}
+
+impl Beside {
+    /// Begins a step. `log`: a file for its output.
+    pub(crate) fn begin(title: &'static str, command: &mut Command, log: PathBuf) -> Result<Self> {
+        let output = File::create(&log).with_context(|| log.display().to_string())?;
+        command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
+        let child = command.spawn().with_context(|| format!("cannot start {}", line(command)))?;
+        let command = line(command);
+        eprintln!("\n== {title}: beside the next steps");
+        Ok(Self { title, command, child, log })
+    }
+
+    /// Waits for its end.
+    pub(crate) fn end(mut self) -> Result<()> {
+        let Self { title, command, child, log } = &mut self;
+        eprintln!("\n== {title}: what is left of it");
+        let start = Instant::now();
+        let status = child.wait()?;
+        eprint!("{}", String::from_utf8_lossy(&fs::read(log)?));
+        if !status.success() {
+            bail!("{title}: {status}\n  {command}");
+        }
+        eprintln!("== {title}: done in {:.0} s more", start.elapsed().as_secs_f64());
+        Ok(())
+    }
+}
+
+impl Drop for Beside {
+    /// Nothing goes on behind a run that failed.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+    }
 }
 
 /// What a program prints, if it can be run and succeeds.
