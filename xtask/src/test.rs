@@ -11,7 +11,7 @@ use crate::{
     setup, step,
 };
 
-/// Core, firmware and parity with `defmt`, which else images alone have: what is linted and documented has all features.
+/// Core, firmware and parity with `defmt`, too, which else images alone have.
 const ALL_FEATURES: &str = "--features=sinew-parity/defmt";
 
 pub(crate) fn run() -> Result<()> {
