@@ -16,6 +16,7 @@ use crate::{setup, step};
 /// What the tool is built with: that of `emulator/rust-toolchain.toml`.
 const RUST: &str = "1.98.0";
 const MANIFEST: &str = "emulator/Cargo.toml";
+const TITLE: &str = "build the emulator";
 
 /// Tries the chip's peripherals.
 pub(crate) const CHIP: Image =
@@ -27,10 +28,9 @@ const STALE: Option<&str> = Some("stale-tc");
 
 /// Builds the tool and the images, and runs the tests.
 pub(crate) fn run() -> Result<()> {
-    match build(begin()?)? {
-        Some(variables) => step::run("the emulated NUCLEO", test().envs(variables)),
-        None => Ok(()),
-    }
+    let Some(mut tool) = tool(step::command("rustup")) else { return Ok(()) };
+    step::run(TITLE, &mut tool)?;
+    step::run("the emulated NUCLEO", test().envs(variables()?))
 }
 
 /// The tests, which need what [`build`] returns in their environment; the walk's needs `SINEW_DATA`, too.
@@ -47,37 +47,45 @@ pub(crate) fn test() -> Command {
     test
 }
 
-/// Begins to build the tool, in a folder of its own; none where its compiler cannot be had.
+/// Begins to build the tool, beside other steps; none where its compiler cannot be had.
 pub(crate) fn begin() -> Result<Option<Beside>> {
-    if !setup::rust(RUST) {
-        eprintln!("\n== the emulated NUCLEO: ignored, it needs Rust {RUST} by rustup");
-        return Ok(None);
-    }
+    let Some(mut tool) = tool(step::patient("rustup")) else { return Ok(None) };
     let target = target();
     fs::create_dir_all(&target).with_context(|| target.display().to_string())?;
-    let mut tool = step::patient("rustup");
-    tool.args(["run", RUST, "cargo", "build", "--locked", "--release"]);
-    tool.args(["--manifest-path", MANIFEST, "--target-dir"]).arg(&target);
-    // The compiler of this program is named in them.
-    for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
-        tool.env_remove(variable);
-    }
-    Beside::begin("build the emulator", &mut tool, target.join("build.log")).map(Some)
+    Beside::begin(TITLE, &mut tool, target.join("build.log")).map(Some)
 }
 
 /// Builds the images, waits for the tool, and says where tests find them all.
 pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
     let Some(tool) = tool else { return Ok(None) };
-    let images = [image(CHIP)?, image(Image { feature: STALE, ..CHIP })?, image(NUCLEO)?];
+    let variables = variables()?;
     tool.end()?;
-    let [chip, stale, nucleo] = images;
-    let tool = target().join("release/sinew-emulator");
-    Ok(Some([
-        ("SINEW_EMULATOR", tool),
-        ("SINEW_CHIP_IMAGE", chip),
-        ("SINEW_STALE_TC_IMAGE", stale),
-        ("SINEW_NUCLEO_IMAGE", nucleo),
-    ]))
+    Ok(Some(variables))
+}
+
+/// What builds the tool, by this `rustup`, in a folder of its own.
+fn tool(mut rustup: Command) -> Option<Command> {
+    if !setup::rust(RUST) {
+        eprintln!("\n== the emulated NUCLEO: ignored, it needs Rust {RUST} by rustup");
+        return None;
+    }
+    rustup.args(["run", RUST, "cargo", "build", "--locked", "--release"]);
+    rustup.args(["--manifest-path", MANIFEST, "--target-dir"]).arg(target());
+    // The compiler of this program is named in them.
+    for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
+        rustup.env_remove(variable);
+    }
+    Some(rustup)
+}
+
+/// Builds the images, and says where tests find them and the tool.
+fn variables() -> Result<[Variable; 4]> {
+    Ok([
+        ("SINEW_EMULATOR", target().join("release/sinew-emulator")),
+        ("SINEW_CHIP_IMAGE", image(CHIP)?),
+        ("SINEW_STALE_TC_IMAGE", image(Image { feature: STALE, ..CHIP })?),
+        ("SINEW_NUCLEO_IMAGE", image(NUCLEO)?),
+    ])
 }
 
 /// Where the tool is built.

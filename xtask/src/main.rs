@@ -36,7 +36,7 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, Python's venv, rustfmt and clippy
-  test      Sets up, then runs all checks and tests; of what QEMU can run, a part: `parity` and `node` run all
+  test      Sets up, then runs all checks and tests; of what QEMU can run, a part: `parity` and `node` run more
   firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's;
             with a board's name, only that board's
   budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
@@ -49,7 +49,7 @@ Commands:
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
             an image, the NUCLEO's own one, and `sinew play --emulate`; says `ignored` where there is none
   limits    Compares the core with its formulas in f64 on 10,000 random rigs, each number by the limit that follows from
-            its rounding, and prints the smallest mistakes that are noticed
+            its rounding, and prints the smallest mistakes that are noticed: 10 minutes on two cores
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
             feetech-cli; compares control tables with those of dynamixel-sdk
   retargeting

@@ -64,7 +64,7 @@ impl Beside {
         command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
         let child = command.spawn().with_context(|| format!("cannot start {}", line(command)))?;
         let command = line(command);
-        eprintln!("\n== {title}: beside the next steps");
+        eprintln!("\n== {title}: beside the next steps, its output in {}", log.display());
         Ok(Self { title, command, child, log })
     }
 
@@ -84,9 +84,10 @@ impl Beside {
 }
 
 impl Drop for Beside {
-    /// Nothing goes on behind a run that failed.
+    /// A run that failed begins no further part of it.
     fn drop(&mut self) {
         let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 

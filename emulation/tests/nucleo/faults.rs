@@ -23,6 +23,7 @@ fn playing(rig: &Rig) -> Board<Emulated> {
     arm_it(&mut board);
     board.ask(Command::Play(Feed::Show)).unwrap();
     until(&mut board, State::Playing, 1);
+    assert_eq!(servos_on(board.line_mut()), 3);
     board
 }
 

@@ -8,9 +8,9 @@ mod stand;
 mod walk;
 
 use sinew_emulation::Heard;
-use sinew_link::message::{Command, Feed, State};
+use sinew_link::message::Command;
 
-use stand::{Rig, SECOND, TORQUE_OFF, arm_it, connected, ready, servos_on, until};
+use stand::{Rig, SECOND, TORQUE_OFF, connected};
 
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]
@@ -40,22 +40,4 @@ fn emulated_nucleo_answers_while_its_servos_are_silent() {
         let took = board.now().saturating_sub(asked);
         assert!(took < SECOND / 20, "an answer took {took:?}");
     }
-}
-
-#[test]
-#[ignore = "needs the emulator: `cargo xtask emulate`"]
-fn emulated_nucleo_takes_a_rig_and_a_show_and_performs_it() {
-    let rig = Rig::new(3);
-    let mut board = ready(&rig);
-    assert_eq!(board.about().rig, rig.parts.rig_crc());
-    arm_it(&mut board);
-    assert_eq!(servos_on(board.line_mut()), 3);
-    board.ask(Command::Play(Feed::Show)).unwrap();
-    until(&mut board, State::Playing, 1);
-    until(&mut board, State::Holding, 10);
-    board.ask(Command::Stop).unwrap();
-    until(&mut board, State::Limp, 20);
-    assert_eq!(servos_on(board.line_mut()), 0);
-    assert!(board.seen.faults.is_empty(), "{:?}", board.seen.faults);
-    println!("{:?} at {:?}", board.seen.summary, board.now());
 }

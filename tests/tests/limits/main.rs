@@ -26,7 +26,7 @@ fn cases() -> u64 {
     }
 }
 
-/// So many cases take a minute: each time a line says how far it is.
+/// So many cases take a quarter of a minute: each time a line says how far it is.
 const TOLD: u64 = 500;
 
 /// Compares all cases in one way and prints the table of it.

@@ -57,15 +57,18 @@ fn a_centre_of_mass_off_by_20_um_is_found() {
 
 #[test]
 fn a_speed_off_by_a_ten_thousandth_is_found() {
-    let is_found = |number: &u64| {
-        let right = Sides::new(Case::new(*number).rig());
+    let is_found = |right: Sides| {
         let mut states = right.states.clone();
         for state in &mut states {
             state.velocity.angular *= 1.000_1;
             state.velocity.linear *= 1.000_1;
         }
-        let moves = states.iter().any(|state| state.velocity.angular != Vec3::ZERO);
-        !moves || found(&right, &right.rig, &states, &right.rig.accelerations())
+        found(&right, &right.rig, &states, &right.rig.accelerations())
     };
-    assert_eq!((0..RIGS).filter(is_found).count(), 60);
+    // Where nothing turns, speeds make no force.
+    let turns =
+        |right: &Sides| right.states.iter().any(|state| state.velocity.angular != Vec3::ZERO);
+    let right = (0..RIGS).map(|number| Sides::new(Case::new(number).rig()));
+    let found: Vec<bool> = right.filter(turns).map(is_found).collect();
+    assert!(found.len() > 50 && found.iter().all(|found| *found), "{found:?}");
 }

@@ -53,6 +53,13 @@ macro_rules! of_loop {
     };
 }
 
+/// Instructions and the estimate of cycles.
+macro_rules! now {
+    ($place:literal) => {
+        [concat!("instructions.", $place), concat!("estimated_cycles.", $place)]
+    };
+}
+
 /// What 20 servos cost, to as many balls.
 macro_rules! to_balls {
     ($row:literal) => {
@@ -60,7 +67,7 @@ macro_rules! to_balls {
     };
 }
 
-const TABLES: [Table; 8] = [
+const TABLES: [Table; 9] = [
     Table {
         page: "README.md",
         head: "| on a Cortex-M4F, 18 bodies, 57 degrees of freedom | instructions |",
@@ -167,6 +174,27 @@ const TABLES: [Table; 8] = [
         page: "docs/speed.md",
         head: "| servos | World, coordinates | World, poses | `recommended`, coordinates | `recommended`, poses | RAM, bytes |",
         rows: &[("6", &of_servos!("6")), ("12", &of_servos!("12")), ("20", &of_servos!("20"))],
+    },
+    Table {
+        page: "docs/speed.md",
+        head: "| | instructions, before | now | cycles, before | now | rounding, before / now | time of Pinocchio's, before / now |",
+        rows: &[
+            ("inverse dynamics (RNEA)", &now!("rnea_free_root.18")),
+            ("forward dynamics (ABA)", &now!("aba.18")),
+            ("mass matrix (CRBA)", &now!("crba.18")),
+            ("manifold projection", &now!("projection.18")),
+            ("observer", &now!("observer.18")),
+            ("tick, World", &now!("tick_world.18")),
+            ("tick, Linear Compensation", &now!("tick_linear_compensation.18")),
+            ("tick as boards run it, `recommended`", &now!("board_recommended.18")),
+            ("the same, every fourth tick left out", &now!("board_recommended_after_jumps.18")),
+            ("20 servos, the core's tick of World", &now!("tick_world_revolute.20")),
+            (
+                "20 servos, `recommended`, coordinates",
+                &now!("rig_recommended_coordinates_revolute.20"),
+            ),
+            ("the whole loop of 20 servos", &now!("loop_recommended.20")),
+        ],
     },
     Table {
         page: "docs/speed.md",
@@ -298,7 +326,7 @@ fn with_commas(number: u64) -> String {
     text
 }
 
-/// The numbers in cells.
+/// The numbers in cells. What is in italics is of something else.
 fn shown(cells: &str) -> Vec<String> {
     let is_number = |word: &&str| word.starts_with(|first: char| first.is_ascii_digit());
     cells.split([' ', '|']).filter(is_number).map(str::to_owned).collect()
