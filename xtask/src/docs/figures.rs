@@ -74,11 +74,11 @@ const TABLES: [Table; 9] = [
         rows: &[
             ("inverse dynamics", &["instructions.rnea_free_root.18"]),
             (
-                "a tick of World Space Error, from poses to limited torques",
+                "the core's own tick of World Space Error, from poses to limited torques",
                 &["instructions.tick_world.18"],
             ),
             (
-                "a tick of `recommended`, the setting for real rigs",
+                "a tick of `recommended`, the setting for real rigs, with all that a board adds",
                 &["instructions.board_recommended.18"],
             ),
         ],
