@@ -37,8 +37,31 @@ pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
 }
 
 fn fault(path: &Path, line: usize, text: &str) -> Option<Fault> {
-    let columns = text.chars().count();
-    let is_too_wide = columns > WIDEST && !text.contains("](") && !text.contains("://");
+    let columns = columns(text);
+    let is_too_wide = columns > WIDEST && !text.contains("://");
     let what = format!("{columns} columns, at most {WIDEST}");
     is_too_wide.then(|| Fault { path: path.to_path_buf(), line, what })
+}
+
+/// Columns of a line without the addresses of its links, which cannot be broken.
+fn columns(text: &str) -> usize {
+    let mut parts = text.split("](");
+    let first = parts.next().unwrap_or_default();
+    let behind = parts.map(|part| part.split_once(')').map_or(part, |(_, behind)| behind));
+    std::iter::once(first).chain(behind).map(|part| part.chars().count()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_do_not_make_a_line_wide_but_words_beside_them_do() {
+        let fault = |text: &str| fault(Path::new("a.md"), 1, text).map(|fault| fault.what);
+        let link = format!("[a page]({})", "x".repeat(WIDEST));
+        assert_eq!(fault(&link), None);
+        assert_eq!(fault(&format!("{link} {}", "ä".repeat(WIDEST - 8))), None);
+        let wide = fault(&format!("{link} {}", "ä".repeat(WIDEST - 7)));
+        assert_eq!(wide.as_deref(), Some("121 columns, at most 120"));
+    }
 }
