@@ -1,7 +1,7 @@
 //! What each class of drive commands, and what it refuses.
 
-use sinew_bus::dynamixel::{self, table::MODELS};
-use sinew_bus::{Command, Effort, Feedback, feetech};
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::{Command, Effort, Feedback, feetech};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{

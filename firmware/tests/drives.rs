@@ -4,7 +4,7 @@ mod common;
 
 use common::{Kind, Rig, kinds, read, rig};
 use proptest::prelude::*;
-use sinew_bus::{Command, Effort};
+use sinew_servo_bus::{Command, Effort};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{

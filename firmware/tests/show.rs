@@ -6,7 +6,7 @@ use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
 use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError, write};
-use sinew_parity::replay::{METHODS, Replay, ReplayError, TorqueHash};
+use sinew_bit_parity::replay::{METHODS, Replay, ReplayError, TorqueHash};
 
 const BODIES: usize = 3;
 

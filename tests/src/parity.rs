@@ -1,4 +1,4 @@
-//! Runs of the built-in evaluation as [`sinew_parity::run`] makes them on any machine, and where two answers differ;
+//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers differ;
 //! what any machine answers.
 
 use std::fmt;
@@ -7,8 +7,8 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
-use sinew_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
-use sinew_parity::{RUN, answer};
+use sinew_bit_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
+use sinew_bit_parity::{RUN, answer};
 use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
 use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_sim::show;
@@ -107,7 +107,7 @@ impl fmt::Display for Run {
     }
 }
 
-/// What runs the program of [`sinew_parity`].
+/// What runs the program of [`sinew_bit_parity`].
 #[derive(Debug, Clone)]
 pub struct Machine {
     /// What to call it.
@@ -119,7 +119,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// What its program answers to a request of [`sinew_parity::answer`].
+    /// What its program answers to a request of [`sinew_bit_parity::answer`].
     ///
     /// # Errors
     /// What it says instead.

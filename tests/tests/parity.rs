@@ -6,15 +6,15 @@
 //!
 //! And recorded shows of ten minutes, decoded.
 
-#[path = "../../show/examples/size/performance.rs"]
+#[path = "../../crates/show/examples/size/performance.rs"]
 mod performance;
 
 use std::env;
 use std::path::Path;
 
 use rayon::prelude::*;
-use sinew_parity::DECODE;
-use sinew_parity::run::NUMBERS;
+use sinew_bit_parity::DECODE;
+use sinew_bit_parity::run::NUMBERS;
 use sinew_show::write::{Settings as ShowSettings, write};
 use sinew_sim::builtin;
 use sinew_sim::evaluate::MethodName;

@@ -8,7 +8,7 @@
 mod decoders;
 #[path = "../../tests/node/emulated.rs"]
 mod emulated;
-#[path = "../../../storage/tests/common/flash.rs"]
+#[path = "../../../crates/storage/tests/common/flash.rs"]
 mod flash;
 #[path = "../../tests/node/hardware.rs"]
 mod hardware;

@@ -29,7 +29,7 @@ pub fn link(board: Board, scripts: &[&str]) -> bool {
     println!("cargo:rerun-if-changed={ROOT}/memory.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
     if board.name != REFERENCE {
-        let memory = format!("{ROOT}/firmware/boards/{}/memory.x", board.name);
+        let memory = format!("{ROOT}/{}/memory.x", board.folder);
         assert!(Path::new(&memory).exists(), "{memory} is missing: where the board has its memory");
         println!("cargo:rerun-if-changed={memory}");
         println!("cargo:rustc-link-arg-bins=-T{memory}");

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use sinew_bus::{CommandError, EncodeError};
+use sinew_servo_bus::{CommandError, EncodeError};
 use sinew_core::tracker::TrackerError;
 
 use crate::SettingError;

@@ -26,13 +26,13 @@
 //! # Registers
 //! A rig is armed only after the registers of every servo were read since torque was on, and since the servo was
 //! silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::demand`] and
-//! [`sinew_bus::settings`] say.
+//! [`sinew_servo_bus::settings`] say.
 //! As long as torque is off they are read round and round, a few bytes a tick; while it is on, never. A difference is
 //! in [`Report::registers`] and refuses. Nothing is written: that is `sinew servo apply`.
 //!
 //! # Not here
 //! It reads no clock and waits for nothing. What a servo's own watchdog does, and a register of torque that is read
-//! back, are not in [`ServoBus`](sinew_bus::ServoBus).
+//! back, are not in [`ServoBus`](sinew_servo_bus::ServoBus).
 
 #![warn(
     clippy::unwrap_used,

@@ -1,7 +1,7 @@
 //! The last step: commands through the guards to the bus.
 
 use heapless::Vec;
-use sinew_bus::{Command, ServoBus};
+use sinew_servo_bus::{Command, ServoBus};
 
 use super::error::{ControllerError, Incomplete};
 use super::report::ServoReport;

@@ -1,7 +1,7 @@
 //! What a controller is made of.
 
-use sinew_bus::Schedule;
-use sinew_bus::settings::{Demand, Mode};
+use sinew_servo_bus::Schedule;
+use sinew_servo_bus::settings::{Demand, Mode};
 use sinew_rig::servo::Servo;
 
 use crate::SettingError;

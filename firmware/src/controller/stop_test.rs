@@ -1,7 +1,7 @@
 //! The test of the way to stop: torque off goes out, and no servo draws current after that. That each servo's register
 //! of torque says so, too, is a part of the comparison of registers (`registers.rs`).
 
-use sinew_bus::Effort;
+use sinew_servo_bus::Effort;
 
 use crate::drives::Condition;
 

@@ -1,7 +1,7 @@
 //! All detectors of a rig.
 
 use heapless::Vec;
-use sinew_bus::{Effort, Health};
+use sinew_servo_bus::{Effort, Health};
 use sinew_rig::board::BoardRig;
 
 use super::error::ControllerError;

@@ -1,6 +1,6 @@
 //! What a board's line has to do in a tick.
 
-use sinew_bus::{EncodeError, ServoBus};
+use sinew_servo_bus::{EncodeError, ServoBus};
 
 /// A line with servos on it.
 ///

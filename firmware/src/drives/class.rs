@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use sinew_bus::{dynamixel, feetech};
+use sinew_servo_bus::{dynamixel, feetech};
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::{Address, Servo};
 

@@ -1,6 +1,6 @@
 //! How a servo is, and when a drive lets go of it.
 
-use sinew_bus::{Effort, Feedback, ServoBus};
+use sinew_servo_bus::{Effort, Feedback, ServoBus};
 
 use super::{InputError, Limit};
 use crate::SettingError;
@@ -47,7 +47,7 @@ impl Condition {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CutOff {
     /// Age of a reading from which on it counts no more, s. Longer than a servo's turn comes round on its bus:
-    /// [`Schedule::read_hz`](sinew_bus::Schedule::read_hz).
+    /// [`Schedule::read_hz`](sinew_servo_bus::Schedule::read_hz).
     pub stale_s: f32,
     /// Temperature from which on less is given, degC.
     pub warm_c: f32,

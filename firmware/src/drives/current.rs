@@ -1,6 +1,6 @@
 //! Servos in current mode: the whole effort.
 
-use sinew_bus::Command;
+use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::limited::Limited;
 use sinew_rig::servo::Servo;

@@ -1,6 +1,6 @@
 //! From what servos measure to joints, by the same drives.
 
-use sinew_bus::Effort;
+use sinew_servo_bus::Effort;
 use sinew_rig::board::BoardDrive;
 use sinew_rig::drive::{DriveInputError, MOST, Numbers};
 

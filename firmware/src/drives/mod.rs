@@ -27,7 +27,7 @@
 //! current drive without a torque constant, a position drive without a stiffness, servos of two classes on one drive.
 //!
 //! ```
-//! use sinew_bus::Command;
+//! use sinew_servo_bus::Command;
 //! use sinew_core::coordinates::DofCommand;
 //! use sinew_core::tracker::Timing;
 //! use sinew_firmware::drives::{Condition, DriveSettings, Drives, PositionSettings};
@@ -54,7 +54,7 @@
 //! # Not here
 //! Whether anything may move: that is for whoever calls. [`Command::Torque`] switches torque; no drive gives it.
 //!
-//! [`Command::Torque`]: sinew_bus::Command::Torque
+//! [`Command::Torque`]: sinew_servo_bus::Command::Torque
 
 #![warn(
     clippy::unwrap_used,
@@ -87,7 +87,7 @@ pub use position::{PositionDrive, PositionSettings};
 pub use rig::Drives;
 pub use target::{TargetDrive, TargetSettings};
 
-use sinew_bus::Command;
+use sinew_servo_bus::Command;
 use sinew_rig::limited::LimitReason;
 
 /// What the shaft of a servo has to do, as its drive sees it: before gear, offset and direction of the servo.
@@ -106,7 +106,7 @@ pub struct ShaftTarget {
 /// What a servo is commanded, and what limited it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoCommand {
-    /// For [`ServoBus::command`](sinew_bus::ServoBus::command).
+    /// For [`ServoBus::command`](sinew_servo_bus::ServoBus::command).
     pub command: Command,
     /// What limited it, if anything did; of several the last in the way from target to command.
     pub limit: Option<Limit>,

@@ -1,6 +1,6 @@
 //! Servos in position mode: the target, and what gravity makes it sag taken off in advance.
 
-use sinew_bus::Command;
+use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
 
@@ -28,7 +28,7 @@ pub struct PositionSettings {
     pub cut_off: CutOff,
     /// Whether each goal comes with a speed ([`Command::PositionAt`]), so that the servo's own profile makes a smooth
     /// way of the steps of its encoder. The bus must have room for it:
-    /// [`Traffic::with_goal`](sinew_bus::Traffic::with_goal).
+    /// [`Traffic::with_goal`](sinew_servo_bus::Traffic::with_goal).
     pub profile: bool,
 }
 

@@ -1,6 +1,6 @@
 //! Servos that take a target and tell nothing: hobby servos.
 
-use sinew_bus::Command;
+use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use sinew_bus::{Schedule, ServoBus};
+use sinew_servo_bus::{Schedule, ServoBus};
 use sinew_link::{LiveSettings, LiveSetupError};
 use sinew_rig::board::BoardRig;
 use sinew_storage::Disarmed;

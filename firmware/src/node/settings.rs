@@ -1,7 +1,7 @@
 //! Settings of a node: numbers with a key each, which never changes.
 
 use heapless::Vec;
-use sinew_bus::Schedule;
+use sinew_servo_bus::Schedule;
 use sinew_link::LiveSettings;
 
 use crate::SettingError;

@@ -10,7 +10,7 @@ use critical_section::Mutex;
 use embassy_stm32::gpio::{Input, Output};
 use embassy_stm32::{interrupt, pac, peripherals, rcc};
 use heapless::Vec;
-use sinew_bus::{Schedule, Timing, dynamixel};
+use sinew_servo_bus::{Schedule, Timing, dynamixel};
 use sinew_firmware::controller::{
     ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
 };

@@ -2,7 +2,7 @@
 
 use embassy_stm32::i2c::{I2c, Master};
 use embassy_stm32::mode::Blocking;
-use sinew_bus::pca9685::{self, Prescale};
+use sinew_servo_bus::pca9685::{self, Prescale};
 
 use crate::clock;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use sinew_bus::{Effort, Feedback};
+use sinew_servo_bus::{Effort, Feedback};
 use sinew_firmware::drives::{Condition, Encoder};
 use sinew_rig::board::BoardRig;
 use sinew_rig::toml_file;

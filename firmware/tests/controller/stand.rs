@@ -2,15 +2,15 @@
 
 use std::sync::OnceLock;
 
-use sinew_bus::dynamixel::table::{MODELS, Table};
-use sinew_bus::feetech::Family;
-use sinew_bus::settings::{self, Demand, Setting};
-use sinew_bus::{
+use sinew_servo_bus::dynamixel::table::{MODELS, Table};
+use sinew_servo_bus::feetech::Family;
+use sinew_servo_bus::settings::{self, Demand, Setting};
+use sinew_servo_bus::{
     Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
     Request, ServoBus,
 };
-use sinew_emulated::arm;
-pub(crate) use sinew_emulated::arm::{Kind, Parts, SERVOS, parts as setup};
+use sinew_qemu_node::arm;
+pub(crate) use sinew_qemu_node::arm::{Kind, Parts, SERVOS, parts as setup};
 use sinew_firmware::controller::{
     Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
 };

@@ -1,4 +1,4 @@
-//! The node of `sinew-emulated` in place of the board in process: the same line, the same servos, the same clock. It
+//! The node of `sinew-qemu-node` in place of the board in process: the same line, the same servos, the same clock. It
 //! runs in a thread here, and as an image in QEMU.
 
 use std::convert::Infallible;
@@ -6,9 +6,9 @@ use std::io::{BufReader, Read, Write, pipe};
 use std::process::{Child, Command as Program, Stdio};
 use std::{env, panic, thread};
 
-use sinew_emulated::built_in::BuiltIn;
-use sinew_emulated::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
-use sinew_emulated::node::{self, FLASH_LEN};
+use sinew_qemu_node::built_in::BuiltIn;
+use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::node::{self, FLASH_LEN};
 use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};

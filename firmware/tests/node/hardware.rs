@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use sinew_emulated::node::LINE_IN_STEP;
-pub(crate) use sinew_emulated::node::TABLE;
+use sinew_qemu_node::node::LINE_IN_STEP;
+pub(crate) use sinew_qemu_node::node::TABLE;
 use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Mail, Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;

@@ -1,6 +1,6 @@
 //! An hour of a looping show, in accelerated time.
 
-use sinew_bus::ServoBus;
+use sinew_servo_bus::ServoBus;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed};
 

@@ -1,7 +1,7 @@
 //! Servos that are at once where they are commanded: for hours of a show in seconds.
 
-use sinew_bus::settings::Demand;
-use sinew_bus::{
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
     Command, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit, Request,
     ServoBus,
 };

@@ -8,7 +8,7 @@
 
 #[path = "../controller/cell.rs"]
 mod cell;
-#[path = "../../../storage/tests/common/flash.rs"]
+#[path = "../../../crates/storage/tests/common/flash.rs"]
 mod flash;
 #[path = "../controller/stand.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]

@@ -1,8 +1,8 @@
 //! What servo 0 tells that is not so: its bytes are changed on their way, with the check that goes with them.
 
-use sinew_bus::dynamixel::crc::Crc;
-use sinew_bus::dynamixel::table::address;
-use sinew_bus::dynamixel::{BROADCAST, HEADER};
+use sinew_servo_bus::dynamixel::crc::Crc;
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::dynamixel::{BROADCAST, HEADER};
 
 /// Of an XL330: 0.1 V, 1 mA, a turn in 4096 counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use sinew_emulated::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
+use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};

@@ -1,7 +1,7 @@
 //! Files that commands write.
 //!
 //! Whoever reads a file has the old one or the new one, whatever happens meanwhile: a full disk, a kill, a second run.
-//! So every command writes through here. `sinew_service::rig_file`, which edits a rig, and the checkpoints of studies
+//! So every command writes through here. `sinew_servo_tools::rig_file`, which edits a rig, and the checkpoints of studies
 //! do the same by themselves.
 
 mod file;

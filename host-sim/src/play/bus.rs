@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use sinew_bus::settings::Demand;
-use sinew_bus::{
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 

@@ -1,6 +1,6 @@
 //! What goes over all lines in a tick, side by side in simulated time: as on a board with a serial port for each.
 
-use sinew_bus::{EncodeError, ServoBus};
+use sinew_servo_bus::{EncodeError, ServoBus};
 use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;

@@ -1,6 +1,6 @@
 //! What a rig's controller, buses and simulated servos are made of.
 
-use sinew_bus::Schedule;
+use sinew_servo_bus::Schedule;
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_rig::board::BakeError;
@@ -119,7 +119,7 @@ pub enum PartsError {
         /// The bus.
         bus: String,
         /// Why.
-        reason: sinew_bus::SetupError,
+        reason: sinew_servo_bus::SetupError,
     },
 }
 

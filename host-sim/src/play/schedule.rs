@@ -1,6 +1,6 @@
 //! The rate of a rig's loop: what was asked for, if the lines have time for it, or what they have time for.
 
-use sinew_bus::{Schedule, Timing, Traffic};
+use sinew_servo_bus::{Schedule, Timing, Traffic};
 use sinew_core::tracker::LATE_MOST_S;
 use thiserror::Error;
 

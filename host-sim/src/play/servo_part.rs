@@ -1,6 +1,6 @@
 //! One servo of a rig that plays: how it is driven, and what the controller knows of it.
 
-use sinew_bus::dynamixel;
+use sinew_servo_bus::dynamixel;
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
     CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,

@@ -3,9 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use sinew_bus::dynamixel::table::address;
-use sinew_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
-use sinew_bus::{Effort, ServoBus as _, settings};
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
+use sinew_servo_bus::{Effort, ServoBus as _, settings};
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};

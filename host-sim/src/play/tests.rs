@@ -1,7 +1,7 @@
 use std::f64::consts::FRAC_PI_8;
 
-use sinew_bus::dynamixel::table::address;
-use sinew_bus::feetech::table::address as feetech_address;
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address as feetech_address;
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;

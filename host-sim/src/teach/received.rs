@@ -1,6 +1,6 @@
 //! Poses as telemetry brought them, as rows of equal spacing.
 
-use sinew_client::TimedPose;
+use sinew_board_client::TimedPose;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Freedom;

@@ -34,7 +34,7 @@ use sinew_core::{
 };
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
-use sinew_parity::replay::{METHODS, Replay, settings};
+use sinew_bit_parity::replay::{METHODS, Replay, settings};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,

@@ -27,7 +27,7 @@ impl Silence {
         Ok(Self { most: missed })
     }
 
-    /// A tick. `missed_in_a_row`: as [`Health::missed_in_a_row`](sinew_bus::Health::missed_in_a_row) has it.
+    /// A tick. `missed_in_a_row`: as [`Health::missed_in_a_row`](sinew_servo_bus::Health::missed_in_a_row) has it.
     pub fn step(&self, missed_in_a_row: u32) -> Option<Fault> {
         (missed_in_a_row >= self.most).then_some(Fault::ServoSilent)
     }

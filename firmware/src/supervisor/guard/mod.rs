@@ -5,7 +5,7 @@ mod settings;
 
 pub use settings::{GuardReason, GuardSettings};
 
-use sinew_bus::{Command, Feedback};
+use sinew_servo_bus::{Command, Feedback};
 
 use super::Permission;
 use crate::SettingError;

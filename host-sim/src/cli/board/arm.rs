@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_client::{Board, ClientError, Line};
+use sinew_board_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Refusal};
 use sinew_sim::play::Parts;
 

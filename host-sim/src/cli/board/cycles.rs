@@ -1,6 +1,6 @@
 //! How long the parts of a board take: a table, in microseconds and in cycles of its processor.
 
-use sinew_client::{ClientError, Line};
+use sinew_board_client::{ClientError, Line};
 use sinew_link::message::{Applied, Command, Cycles, Health};
 use sinew_sim::command::table;
 
@@ -9,7 +9,7 @@ use sinew_sim::command::table;
 /// # Errors
 /// What the board or its line says.
 pub(super) fn read<L: Line>(
-    board: &mut sinew_client::Board<L>,
+    board: &mut sinew_board_client::Board<L>,
 ) -> Result<Option<Health>, ClientError> {
     match board.ask(Command::ReadHealth)? {
         Applied::Health(health) => Ok(Some(health)),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use anyhow::{Context as _, bail};
-use sinew_client::ClientError;
+use sinew_board_client::ClientError;
 use sinew_link::message::{Misfit, State, Version};
 use sinew_sim::command::{note, print};
 

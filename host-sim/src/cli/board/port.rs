@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sinew_client::{Board, SerialBoard, port};
+use sinew_board_client::{Board, SerialBoard, port};
 use sinew_sim::command::note;
 
 /// A controller at a serial port.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail, ensure};
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew_client::{Board, ClientError, Line, item};
+use sinew_board_client::{Board, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;

@@ -1,6 +1,6 @@
 //! Faults in words.
 
-use sinew_client::{Board, Line};
+use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::FaultRecord;
 use sinew_sim::command::note;

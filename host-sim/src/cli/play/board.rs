@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew_client::{Board, ClientError, Line};
+use sinew_board_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
 use sinew_show::Show;
 use sinew_sim::command::note;

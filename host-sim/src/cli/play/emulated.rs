@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_client::{Board, item, nonce};
-use sinew_emulation::{EmulatedBoard, Machine, OnServos};
+use sinew_board_client::{Board, item, nonce};
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::RIG_SCHEMA;
 use sinew_link::message::Kind;
 use sinew_servo_sim::device::MEMORY_LEN;

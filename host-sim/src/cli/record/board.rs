@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew_client::ClientError;
+use sinew_board_client::ClientError;
 use sinew_link::message::{Command, Parts as Told, Refusal, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_sim::command::note;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use sinew_client::BoardServos;
-use sinew_service::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
+use sinew_board_client::BoardServos;
+use sinew_servo_tools::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
 use sinew_sim::command::note;
 
 use crate::cli::board::open;
@@ -109,7 +109,7 @@ impl LineArgs {
 
     /// The port of the servos, if a controller answers there: nothing that is done with servos can come of it.
     pub(super) fn of_controller(&self) -> Option<&Path> {
-        self.bus.as_deref().filter(|path| sinew_client::port::has_controller(path))
+        self.bus.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
     }
 
     /// Which protocols may be.

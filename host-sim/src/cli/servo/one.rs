@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use sinew_service::{address, identify as service};
+use sinew_servo_tools::{address, identify as service};
 use sinew_sim::command::print;
 
 use super::LineArgs;

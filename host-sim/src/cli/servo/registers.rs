@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use sinew_service::registers::{self, Number, Reading};
+use sinew_servo_tools::registers::{self, Number, Reading};
 use sinew_sim::command::{print, table};
 
 use super::{Format, LineArgs};

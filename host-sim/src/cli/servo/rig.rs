@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
-use sinew_service::compare::{self, Difference};
-use sinew_service::desired::{Mode, desired};
-use sinew_service::rig_servo::{RigServo, of_bus};
-use sinew_service::{ServiceError, Servo};
+use sinew_servo_tools::compare::{self, Difference};
+use sinew_servo_tools::desired::{Mode, desired};
+use sinew_servo_tools::rig_servo::{RigServo, of_bus};
+use sinew_servo_tools::{ServiceError, Servo};
 use sinew_sim::command::{note, print, table};
 
 use super::line::PortClient;
@@ -189,7 +189,7 @@ fn tell(name: &str, error: &str) {
 }
 
 fn row(name: &str, id: u8, difference: &Difference) -> [String; 6] {
-    let shown = |quantity: sinew_service::quantity::Quantity| {
+    let shown = |quantity: sinew_servo_tools::quantity::Quantity| {
         if quantity.unit.is_empty() {
             quantity.to_string()
         } else {
@@ -247,7 +247,7 @@ pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCod
                 failed = true;
                 let is_on = matches!(
                     error,
-                    ServiceError::Register(sinew_service::Registers::TorqueOn { .. })
+                    ServiceError::Register(sinew_servo_tools::Registers::TorqueOn { .. })
                 );
                 let all = if is_on { "; `apply --release` does it for all" } else { "" };
                 tell(&rig.name, &format!("{error}{all}"));

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use sinew_service::{Found, ScanEvent, ScanSettings, scan};
+use sinew_servo_tools::{Found, ScanEvent, ScanSettings, scan};
 use sinew_sim::command::{note, print, table};
 
 use super::{Format, LineArgs};

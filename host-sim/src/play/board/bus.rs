@@ -2,8 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 
-use sinew_bus::settings::Demand;
-use sinew_bus::{
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 use sinew_firmware::controller::Wire;

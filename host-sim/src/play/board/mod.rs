@@ -4,7 +4,7 @@
 //! client ─ bytes ─> SimulatedBoard: Desk ─ mail ─ Control ─> lines ─> simulated servos
 //!                     └─ Chip (flash, a file keeps it)
 //! ```
-//! In simulated time it is a [`Line`](sinew_client::Line) of the client, in real time [`SimulatedBoard::serve`] puts it
+//! In simulated time it is a [`Line`](sinew_board_client::Line) of the client, in real time [`SimulatedBoard::serve`] puts it
 //! on a pseudo-terminal.
 
 mod bus;

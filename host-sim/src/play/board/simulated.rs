@@ -211,7 +211,7 @@ impl SimulatedBoard<'_, RigPlant> {
 }
 
 /// Without a port, in simulated time: time passes while the host waits.
-impl<P: Plant> sinew_client::Line for SimulatedBoard<'_, P> {
+impl<P: Plant> sinew_board_client::Line for SimulatedBoard<'_, P> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.give(bytes);
         Ok(())

@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use sinew_emulated::message::Bytes;
+use sinew_qemu_node::message::Bytes;
 
 use super::error::TwinError;
 

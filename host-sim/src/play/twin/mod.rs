@@ -21,9 +21,9 @@ pub use emulator::Emulator;
 pub use error::TwinError;
 pub(super) use twinned::Twinned;
 
-use sinew_bus::Request;
-use sinew_emulated::message::{OfLoop, Packets, ToHost, ToNode};
-use sinew_emulated::node::{bits, commanded};
+use sinew_servo_bus::Request;
+use sinew_qemu_node::message::{OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::node::{bits, commanded};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
 

@@ -3,8 +3,8 @@ use std::io::{PipeReader, PipeWriter, Read as _, Write as _, pipe};
 use std::panic::resume_unwind;
 use std::thread;
 
-use sinew_emulated::message::{Bytes, End};
-use sinew_emulated::node::{self, FLASH_LEN};
+use sinew_qemu_node::message::{Bytes, End};
+use sinew_qemu_node::node::{self, FLASH_LEN};
 use sinew_firmware::supervisor::FaultSet;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::new::arm;

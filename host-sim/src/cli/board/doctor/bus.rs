@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use sinew_client::{BoardServos, SerialBoard};
-use sinew_service::{Client, Protocol, ServiceError, Settings};
+use sinew_board_client::{BoardServos, SerialBoard};
+use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 use sinew_servo_sim::rig::RigServo;
 use sinew_sim::play::{Line, Parts};
 

@@ -1,0 +1,99 @@
+//! Serial ports with a controller.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use sinew_servo_tools::{Client, Protocol, SerialLine, ServiceError, Settings, anyone, usb_ports};
+
+use crate::{Board, ClientError, SerialBoard, nonce};
+
+/// What boards talk at, bit/s: the faster ones first. USB and pseudo-terminals have no rate.
+pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
+
+/// How long a controller may take to answer, at each rate. One that another program has just left lowers its rig first.
+const PATIENCE: Duration = Duration::from_millis(1500);
+/// The same where servos are expected.
+const GLANCE: Duration = Duration::from_millis(400);
+/// How long any servo may take.
+const SERVO_PATIENCE: Duration = Duration::from_millis(40);
+
+/// Opens a port, and a session with the controller there.
+///
+/// # Errors
+/// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
+/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`].
+pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
+    match greet(path, PATIENCE) {
+        Err(ClientError::NoController) => match servos(path)? {
+            Some((protocol, baud)) => {
+                Err(ClientError::Servos { path: path.to_owned(), protocol, baud })
+            }
+            None => Err(ClientError::NoController),
+        },
+        greeted => greeted,
+    }
+}
+
+/// Opens the one port of these that has a controller: `None` for those of USB.
+///
+/// # Errors
+/// [`ClientError::NoneFound`] names where it was looked, [`ClientError::Several`] what was found; others as of
+/// [`open`].
+pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
+    let of_usb;
+    let candidates = if let Some(candidates) = candidates {
+        candidates
+    } else {
+        of_usb = usb_ports();
+        &of_usb[..]
+    };
+    let mut found = Vec::new();
+    let mut not = Vec::new();
+    for path in candidates {
+        match greet(path, PATIENCE) {
+            Ok(board) => found.push((path.clone(), board)),
+            Err(ClientError::Port(ServiceError::Port { what, .. })) => {
+                not.push(format!("{} ({what})", path.display()));
+            }
+            Err(ClientError::NoController | ClientError::Line(_)) => {
+                not.push(path.display().to_string());
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if found.len() > 1 {
+        let names: Vec<_> = found.iter().map(|(path, _)| path.display().to_string()).collect();
+        return Err(ClientError::Several(names.join(", ")));
+    }
+    let none = || match not.as_slice() {
+        [] => "any USB port: there is none".to_owned(),
+        not => not.join(", "),
+    };
+    found.pop().ok_or_else(|| ClientError::NoneFound(none()))
+}
+
+/// Whether a controller answers at a port: for whoever looks for servos there.
+pub fn has_controller(path: &Path) -> bool {
+    matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
+}
+
+fn greet(path: &Path, patience: Duration) -> Result<Board<SerialBoard>, ClientError> {
+    let mut greeted = Err(ClientError::NoController);
+    for baud in BAUDS {
+        let line = SerialBoard::open(path, baud)?;
+        greeted = Board::connect(line, nonce(), patience);
+        if !matches!(greeted, Err(ClientError::NoController)) {
+            break;
+        }
+    }
+    greeted
+}
+
+/// Servos at a port, if any answer.
+fn servos(path: &Path) -> Result<Option<(Protocol, u32)>, ClientError> {
+    let settings = Settings { patience: SERVO_PATIENCE, tries: 1 };
+    let line = SerialLine::open(path)?;
+    let [baud, ..] = Protocol::Dynamixel.bauds();
+    let mut client = Client::new(line, Protocol::Dynamixel, baud, settings)?;
+    Ok(anyone(&mut client)?)
+}

@@ -1,0 +1,38 @@
+//! The built-in kinds of servo: data files of `crates/rig/models`, where every value names its source or is marked as a guess.
+
+use crate::description::ServoModel;
+
+/// Name and file of each, in the order of the documentation.
+const FILES: [(&str, &str); 9] = [
+    ("XL330-M288-T", include_str!("../models/xl330-m288-t.toml")),
+    ("XL430-W250-T", include_str!("../models/xl430-w250-t.toml")),
+    ("XM430-W350-T", include_str!("../models/xm430-w350-t.toml")),
+    ("MX-28", include_str!("../models/mx-28.toml")),
+    ("MX-64", include_str!("../models/mx-64.toml")),
+    ("STS3215-7.4V", include_str!("../models/sts3215-7.4v.toml")),
+    ("STS3215-12V", include_str!("../models/sts3215-12v.toml")),
+    ("MG90S", include_str!("../models/mg90s.toml")),
+    ("MG996R", include_str!("../models/mg996r.toml")),
+];
+
+impl ServoModel {
+    /// A built-in kind by its name; `None` if there is none of that name.
+    ///
+    /// ```
+    /// use sinew_rig::description::ServoModel;
+    /// let servo = ServoModel::built_in("XL330-M288-T").expect("it is built in");
+    /// assert_eq!(servo.stall_torque_nm.value, 0.52);
+    /// assert_eq!(servo.stall_torque_nm.source, "ROBOTIS e-manual, at 5 V");
+    /// assert!(servo.backlash_rad.is_guess());
+    /// ```
+    pub fn built_in(name: &str) -> Option<Self> {
+        let (_, file) = FILES.iter().find(|(known, _)| *known == name)?;
+        // A test reads every file.
+        toml::from_str(file).ok()
+    }
+
+    /// Names of the built-in kinds.
+    pub fn built_in_names() -> impl ExactSizeIterator<Item = &'static str> {
+        FILES.iter().map(|(name, _)| *name)
+    }
+}

@@ -1,0 +1,140 @@
+//! The built-in kinds of servo: plausible, with their sources, and as the documentation prints them.
+//! `INSTA_UPDATE=always` with this test writes `docs/servos.md`.
+
+use std::fmt::Write as _;
+
+use sinew_rig::description::{ServoModel, Sourced};
+
+type Value = fn(&ServoModel) -> &Sourced;
+
+/// Each value: what it is, its unit, and how.
+const VALUES: [(&str, &str, Value); 16] = [
+    ("voltage", "V", |m| &m.voltage_v),
+    ("torque constant", "N m/A", |m| &m.torque_constant_nm_a),
+    ("stall torque", "N m", |m| &m.stall_torque_nm),
+    ("stall current", "A", |m| &m.stall_current_a),
+    ("continuous torque", "N m", |m| &m.continuous_torque_nm),
+    ("no-load speed", "rad/s", |m| &m.no_load_speed_rad_s),
+    ("own position gain", "N m/rad", |m| &m.position_gain_nm_rad),
+    ("rotor inertia, at the shaft", "kg m²", |m| &m.rotor_inertia_kg_m2),
+    ("Coulomb friction", "N m", |m| &m.friction_nm),
+    ("viscous friction", "N m s", |m| &m.damping_nm_s),
+    ("resolution", "rad", |m| &m.resolution_rad),
+    ("backlash, end to end", "rad", |m| &m.backlash_rad),
+    ("range, end to end", "rad", |m| &m.range_rad),
+    ("thermal resistance", "K/W", |m| &m.thermal_resistance_k_w),
+    ("thermal time constant", "s", |m| &m.thermal_time_s),
+    ("shuts down at", "°C", |m| &m.shutdown_c),
+];
+
+fn models() -> Vec<ServoModel> {
+    ServoModel::built_in_names()
+        .map(|name| {
+            let model = ServoModel::built_in(name).unwrap_or_else(|| panic!("{name} is no TOML"));
+            assert_eq!(model.name, name);
+            model
+        })
+        .collect()
+}
+
+#[test]
+fn every_value_is_plausible_and_says_where_it_is_from() {
+    for model in models() {
+        let name = &model.name;
+        for (what, _, of) in VALUES {
+            let Sourced { value, source } = of(&model);
+            assert!(value.is_finite() && *value > 0.0, "{name}: {what} is {value}");
+            assert!(source.trim().len() > 5, "{name}: {what} has no source");
+        }
+        let value = |of: Value| of(&model).value;
+        let (torque, current) = (value(|m| &m.stall_torque_nm), value(|m| &m.stall_current_a));
+        let constant = value(|m| &m.torque_constant_nm_a);
+        // Makers' stall values are read in the first moment; gears and amplifiers take a quarter.
+        let ratio = torque / (constant * current);
+        assert!(
+            (0.75..1.25).contains(&ratio),
+            "{name}: stall torque {ratio} of constant times current"
+        );
+        // No motor is faster than its constant allows; friction, gears and speed caps take up to 60 %.
+        let ratio = value(|m| &m.no_load_speed_rad_s) * constant / value(|m| &m.voltage_v);
+        assert!(
+            (0.4..1.0).contains(&ratio),
+            "{name}: no-load speed {ratio} of voltage over constant"
+        );
+        // Friction at the speed without load leaves something of the torque.
+        let lost = value(|m| &m.friction_nm)
+            + value(|m| &m.damping_nm_s) * value(|m| &m.no_load_speed_rad_s);
+        assert!(lost < torque, "{name}: friction {lost} of {torque} N m");
+        let held = value(|m| &m.continuous_torque_nm) / torque;
+        assert!((0.1..0.6).contains(&held), "{name}: continuous torque is {held} of stall");
+        // A servo's own controller gives all it has within 1 rad, and not within a step.
+        let full = torque / value(|m| &m.position_gain_nm_rad);
+        assert!(
+            (value(|m| &m.resolution_rad)..1.0).contains(&full),
+            "{name}: full torque at {full} rad"
+        );
+        assert!(value(|m| &m.backlash_rad) < 0.05 && value(|m| &m.resolution_rad) < 0.02, "{name}");
+        assert!((1.0..6.3).contains(&value(|m| &m.range_rad)), "{name}");
+        assert!((50.0..100.0).contains(&value(|m| &m.shutdown_c)), "{name}");
+    }
+}
+
+#[test]
+fn cautions_of_the_sources_are_kept() {
+    let model = |name| ServoModel::built_in(name).unwrap();
+    // The identified model of the STS3215 stalls at 3.35 N m: far above its rating.
+    assert!(model("STS3215-7.4V").stall_torque_nm.value < 2.0);
+    // The divisor of the XL330's P gain was observed as 256: with the manual's 128 it would be twice as stiff.
+    assert!(model("XL330-M288-T").position_gain_nm_rad.value < 0.7);
+    // Nobody has identified hobby servos.
+    for name in ["MG90S", "MG996R"] {
+        assert!(VALUES.iter().all(|(_, _, of)| of(&model(name)).is_guess()), "{name}");
+    }
+    assert_eq!(ServoModel::built_in("XL330"), None);
+}
+
+#[test]
+fn the_page_of_servos_is_what_the_files_say() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/servos.md");
+    let page = page();
+    if std::env::var_os("INSTA_UPDATE").is_some_and(|update| update == "always") {
+        std::fs::write(path, &page).unwrap();
+    }
+    let written = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        written == page,
+        "docs/servos.md is not what crates/rig/models say: INSTA_UPDATE=always writes it"
+    );
+}
+
+fn page() -> String {
+    let models = models();
+    let mut page = "# Servos\n\n\
+        These kinds of servo are built in: write their name as the `model` of a `[[servo]]` of your rig. A kind that\n\
+        is not here goes into the rig's own `[[servo_model]]`, with the same keys and a source for every value.\n\n\
+        Values are at the output shaft, at the voltage in the first row. A question mark is a guess: nobody has\n\
+        measured or stated it. Measure your own before you rely on it. A servo's own position counts from the middle\n\
+        of its range.\n\n"
+        .to_owned();
+    let mut line = |cells: Vec<String>| writeln!(page, "| {} |", cells.join(" | ")).unwrap();
+    let names = models.iter().map(|model| model.name.clone());
+    line([String::new(), "unit".to_owned()].into_iter().chain(names).collect());
+    line(vec!["---".to_owned(); models.len() + 2]);
+    for (what, unit, of) in VALUES {
+        let numbers = models.iter().map(|model| {
+            let sourced = of(model);
+            format!("{}{}", sourced.value, if sourced.is_guess() { " ?" } else { "" })
+        });
+        line([what.to_owned(), unit.to_owned()].into_iter().chain(numbers).collect());
+    }
+    page += "\n## Sources\n\n\
+        ROBOTIS e-manual: emanual.robotis.com. Rhoban/bam, hshi74/toddlerbot, Open_Duck_Playground: repositories of\n\
+        identified models, at the named commits.\n";
+    for model in &models {
+        writeln!(page, "\n### {}\n\n| value | source |\n| --- | --- |", model.name).unwrap();
+        for (what, _, of) in VALUES {
+            writeln!(page, "| {what} | {} |", of(model).source).unwrap();
+        }
+    }
+    page
+}

@@ -1,0 +1,371 @@
+//! A whole servo: physics, program, and the registers of `sinew-servo-bus`' devices.
+
+mod dynamixel;
+mod error;
+mod feetech;
+mod on_line;
+
+use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, address};
+use sinew_servo_bus::feetech::table::{BAUDS as FEETECH_BAUDS, address as feetech_address};
+
+use crate::firmware::{Sensed, pulse};
+use crate::load::{Load, Shaft};
+use crate::model::{Draw, Flow, Gear, Heat, Motor, Parameters, Power};
+use crate::registers::RegisterTable;
+use dynamixel::Dynamixel;
+pub use error::ServoError;
+use feetech::Feetech;
+
+/// Bytes of registers that any servo needs.
+pub const MEMORY_LEN: usize = 768;
+/// The longest packet.
+pub(crate) const LONGEST: usize = 1024;
+/// Physics goes in steps of so long, s.
+pub const STEP_S: f64 = 2.5e-4;
+/// Time constant of the filter of its own speed, s. Guess.
+const SPEED_FILTER_S: f64 = 0.01;
+
+enum Program<'m> {
+    Dynamixel(Box<Dynamixel<'m>>),
+    Feetech(Box<Feetech<'m>>),
+    Pulse(pulse::Firmware),
+}
+
+/// A servo.
+pub struct Servo<'m> {
+    program: Program<'m>,
+    gear: Gear,
+    motor: Motor,
+    heat: Heat,
+    sensed: Sensed,
+    power: Power,
+    draw: Draw,
+    rad_per_count: f64,
+    stall_a_v: f64,
+    brown_out_v: f64,
+    boot_s: f64,
+    /// How long it still takes to start; 0 when it runs.
+    starts_in_s: f64,
+    steps_per_tick: u32,
+    steps: u32,
+    is_published: bool,
+    lost_w: [f64; 2],
+    /// Added to what its encoder reads, rad: a fault.
+    pub encoder_jump_rad: f64,
+    /// Whether its supply is cut: a fault.
+    pub is_unplugged: bool,
+    is_torque_stuck: bool,
+}
+
+impl<'m> Servo<'m> {
+    /// A servo as it left the factory, which has just started, at the middle of its range. `memory` holds its
+    /// registers: [`MEMORY_LEN`] bytes.
+    ///
+    /// # Errors
+    /// [`ServoError`]: `memory` is too short, or its kind has no table.
+    pub fn new(kind: &Parameters, id: u8, memory: &'m mut [u8]) -> Result<Self, ServoError> {
+        let program = match RegisterTable::of(&kind.name) {
+            Some(RegisterTable::Dynamixel(table)) => {
+                Program::Dynamixel(Box::new(Dynamixel::new(kind, table, id, memory)?))
+            }
+            Some(RegisterTable::Feetech(table)) => {
+                Program::Feetech(Box::new(Feetech::new(kind, table, id, memory)?))
+            }
+            None => return Err(ServoError::NoTable(kind.name.clone())),
+        };
+        Ok(Self::with(kind, program, kind.resolution_rad))
+    }
+
+    /// A hobby servo, at the middle of its range, without a pulse.
+    pub fn on_pulses(kind: &Parameters) -> Self {
+        // Its resolution is a dead band; the potentiometer itself has no steps.
+        let rad_per_count = kind.resolution_rad / 64.0;
+        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind.range_rad);
+        Self::with(kind, Program::Pulse(firmware), rad_per_count)
+    }
+
+    fn with(kind: &Parameters, program: Program<'m>, rad_per_count: f64) -> Self {
+        let steps = whole(1.0 / (kind.loop_hz * STEP_S)).max(1).unsigned_abs();
+        let mut servo = Self {
+            program,
+            gear: Gear::new(kind),
+            motor: Motor::new(kind),
+            heat: Heat::new(kind),
+            sensed: Sensed { supply_v: kind.voltage_v, ..Sensed::default() },
+            power: Power::Open,
+            draw: Draw::default(),
+            rad_per_count,
+            stall_a_v: 1.0 / kind.resistance_ohm,
+            brown_out_v: kind.brown_out_v,
+            boot_s: kind.boot_s,
+            starts_in_s: 0.0,
+            steps_per_tick: steps,
+            steps: 0,
+            is_published: false,
+            lost_w: [0.0; 2],
+            encoder_jump_rad: 0.0,
+            is_unplugged: false,
+            is_torque_stuck: false,
+        };
+        servo.place(0.5 * kind.range_rad);
+        servo
+    }
+
+    /// Puts its shaft somewhere, at rest, before it starts; rad.
+    pub fn place(&mut self, position_rad: f64) {
+        self.gear.place(position_rad);
+        self.sensed.position = whole(position_rad / self.rad_per_count);
+        match &mut self.program {
+            Program::Dynamixel(servo) => servo.restart(self.sensed.position),
+            Program::Feetech(servo) => servo.restart(self.sensed.position),
+            Program::Pulse(_) => {}
+        }
+        self.is_published = false;
+    }
+
+    /// The number in a register; 0 if there is none.
+    pub fn get(&self, address: u16) -> i32 {
+        match &self.program {
+            Program::Dynamixel(servo) => servo.device.memory().get(address),
+            Program::Feetech(servo) => {
+                u8::try_from(address).map_or(0, |address| servo.device.get(address))
+            }
+            Program::Pulse(_) => 0,
+        }
+    }
+
+    /// Sets a register as the factory would, and starts anew with it.
+    pub fn set(&mut self, address: u16, value: i32) {
+        match &mut self.program {
+            Program::Dynamixel(servo) => servo.device.memory_mut().set(address, value),
+            Program::Feetech(servo) => {
+                if let Ok(address) = u8::try_from(address) {
+                    servo.device.set(address, value);
+                }
+            }
+            Program::Pulse(_) => {}
+        }
+        self.place(self.gear.shaft.position_rad);
+    }
+
+    /// Sets its baud rate.
+    ///
+    /// # Errors
+    /// [`ServoError::Baud`] if its bus has no code for it.
+    pub fn set_baud(&mut self, baud: u32) -> Result<(), ServoError> {
+        let (bauds, register): (&[u32], u16) = match &self.program {
+            Program::Dynamixel(_) => (&DYNAMIXEL_BAUDS, address::BAUD),
+            Program::Feetech(_) => (&FEETECH_BAUDS, feetech_address::BAUD.into()),
+            Program::Pulse(_) => return Ok(()),
+        };
+        self.set(register, code_of(baud, bauds)?);
+        Ok(())
+    }
+
+    /// At what rate it listens, bits per second; 0 without a bus.
+    pub fn baud(&self) -> u32 {
+        match &self.program {
+            Program::Dynamixel(servo) => servo.device.baud(),
+            Program::Feetech(servo) => servo.device.baud(),
+            Program::Pulse(_) => 0,
+        }
+    }
+
+    /// The pulse of a hobby servo, us; none if there is none.
+    pub fn set_pulse(&mut self, pulse_us: Option<f64>) {
+        if let Program::Pulse(firmware) = &mut self.program {
+            firmware.pulse_us = pulse_us;
+        }
+    }
+
+    /// The pulse that a hobby servo gets, us; none of any other.
+    pub fn pulse_us(&self) -> Option<f64> {
+        match &self.program {
+            Program::Pulse(firmware) => firmware.pulse_us,
+            _ => None,
+        }
+    }
+
+    /// Where its shaft is, and how fast.
+    pub fn shaft(&self) -> Shaft {
+        self.gear.shaft
+    }
+
+    /// Puts the shaft where a plant has it, with the speed that it has there.
+    pub fn set_shaft(&mut self, shaft: Shaft) {
+        self.gear.shaft = shaft;
+    }
+
+    /// Torques and friction in the last step.
+    pub fn flow(&self) -> Flow {
+        self.gear.flow()
+    }
+
+    /// Its gear, for faults and for energy.
+    pub fn gear_mut(&mut self) -> &mut Gear {
+        &mut self.gear
+    }
+
+    /// Its temperatures.
+    pub fn heat(&self) -> &Heat {
+        &self.heat
+    }
+
+    /// Its temperatures, for faults and for an air that is warmer.
+    pub fn heat_mut(&mut self) -> &mut Heat {
+        &mut self.heat
+    }
+
+    /// What it draws from its supply.
+    pub fn draw(&self) -> Draw {
+        self.draw
+    }
+
+    /// Current in its winding, A.
+    pub fn current_a(&self) -> f64 {
+        self.motor.current_a
+    }
+
+    /// Power lost in the winding and by friction in the last step, W.
+    pub fn lost_w(&self) -> [f64; 2] {
+        self.lost_w
+    }
+
+    /// Whether it runs: it has power, and has started.
+    pub fn runs(&self) -> bool {
+        !self.is_unplugged && self.starts_in_s <= 0.0
+    }
+
+    /// Its torque goes off, without a word.
+    pub fn lose_torque(&mut self) {
+        match &mut self.program {
+            Program::Dynamixel(servo) => servo.lose_torque(),
+            Program::Feetech(servo) => servo.lose_torque(),
+            Program::Pulse(firmware) => firmware.pulse_us = None,
+        }
+    }
+
+    /// Its torque is on, whatever it is told, or no longer so.
+    pub fn stick_torque(&mut self, is_stuck: bool) {
+        self.is_torque_stuck = is_stuck;
+        self.keep_torque();
+    }
+
+    /// What is stuck stays on.
+    fn keep_torque(&mut self) {
+        if self.is_torque_stuck {
+            match &mut self.program {
+                Program::Dynamixel(servo) => servo.keep_torque(),
+                Program::Feetech(servo) => servo.keep_torque(),
+                Program::Pulse(_) => {}
+            }
+        }
+    }
+
+    /// Starts anew, as after a loss of power.
+    pub fn reboot(&mut self) {
+        match &mut self.program {
+            Program::Dynamixel(servo) => servo.reboot(),
+            Program::Feetech(servo) => servo.reboot(),
+            Program::Pulse(_) => {}
+        }
+        self.take_events();
+        self.starts_in_s = self.boot_s;
+    }
+
+    fn take_events(&mut self) {
+        let starts = match &mut self.program {
+            Program::Dynamixel(servo) => servo.take_events(&self.sensed),
+            Program::Feetech(servo) => servo.take_events(&self.sensed),
+            Program::Pulse(_) => false,
+        };
+        if starts {
+            self.starts_in_s = self.boot_s;
+        }
+    }
+
+    /// [`STEP_S`] passes.
+    pub fn step(&mut self, supply_v: f64, load: &impl Load) {
+        let supply_v = if self.is_unplugged { 0.0 } else { supply_v };
+        if supply_v < self.brown_out_v {
+            if self.starts_in_s <= 0.0 {
+                self.reboot();
+            }
+            self.starts_in_s = self.boot_s;
+        }
+        self.sensed.supply_v = supply_v;
+        if self.steps == 0 {
+            self.steps = self.steps_per_tick;
+            self.tick();
+        }
+        self.steps -= 1;
+        let ratio = self.heat.resistance_ratio();
+        let speed = self.gear.rotor.velocity_rad_s;
+        let motor = self.motor.characteristic(self.power, supply_v, speed, ratio);
+        self.gear.step(STEP_S, motor, load);
+        let flow = self.gear.flow();
+        let speed = self.gear.rotor.velocity_rad_s;
+        let (draw, winding_w) = self.motor.settle(flow.motor_nm, speed, supply_v, ratio);
+        self.draw = if self.is_unplugged { Draw::default() } else { draw };
+        self.lost_w = [winding_w, flow.friction_w];
+        self.heat.step(STEP_S, winding_w, flow.friction_w);
+    }
+
+    fn tick(&mut self) {
+        let dt_s = f64::from(self.steps_per_tick) * STEP_S;
+        self.sense(dt_s);
+        self.is_published = false;
+        if !self.runs() {
+            self.starts_in_s = (self.starts_in_s - dt_s).max(0.0);
+            self.power = Power::Open;
+            return;
+        }
+        self.take_events();
+        self.power = match &mut self.program {
+            Program::Dynamixel(servo) => servo.tick(&self.sensed, dt_s),
+            Program::Feetech(servo) => servo.tick(&self.sensed, dt_s),
+            Program::Pulse(firmware) => firmware.tick(&self.sensed, dt_s),
+        };
+    }
+
+    fn sense(&mut self, dt_s: f64) {
+        let seen_rad = self.gear.shaft.position_rad + self.encoder_jump_rad;
+        let position = whole(seen_rad / self.rad_per_count);
+        let sensed = &mut self.sensed;
+        let speed = f64::from(position - sensed.position) / dt_s;
+        sensed.velocity += (speed - sensed.velocity) * dt_s / (SPEED_FILTER_S + dt_s);
+        sensed.position = position;
+        sensed.current_a = self.motor.current_a;
+        sensed.duty = self.motor.duty;
+        sensed.case_c = self.heat.case_c;
+        let stall_a = sensed.supply_v * self.stall_a_v;
+        sensed.load = if stall_a > 0.0 { sensed.current_a / stall_a } else { 0.0 };
+    }
+}
+
+/// Part of the supply for an error of position, 1/rad, that makes the stiffness as shipped, without friction.
+pub(crate) fn duty_per_rad(kind: &Parameters) -> f64 {
+    let stall_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
+    kind.position_gain_nm_rad / stall_nm
+}
+
+/// The code of a baud rate.
+pub(crate) fn code_of(baud: u32, bauds: &[u32]) -> Result<i32, ServoError> {
+    let code = bauds.iter().position(|known| *known == baud);
+    code.and_then(|code| i32::try_from(code).ok())
+        .ok_or_else(|| ServoError::Baud { baud, known: bauds.to_vec() })
+}
+
+pub(crate) fn check_memory(memory: &[u8], needs: usize) -> Result<(), ServoError> {
+    if memory.len() < needs {
+        return Err(ServoError::Memory { needs, has: memory.len() });
+    }
+    Ok(())
+}
+
+/// To the nearest whole number; what does not fit is the nearest that does.
+pub(crate) fn whole(value: f64) -> i32 {
+    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and NaN becomes 0")]
+    let whole = libm::rint(value) as i32;
+    whole
+}

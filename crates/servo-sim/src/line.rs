@@ -1,0 +1,230 @@
+//! A stream of bytes to servos and back, each byte at its time: what a serial port is to a program.
+//!
+//! [`crate::bench::Bench::exchange`] is for a master that waits for its answers in simulated time. A line is for one
+//! that writes and reads when it likes, in simulated time (a test) or in real time (a pseudo-terminal).
+//!
+//! ```
+//! use sinew_servo_bus::dynamixel::Instruction;
+//! use sinew_servo_sim::bench::Bench;
+//! use sinew_servo_sim::device::{MEMORY_LEN, Servo};
+//! use sinew_servo_sim::line::Line;
+//! use sinew_servo_sim::load::Arm;
+//! use sinew_servo_sim::model::Parameters;
+//! use sinew_servo_sim::supply::Supply;
+//!
+//! let kind = Parameters::built_in("XL330-M288-T")?;
+//! let mut memory = [0; MEMORY_LEN];
+//! let servo = Servo::new(&kind, 7, &mut memory)?;
+//! let mut line = Line::new(Bench::new(vec![servo], vec![Arm::default()], Supply::stiff(5.0)));
+//!
+//! let mut packet = [0; 16];
+//! let len = Instruction::Ping.encode(7, &mut packet)?;
+//! line.write(&packet[..len]);
+//! // At 57,600 bps the question takes 1.7 ms, the answer 2.4; the servo waits 0.5 ms between them.
+//! let mut reply = [0; 64];
+//! assert_eq!(line.read(&mut reply, 4_000), 0);
+//! assert_eq!(line.read(&mut reply, 2_000), 14);
+//! assert_eq!(reply[..5], [0xFF, 0xFF, 0xFD, 0, 7]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::VecDeque;
+
+use crate::wire::SILENCE_US;
+
+/// After so long a silence what was begun is over, and who waits for a silent servo answers. A program on a desk pauses
+/// inside a packet when the machine lets it wait: the silence of [`crate::bench::Bench`] is too short for it.
+const SILENCE_NS: u64 = 2_000_000;
+
+/// Servos on a half-duplex wire, and their time.
+pub trait Wired {
+    /// Simulated time, ns.
+    fn now_ns(&self) -> u64;
+
+    /// Time passes; none if `ns` is past.
+    fn run_until(&mut self, ns: u64);
+
+    /// How long so many bytes take on the wire, ns.
+    fn wire_ns(&self, bytes: usize) -> u64;
+
+    /// Bits per second that the master has set its port to.
+    fn set_rate(&mut self, baud: u32);
+
+    /// All but `speaker` hear bytes.
+    fn hear(&mut self, bytes: &[u8], speaker: Option<usize>);
+
+    /// Who speaks next, and after how many us of silence.
+    fn next_speaker(&self) -> Option<(usize, u32)>;
+
+    /// What it says, and how many us it is late by; none if it is silent after all.
+    fn speak(&mut self, speaker: usize) -> Option<(Vec<u8>, u32)>;
+
+    /// The wire has been silent for long.
+    fn silence(&mut self);
+}
+
+/// Bytes that are on the wire.
+struct OnWire {
+    end_ns: u64,
+    /// None: the master.
+    speaker: Option<usize>,
+    bytes: Vec<u8>,
+}
+
+/// A line to servos. What nobody reads is kept.
+pub struct Line<W> {
+    /// The servos.
+    pub servos: W,
+    unsent: Vec<u8>,
+    on_wire: Option<OnWire>,
+    late: Vec<(u64, Vec<u8>)>,
+    silence_ns: u64,
+    quiet_since_ns: u64,
+    was_silent: bool,
+    received: VecDeque<u8>,
+}
+
+impl<W: Wired> Line<W> {
+    /// A line of a program in real time, on which nothing has been said.
+    pub fn new(servos: W) -> Self {
+        Self::with_silence(servos, SILENCE_NS)
+    }
+
+    /// That of a master in simulated time, which does not pause inside a packet.
+    pub fn of_master(servos: W) -> Self {
+        Self::with_silence(servos, u64::from(SILENCE_US) * 1000)
+    }
+
+    fn with_silence(servos: W, silence_ns: u64) -> Self {
+        Self {
+            servos,
+            unsent: Vec::new(),
+            on_wire: None,
+            late: Vec::new(),
+            silence_ns,
+            quiet_since_ns: 0,
+            was_silent: true,
+            received: VecDeque::new(),
+        }
+    }
+
+    /// The master writes, now. The bytes wait until the wire is free.
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.unsent.extend_from_slice(bytes);
+        self.send();
+    }
+
+    /// Whether bytes of the master are still on the wire, or wait for it.
+    pub fn is_sending(&self) -> bool {
+        let of_master = |on_wire: &OnWire| on_wire.speaker.is_none();
+        !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)
+    }
+
+    /// Until when what a servo says now is on the wire.
+    pub fn speaks_until_ns(&self) -> Option<u64> {
+        self.on_wire.as_ref().filter(|on_wire| on_wire.speaker.is_some()).map(|said| said.end_ns)
+    }
+
+    /// What has come until now; 0 if nothing has.
+    pub fn take(&mut self, out: &mut [u8]) -> usize {
+        let len = out.len().min(self.received.len());
+        for (to, from) in out.iter_mut().zip(self.received.drain(..len)) {
+            *to = from;
+        }
+        len
+    }
+
+    /// Simulated time passes until something has come, or for `timeout_us`; 0 if nothing has.
+    pub fn read(&mut self, out: &mut [u8], timeout_us: u32) -> usize {
+        let end_ns = self.servos.now_ns() + u64::from(timeout_us) * 1000;
+        while self.received.is_empty() && self.next_ns().is_some_and(|next| next <= end_ns) {
+            self.pass_next();
+        }
+        if self.received.is_empty() {
+            self.servos.run_until(end_ns);
+        }
+        self.take(out)
+    }
+
+    /// Time passes.
+    pub fn run_until(&mut self, ns: u64) {
+        run_all(std::slice::from_mut(self), ns);
+    }
+
+    /// When something happens on the wire; none if it is silent for good.
+    pub fn next_ns(&self) -> Option<u64> {
+        let late = self.late.iter().map(|(at_ns, _)| *at_ns).min();
+        let wire = match &self.on_wire {
+            Some(on_wire) => Some(on_wire.end_ns),
+            None => match self.servos.next_speaker() {
+                Some((_, delay_us)) => Some(self.quiet_since_ns + u64::from(delay_us) * 1000),
+                None => (!self.was_silent).then_some(self.quiet_since_ns + self.silence_ns),
+            },
+        };
+        late.into_iter().chain(wire).min()
+    }
+
+    /// The next thing that happens on the wire.
+    fn pass_next(&mut self) {
+        let Some(next_ns) = self.next_ns() else { return };
+        self.servos.run_until(next_ns);
+        let now_ns = self.servos.now_ns();
+        let is_late = |(at_ns, _): &(u64, Vec<u8>)| *at_ns <= now_ns;
+        if let Some(index) = self.late.iter().position(is_late) {
+            // It talks into what others say, so none of them understands it.
+            let (_, bytes) = self.late.swap_remove(index);
+            self.received.extend(bytes);
+        } else if let Some(on_wire) = self.on_wire.take() {
+            self.quiet_since_ns = now_ns;
+            self.servos.hear(&on_wire.bytes, on_wire.speaker);
+            if on_wire.speaker.is_some() {
+                self.received.extend(on_wire.bytes);
+            }
+            self.send();
+        } else if let Some((speaker, _)) = self.servos.next_speaker() {
+            match self.servos.speak(speaker) {
+                Some((bytes, 0)) => self.put_on_wire(bytes, Some(speaker)),
+                Some((bytes, late_us)) => {
+                    let took_ns = self.servos.wire_ns(bytes.len());
+                    self.late.push((now_ns + u64::from(late_us) * 1000 + took_ns, bytes));
+                }
+                None => {}
+            }
+        } else {
+            self.was_silent = true;
+            self.servos.silence();
+        }
+    }
+
+    fn send(&mut self) {
+        if self.on_wire.is_none() && !self.unsent.is_empty() {
+            let bytes = std::mem::take(&mut self.unsent);
+            self.put_on_wire(bytes, None);
+        }
+    }
+
+    fn put_on_wire(&mut self, bytes: Vec<u8>, speaker: Option<usize>) {
+        let end_ns = self.servos.now_ns() + self.servos.wire_ns(bytes.len());
+        self.on_wire = Some(OnWire { end_ns, speaker, bytes });
+        self.was_silent = false;
+    }
+}
+
+/// Time passes on several lines side by side: what happens on their wires happens in the order of time, since servos on
+/// different lines may move the same rig.
+pub fn run_all<W: Wired>(lines: &mut [Line<W>], ns: u64) {
+    while let Some((index, next_ns)) = next_of(lines)
+        && next_ns <= ns
+    {
+        lines[index].pass_next();
+    }
+    for line in lines {
+        line.servos.run_until(ns);
+    }
+}
+
+/// On which line something happens next, and when. Of several at once the first.
+pub(crate) fn next_of<W: Wired>(lines: &[Line<W>]) -> Option<(usize, u64)> {
+    let next = lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.next_ns()?)));
+    next.min_by_key(|(_, next_ns)| *next_ns)
+}

@@ -1,0 +1,392 @@
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counts of steps and of encoders, and numbers of a core that computes in f32"
+)]
+
+use glam::{DMat3, DQuat, DVec3};
+use serde::Deserialize;
+use sinew_servo_bus::dynamixel::Instruction;
+use sinew_rig::description::{Drive, DriveKind};
+use sinew_rig::mechanism::{InverseDynamics, Link};
+use sinew_rig::new::arm;
+use sinew_rig::servo::Address;
+
+use super::*;
+use crate::bench::Bench;
+use crate::device::{MEMORY_LEN, Servo};
+use crate::rig::servos;
+use crate::supply::Supply;
+
+const STEP_S: f64 = RigPlant::STEP_S;
+
+#[derive(Deserialize)]
+struct File {
+    cases: Vec<Case>,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    name: String,
+    gravity: [f64; 3],
+    bodies: Vec<GoldenBody>,
+    states: Vec<State>,
+}
+
+#[derive(Deserialize)]
+struct GoldenBody {
+    parent: i64,
+    joint: String,
+    axes: Vec<[f64; 3]>,
+    offset: [f64; 3],
+    rot: [f64; 4],
+    mass: f64,
+    com: [f64; 3],
+    inertia: [f64; 6],
+    rotor: f64,
+}
+
+#[derive(Deserialize)]
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    efforts: Vec<f64>,
+    acc: Vec<f64>,
+    #[serde(rename = "H_lower")]
+    mass_matrix_lower: Vec<f64>,
+}
+
+impl GoldenBody {
+    fn link(&self) -> Link {
+        let axis = |index: usize| DVec3::from(self.axes[index]);
+        let joint = match self.joint.as_str() {
+            "revolute" => Freedom::Revolute(axis(0)),
+            "prismatic" => Freedom::Prismatic(axis(0)),
+            "universal" => Freedom::Universal([axis(0), axis(1)]),
+            "spherical" => Freedom::Spherical,
+            "fixed" => Freedom::Fixed,
+            other => panic!("a joint of unknown kind: {other}"),
+        };
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        Link {
+            rotation: DQuat::from_array(self.rot),
+            mass_kg: self.mass,
+            center_of_mass_m: self.com.into(),
+            inertia_kg_m2: DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]),
+            rotor_inertia: self.rotor,
+            ..Link::on(usize::try_from(self.parent).ok(), joint, self.offset.into())
+        }
+    }
+}
+
+/// MuJoCo's accelerations for efforts, and its mass matrices, of rigs of all kinds of joint.
+#[test]
+fn accelerations_and_mass_matrices_are_the_golden_ones() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/rotors.json");
+    let file: File = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    assert_eq!(file.cases.len(), 6);
+    for case in &file.cases {
+        let bodies = case.bodies.iter().map(GoldenBody::link).collect();
+        let mechanism = Mechanism { bodies, linked: Vec::new() };
+        let mut mechanics = Mechanics::new(&mechanism, case.gravity.into());
+        let size = mechanics.freedoms();
+        for state in &case.states {
+            mechanics.set(&state.q, &state.qd);
+            let mut matrix = Symmetric::zeros(size);
+            let mut x: Vec<f64> =
+                state.efforts.iter().enumerate().map(|(at, x)| x - mechanics.bias(at)).collect();
+            for body in 0..mechanism.bodies.len() {
+                for row in mechanics.freedoms_of(body) {
+                    for column in 0..=row {
+                        let rotor = f64::from(u8::from(row == column))
+                            * mechanism.bodies[body].rotor_inertia;
+                        let element = mechanics.mass(row, column) + rotor;
+                        let golden = state.mass_matrix_lower[row * (row + 1) / 2 + column];
+                        // Both in f64, the file with all its digits; the largest are of some 100 kg m².
+                        assert!((element - golden).abs() < 1e-10, "{}: {element}", case.name);
+                        matrix.add(row, column, element);
+                    }
+                }
+            }
+            matrix.factor(0.0);
+            matrix.solve(&mut x);
+            let largest = state.acc.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            for (x, golden) in x.iter().zip(&state.acc) {
+                // The condition of the matrix, up to 1e5, times rounding of some 1e-16 · 30 bodies.
+                assert!((x - golden).abs() < 1e-9 * largest, "{}: {x} {golden}", case.name);
+            }
+        }
+    }
+}
+
+/// Without servos and friction the sum of both energies stays. What a step of semi-implicit Euler is off by swings with
+/// the motion and halves with the step.
+#[test]
+fn a_rig_that_swings_freely_keeps_its_energy() {
+    let mut description = arm(4).unwrap();
+    (description.drives, description.servos) = (Vec::new(), Vec::new());
+    for joint in &mut description.joints {
+        joint.range_rad.clear();
+        (joint.friction, joint.damping) = (0.0, 0.0);
+    }
+    let mechanism = description.mechanism().unwrap();
+    // The most that the sum is off, and the most energy of motion.
+    let run = |dt_s: f64| {
+        let mut plant = RigPlant::new(&description, &mechanism, &[]).unwrap();
+        // Nothing but the bodies; and from a pose that falls.
+        plant.extra.fill(0.0);
+        plant.q.iter_mut().for_each(|q| *q += 0.7);
+        let begin_j = plant.energy_j();
+        let rest = vec![0.0; plant.qd.len()];
+        let (mut off_j, mut motion_j) = (0.0_f64, 0.0_f64);
+        for step in 0..(4.0 / dt_s) as u32 {
+            plant.step(dt_s, &[], &mut []);
+            if step % 16 == 0 {
+                let now_j = plant.energy_j();
+                off_j = off_j.max((now_j - begin_j).abs());
+                plant.mechanics.set(&plant.q, &rest);
+                motion_j = motion_j.max(now_j - plant.mechanics.energy_j());
+            }
+        }
+        (off_j, motion_j)
+    };
+    let (coarse_j, motion_j) = run(STEP_S);
+    let (fine_j, _) = run(0.25 * STEP_S);
+    println!("{coarse_j:e} J, {fine_j:e} J of {motion_j} J");
+    assert!(coarse_j < 0.05 * motion_j, "{coarse_j} J of {motion_j} J");
+    // First order: the error goes with the step. Next to nothing is left without one (Richardson's extrapolation): the
+    // second order, and that the two are farthest off at different times.
+    let left_j = (4.0 * fine_j - coarse_j) / 3.0;
+    assert!(left_j.abs() < 0.1 * coarse_j, "{left_j} J of {coarse_j} J");
+}
+
+struct Run {
+    shafts: Vec<Vec<f64>>,
+}
+
+fn write<P: Plant>(bench: &mut Bench<'_, P>, id: u8, address: u16, data: &[u8]) {
+    let mut packet = [0; 32];
+    let len = Instruction::Write { address, data }.encode(id, &mut packet).unwrap();
+    let mut answered = 0;
+    bench.exchange(&packet[..len], 10_000, |said| {
+        answered += said.len();
+        answered >= 11
+    });
+}
+
+/// A bench of the last servos of a rig, that hold their home or are limp (`on`), one of which is sent elsewhere.
+fn run<P: Plant>(
+    description: &Description,
+    plant: impl FnOnce(&[&str]) -> P,
+    on: &[bool],
+    goal: (usize, i32),
+    steps: u32,
+) -> Run {
+    let mechanism = description.mechanism().unwrap();
+    let all = servos(description, &mechanism).unwrap();
+    let own = &all[all.len() - on.len()..];
+    let names: Vec<&str> = own.iter().map(|servo| servo.name.as_str()).collect();
+    let mut memory = vec![[0; MEMORY_LEN]; own.len()];
+    let mut simulated = Vec::new();
+    for ((servo, memory), on) in own.iter().zip(&mut memory).zip(on) {
+        let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
+        device.place(servo.home_rad);
+        if !on {
+            // A mode without a goal: it is limp.
+            device.set(11, 0);
+        }
+        simulated.push(device);
+    }
+    let voltage_v = own[0].kind.voltage_v;
+    let mut bench = Bench::new(simulated, plant(&names), Supply::stiff(voltage_v));
+    for (place, servo) in own.iter().enumerate() {
+        let home = (servo.home_rad / servo.kind.resolution_rad).round() as i32;
+        let to = home + if goal.0 == place { goal.1 } else { 0 };
+        write(&mut bench, servo.id().unwrap(), 64, &[1]);
+        write(&mut bench, servo.id().unwrap(), 116, &to.to_le_bytes());
+    }
+    let mut shafts = vec![Vec::new(); own.len()];
+    for _ in 0..steps {
+        bench.run_us(1000);
+        for (track, servo) in shafts.iter_mut().zip(bench.servos()) {
+            track.push(servo.shaft().position_rad);
+        }
+    }
+    Run { shafts }
+}
+
+/// One servo on one joint: the rig is that servo's arm.
+#[test]
+fn a_rig_of_one_servo_moves_as_its_arm_does() {
+    // The joint that bends, alone: the one that turns has no servo on the bench, so it stays.
+    let description = arm(2).unwrap();
+    let mechanism = description.mechanism().unwrap();
+    let arms = vec![servos(&description, &mechanism).unwrap()[1].load];
+    let alone = run(&description, |_| arms, &[true], (0, 500), 600);
+    let whole = |names: &[&str]| RigPlant::new(&description, &mechanism, names).unwrap();
+    let rig = run(&description, whole, &[true], (0, 500), 600);
+    let farthest = alone.shafts[0]
+        .iter()
+        .zip(&rig.shafts[0])
+        .map(|(alone, rig)| (alone - rig).abs())
+        .fold(0.0, f64::max);
+    let moved = alone.shafts[0][599] - alone.shafts[0][0];
+    assert!(moved > 0.6, "{moved}");
+    println!("{farthest:e}");
+    // A step of the plant, 0.25 ms, at the 2 rad/s of this motion.
+    assert!(farthest < 5e-4, "{farthest}");
+}
+
+/// Gravity at home needs what inverse dynamics say, and a servo that swings takes its limp neighbours along.
+#[test]
+fn what_one_servo_moves_the_others_feel() {
+    let description = arm(4).unwrap();
+    let mechanism = description.mechanism().unwrap();
+    let run = |plant: bool, goal| {
+        let on = [true, true, false, false];
+        if plant {
+            let whole = |names: &[&str]| RigPlant::new(&description, &mechanism, names).unwrap();
+            run(&description, whole, &on, goal, 400)
+        } else {
+            let own = servos(&description, &mechanism).unwrap();
+            let arms: Vec<Arm> = own.iter().map(|servo| servo.load).collect();
+            run(&description, |_| arms, &on, goal, 400)
+        }
+    };
+    let far = |a: &Run, b: &Run| {
+        let of = |servo: usize| (a.shafts[servo][399] - b.shafts[servo][399]).abs();
+        [of(1), of(2)]
+    };
+    let [moved, followed] = far(&run(true, (1, 700)), &run(true, (1, 0)));
+    assert!(moved > 0.5 && followed > 0.1, "{moved} {followed}");
+    let [moved, followed] = far(&run(false, (1, 700)), &run(false, (1, 0)));
+    assert!(moved > 0.5 && followed < 1e-12, "{moved} {followed}");
+}
+
+/// Torques of shafts that hold a pose, by virtual work, keep it: mirrored, geared, a differential, a mimic joint and
+/// two servos on one joint.
+#[test]
+fn drives_of_all_kinds_hold_what_they_have_to() {
+    let (half, two) = (vec![0.5, 0.5], vec![0.5, -0.5]);
+    let rows = |rows: Vec<Vec<f64>>| DriveKind::Matrix { rows, offset: Vec::new() };
+    let cases: [(&str, Vec<usize>, Vec<usize>, DriveKind); 3] = [
+        ("differential", vec![1, 2], vec![1, 2], rows(vec![half, two.clone()])),
+        ("mimic", vec![1, 2], vec![1], rows(vec![vec![1.0], vec![0.5]])),
+        ("pair", vec![1], vec![1, 2], rows(vec![two])),
+    ];
+    for (name, joints, own, kind) in cases {
+        let mut description = arm(if name == "pair" { 2 } else { 3 }).unwrap();
+        if name == "pair" {
+            let twin = description.servos[1].clone();
+            let (name, address) = ("twin".to_owned(), Address::Id(9));
+            description.servos.push(sinew_rig::description::Servo { name, address, ..twin });
+        }
+        description.servos[0].direction = -1;
+        description.servos[0].gear = 1.5;
+        let drive = Drive {
+            joints: joints.iter().map(|at| description.joints[*at].name.clone()).collect(),
+            servos: own.iter().map(|at| description.servos[*at].name.clone()).collect(),
+            kind,
+        };
+        description.drives.truncate(1);
+        description.drives.push(drive);
+        let moved = 1 + joints.len();
+        for joint in &mut description.joints {
+            joint.home_rad = Some(0.5);
+        }
+        let mechanism = description.mechanism().unwrap();
+        let names: Vec<String> = description.servos.iter().map(|s| s.name.clone()).collect();
+        let names: Vec<&str> = names[..=*own.last().unwrap()].iter().map(String::as_str).collect();
+        let mut plant = RigPlant::new(&description, &mechanism, &names).unwrap();
+        let actuation = description.actuation().unwrap();
+        let q: Vec<f32> = plant.q.iter().map(|q| *q as f32).collect();
+        let rest = vec![0.0; q.len()];
+        let mut dynamics = InverseDynamics::of(&mechanism).unwrap();
+        let efforts = dynamics.efforts(&q, &rest, &rest).unwrap().to_vec();
+        let mut torques = vec![0.0; names.len()];
+        for of in &actuation.drives {
+            let pose = of.drive.at_joints(&of.joints.iter().map(|at| q[*at]).collect::<Vec<_>>());
+            let needed: Vec<f32> = of.joints.iter().map(|at| efforts[*at]).collect();
+            for (servo, shaft) in
+                of.servos.iter().zip(pose.unwrap().servo_torques(&needed).unwrap())
+            {
+                let gear = actuation.servos[*servo].settings().gear;
+                torques[*servo] = f64::from(shaft / gear);
+            }
+        }
+        let begin = plant.q.clone();
+        let mut shafts = plant.own.clone();
+        for _ in 0..400 {
+            plant.step(STEP_S, &torques, &mut shafts);
+        }
+        // Balanced to the rounding of f32, which grows as exp(0.1 s · 20 / s).
+        for at in 0..moved {
+            assert!((plant.q[at] - begin[at]).abs() < 1e-4, "{name}: {:?} {begin:?}", plant.q);
+        }
+        // Without them it falls.
+        for _ in 0..400 {
+            plant.step(STEP_S, &vec![0.0; names.len()], &mut shafts);
+        }
+        let fell: f64 = plant.q.iter().zip(&begin).map(|(q, begin)| (q - begin).abs()).sum();
+        assert!(fell > 1e-3, "{name}: {fell}");
+        // Servos and joints still belong together.
+        for (drive, of) in actuation.drives.iter().enumerate() {
+            let expected = {
+                let driven = &plant.drives[drive];
+                driven.positions_rad(&driven.at(&plant.q).unwrap())
+            };
+            for (servo, expected) in of.servos.iter().zip(expected) {
+                let off = plant.own[*servo].position_rad - expected;
+                assert!(off.abs() < 1e-5, "{name}: {off}");
+            }
+        }
+    }
+}
+
+/// Strong servos on bodies of almost nothing, against each other and the stops, by full and changing PWM.
+#[test]
+fn it_is_stable_with_stiff_gears_and_light_bodies() {
+    for (model, mass) in [("XM430-W350-T", 0.05), ("XL330-M288-T", 1.0), ("XM430-W350-T", 5.0)] {
+        let mut description = arm(6).unwrap();
+        for servo in &mut description.servos {
+            model.clone_into(&mut servo.model);
+        }
+        for body in &mut description.bodies {
+            body.mass_kg *= mass;
+        }
+        let mechanism = description.mechanism().unwrap();
+        let own = servos(&description, &mechanism).unwrap();
+        let names: Vec<&str> = own.iter().map(|servo| servo.name.as_str()).collect();
+        let plant = RigPlant::new(&description, &mechanism, &names).unwrap();
+        let mut memory = vec![[0; MEMORY_LEN]; own.len()];
+        let mut simulated = Vec::new();
+        for (servo, memory) in own.iter().zip(&mut memory) {
+            let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
+            device.place(servo.home_rad);
+            // PWM.
+            device.set(11, 16);
+            simulated.push(device);
+        }
+        let mut bench = Bench::new(simulated, plant, Supply::stiff(own[0].kind.voltage_v));
+        (1..=6).for_each(|id| write(&mut bench, id, 64, &[1]));
+        let mut random = crate::random::Random::new(7);
+        let free_rad_s = own[0].kind.voltage_v / own[0].kind.torque_constant_nm_a;
+        for _ in 0..200 {
+            for id in 1..=6 {
+                let pwm = random.between(-885.0, 885.0) as i16;
+                write(&mut bench, id, 100, &pwm.to_le_bytes());
+            }
+            bench.run_us(20_000);
+            for servo in bench.servos() {
+                let Shaft { position_rad, velocity_rad_s } = servo.shaft();
+                // A motor drives no shaft faster than it turns without load; falling bodies and what springs back
+                // from a stop may.
+                assert!(
+                    velocity_rad_s.abs() < 10.0 * free_rad_s,
+                    "{model}: {velocity_rad_s} rad/s"
+                );
+                assert!(position_rad.abs() < 10.0, "{model}: {position_rad} rad");
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Ids and baud rates: where a servo answers.
+
+use std::time::Duration;
+
+use crate::pong::Miss;
+use crate::store::{ensure_at_rest, open_eeprom, shut_eeprom};
+use crate::table::Role;
+use crate::{Client, Exchange, ServiceError, Servo};
+
+/// 253 and 254 are for the bus itself, 255 begins a packet.
+const MOST_ID: u8 = 252;
+/// A servo needs a moment before it answers at its new rate.
+const SETTLE: Duration = Duration::from_millis(50);
+const TRIES: u32 = 3;
+
+/// Gives a servo another id. Refused if a servo answers there already, and while its torque is on.
+///
+/// # Errors
+/// [`ServiceError::IdTaken`], [`ServiceError::BadId`]; [`ServiceError::Lost`] if it then answers nowhere.
+pub fn set_id<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    new: u8,
+) -> Result<Servo, ServiceError> {
+    if new > MOST_ID {
+        return Err(ServiceError::BadId(new));
+    }
+    match client.ping(new, TRIES)? {
+        Ok(pong) => {
+            let model = pong
+                .table
+                .map_or_else(|| format!("model {}", pong.number), |table| table.model().to_owned());
+            return Err(ServiceError::IdTaken { id: new, model });
+        }
+        // Two servos of one id are there.
+        Err(Miss::Noise) => return Err(ServiceError::Noise { id: new }),
+        Err(Miss::Silence) => {}
+    }
+    let item = servo.table.role(Role::Id)?;
+    ensure_at_rest(client, servo, item.name)?;
+    for _ in 0..TRIES {
+        open_eeprom(client, servo)?;
+        let request = Client::<E>::write_request(servo, &item, new.into())?;
+        client.send(servo.id, &request)?;
+        if client.ping(new, TRIES)?.is_ok() {
+            shut_eeprom(client, servo, new)?;
+            return Ok(Servo { id: new, ..servo.clone() });
+        }
+        if client.ping(servo.id, TRIES)?.is_err() {
+            return Err(ServiceError::Lost { id: servo.id, what: format!("id {new}") });
+        }
+        // The write did not reach it.
+        shut_eeprom(client, servo, servo.id)?;
+    }
+    let what = format!("id {new} was written {TRIES} times, and it keeps its own");
+    Err(ServiceError::State { id: servo.id, what })
+}
+
+/// Sets a servo's rate, and follows it there. The other servos on the line stay where they are.
+///
+/// # Errors
+/// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not do the rate: nothing is written then;
+/// [`ServiceError::Lost`] if it then answers nowhere.
+pub fn set_baud<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    baud: u32,
+) -> Result<(), ServiceError> {
+    let before = client.baud();
+    let item = servo.table.role(Role::Baud)?;
+    let most = match item.range {
+        sinew_servo_bus::table::Range::Between(_, most) => usize::try_from(most).unwrap_or(0),
+        _ => 0,
+    };
+    let codes = servo.table.protocol().baud_codes();
+    let known = codes.get(..=most).unwrap_or(&codes);
+    let Some(code) = known.iter().position(|known| *known == baud) else {
+        let mut known = known.to_vec();
+        known.sort_unstable();
+        let known: Vec<_> = known.iter().map(ToString::to_string).collect();
+        let model = servo.table.model().to_owned();
+        return Err(ServiceError::NoBaud { model, baud, known: known.join(", ") });
+    };
+    // A servo at a rate that the adapter does not do could not be reached any more.
+    client.set_baud(baud)?;
+    client.set_baud(before)?;
+    ensure_at_rest(client, servo, item.name)?;
+    let request = Client::<E>::write_request(servo, &item, i32::try_from(code).unwrap_or(0))?;
+    for _ in 0..TRIES {
+        open_eeprom(client, servo)?;
+        client.send(servo.id, &request)?;
+        client.pause(SETTLE);
+        client.set_baud(baud)?;
+        if client.ping(servo.id, TRIES)?.is_ok() {
+            return shut_eeprom(client, servo, servo.id);
+        }
+        client.set_baud(before)?;
+        if client.ping(servo.id, TRIES)?.is_err() {
+            return Err(ServiceError::Lost { id: servo.id, what: format!("{baud} baud") });
+        }
+        shut_eeprom(client, servo, servo.id)?;
+    }
+    let what = format!("{baud} baud was written {TRIES} times, and it stays at {before}");
+    Err(ServiceError::State { id: servo.id, what })
+}

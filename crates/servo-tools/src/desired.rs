@@ -1,0 +1,72 @@
+//! What a rig's servos should have in their registers: what the rig's file says, for the list of `sinew-servo-bus`.
+
+use std::f64::consts::PI;
+
+use sinew_servo_bus::settings::{self, Demand};
+pub use sinew_servo_bus::settings::{Mode, Setting};
+
+use crate::rig_servo::RigServo;
+use crate::{ServiceError, Table};
+
+/// What a servo of a rig should have: mode, return delay, status level, limits, shutdown, gains. By address.
+///
+/// Limits of position are the rig's range; those of current, PWM or torque follow from its torque, heat from its kind.
+/// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
+///
+/// # Errors
+/// [`ServiceError::Rig`] if the servo cannot do what the rig or `mode` asks.
+pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>, ServiceError> {
+    if matches!(mode, Mode::CurrentPosition | Mode::Current) && !table.has_current() {
+        let model = table.model();
+        let what = format!("a {model} does not control current; it has position and pwm");
+        return Err(ServiceError::Rig { name: rig.name.clone(), what });
+    }
+    if let Some(range_rad) = rig.range_rad {
+        check_seam(rig, table, range_rad)?;
+    }
+    let model = &rig.model;
+    let half_rad = 0.5 * model.range_rad.value;
+    let middle_rad = single(f64::from(table.counts() / 2) * table.rad_per_count());
+    let demand = Demand {
+        mode,
+        range_rad: rig
+            .range_rad
+            .unwrap_or([-half_rad, half_rad])
+            // As a board adds them.
+            .map(|own| single(own) + middle_rad),
+        torque_nm: single(rig.torque_nm.unwrap_or(model.stall_torque_nm.value)),
+        stall_nm: single(model.stall_torque_nm.value),
+        // As a board has it.
+        friction_nm: single(model.friction_nm.value) + rig.joint_friction_nm,
+        torque_constant_nm_a: single(model.torque_constant_nm_a.value),
+        shutdown_c: single(model.shutdown_c.value),
+    };
+    Ok(match table {
+        Table::Dynamixel(table) => settings::dynamixel(*table, demand).collect(),
+        Table::Feetech(table) => settings::feetech(table.model.family, demand).collect(),
+    })
+}
+
+/// Refuses a range that goes over the seam of the encoder, or has no width.
+fn check_seam(rig: &RigServo, table: &Table, [least, most]: [f64; 2]) -> Result<(), ServiceError> {
+    let unit = table.rad_per_count();
+    let half = f64::from(table.counts() / 2) * unit;
+    // A range to half a turn ends with the last count, which is one short of it.
+    if least > -half - unit && most <= half + unit && most - least > unit {
+        return Ok(());
+    }
+    let [least, most, half] = [least, most, half].map(|rad| rad * 180.0 / PI);
+    let what = format!(
+        "its range_deg is [{least:.2}, {most:.2}]; its encoder goes from {:.2} to {half:.2} deg round its middle. \
+         Turn the horn on the shaft so that the seam is outside of the range",
+        -half
+    );
+    Err(ServiceError::Rig { name: rig.name.clone(), what })
+}
+
+/// A board computes in f32, and must come to the same counts.
+fn single(number: f64) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "it rounds; all that comes here is small")]
+    let number = number as f32;
+    number
+}

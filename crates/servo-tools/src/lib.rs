@@ -1,0 +1,73 @@
+//! What a builder does with bus servos before they move: find them, give them ids, set them up, calibrate them.
+//!
+//! ```text
+//! command ──> functions of this crate ──> Client (packets, retries) ──> Exchange ──> a port, a simulated line, ..
+//! ```
+//!
+//! - [`Exchange`] is a line: bytes out, and what comes back within a time. [`SerialLine`] is one on a serial port.
+//! - [`Client`] speaks to servos over it, in one protocol at one baud rate, and asks again where a reply is lost.
+//! - [`scan()`], [`find`], [`registers`], [`address`], [`identify`](mod@identify), [`watch`]: what one does with any
+//!   servo.
+//! - [`rig_servo`], [`desired`], [`compare`]: what a rig file asks of its servos, and whether they have it.
+//! - [`calibrate`], [`rig_file`]: ranges found by hand, and how they come into the rig file.
+//!
+//! ```no_run
+//! use sinew_servo_tools::registers::{self, Number};
+//! use sinew_servo_tools::{Client, Protocol, SerialLine, Settings};
+//!
+//! let line = SerialLine::open("/dev/ttyUSB0".as_ref())?;
+//! let mut client = Client::new(line, Protocol::Dynamixel, 57_600, Settings::default())?;
+//! let servo = client.open(1, None)?;
+//! registers::write(&mut client, &servo, "return-delay-time", Number::Value(2.0))?; // us
+//! for reading in registers::read(&mut client, &servo, &["present-position".to_owned()])? {
+//!     println!("{}: {}", reading.name, reading.quantity); // Present Position: 180.00 deg
+//! }
+//! # Ok::<(), sinew_servo_tools::ServiceError>(())
+//! ```
+//!
+//! Registers speak as servos count: zero where the encoder counts zero. A rig's own positions count from the middle of
+//! the encoder: [`rig_servo::own_rad`] is between the two.
+
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::missing_errors_doc)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        reason = "a test may fail by panicking"
+    )
+)]
+
+pub mod address;
+pub mod calibrate;
+mod client;
+pub mod compare;
+pub mod desired;
+mod error;
+mod exchange;
+pub mod identify;
+mod pong;
+mod port;
+mod protocol;
+pub mod quantity;
+pub mod registers;
+mod reply;
+pub mod rig_file;
+pub mod rig_servo;
+mod scan;
+mod servo;
+mod store;
+mod table;
+pub mod watch;
+
+pub use client::{Client, Settings};
+pub use error::{Registers, ServiceError};
+pub use exchange::Exchange;
+pub use port::{SerialLine, open_alone, usb_ports};
+pub use protocol::Protocol;
+pub use scan::{Found, ScanEvent, ScanSettings, anyone, find, scan};
+pub use servo::Servo;
+pub use table::Table;

@@ -1,0 +1,62 @@
+//! Which language servos speak.
+
+use sinew_servo_bus::dynamixel::table::BAUDS as DYNAMIXEL_BAUDS;
+use sinew_servo_bus::feetech::table::BAUDS as FEETECH_BAUDS;
+
+/// A protocol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Protocol {
+    /// Dynamixel 2.0.
+    Dynamixel,
+    /// Feetech STS, SMS and SCS.
+    Feetech,
+}
+
+impl Protocol {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Dynamixel, Self::Feetech];
+
+    /// Its rates, bits per second, likely ones first: that of the factory, then those that rigs are set to.
+    pub const fn bauds(self) -> [u32; 8] {
+        match self {
+            Self::Dynamixel => {
+                [57_600, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 115_200, 4_500_000, 9_600]
+            }
+            Self::Feetech => {
+                [1_000_000, 500_000, 115_200, 250_000, 128_000, 57_600, 76_800, 38_400]
+            }
+        }
+    }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Dynamixel => "Dynamixel",
+            Self::Feetech => "Feetech",
+        }
+    }
+
+    /// Rates by the code in the servo's register.
+    pub(crate) const fn baud_codes(self) -> [u32; 8] {
+        match self {
+            Self::Dynamixel => DYNAMIXEL_BAUDS,
+            Self::Feetech => FEETECH_BAUDS,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_rate_of_a_register_is_scanned() {
+        for protocol in Protocol::ALL {
+            let (mut scanned, mut codes) = (protocol.bauds(), protocol.baud_codes());
+            scanned.sort_unstable();
+            codes.sort_unstable();
+            assert_eq!(scanned, codes, "{protocol:?}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Replies out of what was heard on a line.
+
+use sinew_servo_bus::{dynamixel, feetech};
+
+use crate::Protocol;
+
+/// A reply of a servo.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Reply {
+    pub(crate) id: u8,
+    /// Dynamixel: error number and alert. Feetech: what is wrong, bit by bit.
+    pub(crate) error: u8,
+    pub(crate) data: Vec<u8>,
+}
+
+/// What came within a time.
+#[derive(Debug, Default)]
+pub(crate) struct Heard {
+    pub(crate) replies: Vec<Reply>,
+    /// Whether there was something that is no reply.
+    pub(crate) is_noisy: bool,
+}
+
+/// The longest reply of a Dynamixel that is read here.
+const LONGEST: usize = 512;
+/// The longest packet of Feetech.
+const LONGEST_FEETECH: usize = 259;
+
+/// All replies in `heard`, without what an adapter gives back of what was `sent`: an instruction of Feetech looks like
+/// a reply.
+///
+/// `is_over`: nothing more will come, so a packet behind a damaged one is looked for.
+pub(crate) fn replies(protocol: Protocol, sent: &[u8], heard: &[u8], is_over: bool) -> Heard {
+    let mut rest = match heard.strip_prefix(sent) {
+        Some(rest) => rest,
+        // It may yet become an echo.
+        None if !is_over && sent.starts_with(heard) => return Heard::default(),
+        None => heard,
+    };
+    let is_silent = rest.is_empty();
+    let mut replies = Vec::new();
+    let damaged = match protocol {
+        Protocol::Dynamixel => {
+            let mut parser = dynamixel::Parser::<LONGEST>::new();
+            let mut take = |packet: dynamixel::Packet<'_>| {
+                if let Some(status) = dynamixel::Status::of(packet) {
+                    let (id, error) = (status.id, status.error.byte());
+                    replies.push(Reply { id, error, data: status.data.to_vec() });
+                }
+            };
+            while let Some(packet) = parser.next(&mut rest) {
+                take(packet);
+            }
+            while is_over && let Some(packet) = parser.flush() {
+                take(packet);
+            }
+            parser.damaged()
+        }
+        Protocol::Feetech => {
+            let mut parser = feetech::Parser::<LONGEST_FEETECH>::new();
+            let mut take = |packet: feetech::Packet<'_>| {
+                if let Some(status) = feetech::Status::of(packet) {
+                    let (id, error) = (status.id, status.bits);
+                    replies.push(Reply { id, error, data: status.data.to_vec() });
+                }
+            };
+            while let Some(packet) = parser.next(&mut rest) {
+                take(packet);
+            }
+            while is_over && let Some(packet) = parser.flush() {
+                take(packet);
+            }
+            parser.damaged()
+        }
+    };
+    let is_noisy = damaged > 0 || (replies.is_empty() && !is_silent);
+    Heard { replies, is_noisy }
+}

@@ -1,0 +1,61 @@
+//! The controller: any rig, any show, any stream, any bus.
+
+use core::hint::black_box;
+
+use sinew_servo_bus::{EncodeError, Schedule, pca9685};
+use sinew_firmware::controller::{
+    Controller, ControllerSettings, Inputs, ServoSetup, Start, Wire, estimated_us, exchange,
+    open_show,
+};
+use sinew_rig::board::BoardRig;
+
+use super::{slice, slice_mut};
+
+/// Bodies, freedoms, servos and coordinates of a rig.
+pub(crate) const BODIES: usize = 20;
+pub(crate) const FREEDOMS: usize = 24;
+pub(crate) const SERVOS: usize = 20;
+pub(crate) const COORDINATES: usize = 28;
+
+/// A line that answers anything.
+pub(crate) struct Anything;
+
+impl Wire for Anything {
+    fn exchange(&mut self, bytes: &[u8], wait_us: u32, mut reply: impl FnMut(&[u8]) -> bool) {
+        black_box((bytes, wait_us, reply(slice())));
+    }
+
+    fn left_us(&self) -> u32 {
+        black_box(1)
+    }
+}
+
+#[inline(never)]
+pub(crate) fn ticks() {
+    let (rig, schedule) = black_box((None::<BoardRig<BODIES, FREEDOMS, SERVOS>>, None::<Schedule>));
+    let (Some(rig), Some(schedule)) = (&rig, &schedule) else { return };
+    let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
+    black_box(estimated_us(black_box(1), black_box(1)));
+    let (settings, start) = black_box((ControllerSettings::default(), Start::default()));
+    let controller = Controller::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
+        rig,
+        &settings,
+        slice::<ServoSetup>(),
+        schedule,
+        start,
+    );
+    let Ok(Ok(mut controller)) = controller.map(|controller| controller.with_rest(slice())) else {
+        return;
+    };
+    let (setup, servo) = (slice::<ServoSetup>().first(), rig.servos().first());
+    black_box(setup.zip(servo).map(|(setup, servo)| setup.demand(&servo.servo)));
+    black_box(&controller.load_show(black_box(Some(slice()))));
+    let (crc, dt_s) = (black_box(1), controller.dt_s());
+    controller.put_show(open_show(rig, crc, dt_s, slice()).ok());
+    let begun = controller.begin(&black_box(Inputs::default()), &mut (), &mut bus);
+    let exchanged: Result<(), EncodeError> = exchange(&mut bus, &mut Anything, slice_mut());
+    black_box(controller.end(begun, exchanged, black_box(1)).is_ok());
+    black_box((controller.report(), controller.supervisor(), controller.permission()));
+    black_box((controller.commanded(), controller.measured()));
+    controller.forget_registers(&mut bus);
+}

@@ -1,0 +1,296 @@
+//! An arm under its controller, until it plays; then servos that answer what they answered before.
+
+use core::array;
+use core::f32::consts::{PI, TAU};
+
+use sinew_servo_bus::dynamixel::{
+    self, Device, Mode, ServoSetup as OnBus, Settings,
+    table::{Table, address},
+    traffic,
+};
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
+    Command as BusCommand, CommandError, Compared, EncodeError, Feedback, Health, Limit, Line,
+    Request, Schedule, ServoBus, Timing,
+};
+use sinew_firmware::controller::{
+    Controller as Loop, ControllerSettings, Inputs, ServoSetup, Start, Wire, exchange,
+};
+use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
+use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, State};
+use sinew_rig::board::BoardRig;
+
+/// The arm's compact form.
+pub(crate) type Rig<const B: usize, const N: usize> = BoardRig<B, N, N>;
+pub(crate) type Controller<'a, const B: usize, const N: usize> = Loop<'a, B, N, N, N>;
+pub(crate) type Bus<const N: usize> = dynamixel::Bus<N>;
+
+/// All servos are read in every tick.
+const TIMING: Timing = Timing { baud: 4_000_000, return_delay_us: 2, turnaround_us: 5 };
+const TICK_HZ: u32 = 250;
+/// Room for what goes out, and for what comes back.
+const ROOM: usize = 1024;
+/// An answer to one servo's question.
+const SLOW: usize = 32;
+/// What a tick has left for a question to one servo, µs.
+const LEFT_US: u32 = 1000;
+/// XL330-M288: model, current, A, and what the maker says of it at stall, A and N m.
+const MODEL: u16 = 1200;
+const CURRENT_A: f32 = 1.2;
+const STALL_A: f32 = 1.47;
+const STALL_NM: f32 = 0.52;
+/// It plays after so many ticks, or never.
+const PATIENCE: u32 = 400;
+
+/// Controller, bus, and what servos answer.
+pub(crate) struct Stand<'a, const B: usize, const N: usize> {
+    controller: Controller<'a, B, N>,
+    bus: Unregistered<N>,
+    answers: Answers<N>,
+    ticks: u32,
+}
+
+/// What servos that stand still answer.
+struct Answers<const N: usize> {
+    /// All of them.
+    motion: Answer<ROOM>,
+    /// One of them, how it is.
+    slow: [Answer<SLOW>; N],
+}
+
+/// Bytes that came together.
+#[derive(Clone, Copy)]
+struct Answer<const L: usize> {
+    bytes: [u8; L],
+    len: usize,
+}
+
+impl<const L: usize> Answer<L> {
+    const NONE: Self = Self { bytes: [0; L], len: 0 };
+
+    fn push(&mut self, said: &[u8]) {
+        let end = self.len + said.len();
+        self.bytes[self.len..end].copy_from_slice(said);
+        self.len = end;
+    }
+
+    fn bytes(&self) -> &[u8] {
+        self.bytes.get(..self.len).unwrap_or_default()
+    }
+}
+
+impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
+    /// An arm that plays this show.
+    pub(crate) fn new(
+        rig: &'a Rig<B, N>,
+        rig_crc: u32,
+        show: &'a [u8],
+    ) -> Result<Self, &'static str> {
+        let servos = u32::try_from(N).unwrap_or(u32::MAX);
+        let schedule = Schedule::new(TIMING, &traffic(servos, 2, true), TICK_HZ);
+        let schedule = schedule.map_err(|_| "no such schedule")?;
+        let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
+        (settings.supervisor.arming_s, settings.supervisor.blend_s) = (0.1, 0.1);
+        let controller = Loop::new(rig, &settings, &[setup(); N], &schedule, Start::default());
+        let mut controller = controller.map_err(|_| "the controller refuses the rig")?;
+        controller.load_show(Some(show)).map_err(|_| "the show is refused")?;
+        let table = Table::of(MODEL, 52).ok_or("no such model")?;
+        let setups: [OnBus; N] = array::from_fn(|index| OnBus {
+            id: id(index),
+            model: table.model,
+            mode: Mode::Current,
+            range_rad: [0.0, 6.2],
+            current_a: CURRENT_A,
+            pwm: 1.0,
+            speed_rad_s: 15.0,
+        });
+        let bus = Bus::new(&setups, schedule, Settings { fast: true, retries: 1 });
+        let bus = Unregistered(bus.map_err(|_| "no such bus")?);
+        let answers = Answers { motion: Answer::NONE, slow: [Answer::NONE; N] };
+        let mut stand = Self { controller, bus, answers, ticks: 0 };
+        stand.until_it_plays(rig, table)?;
+        Ok(stand)
+    }
+
+    /// Servos that are at home, and stay there.
+    fn until_it_plays(&mut self, rig: &Rig<B, N>, table: Table) -> Result<(), &'static str> {
+        let homes: [f32; N] = array::from_fn(|index| {
+            let own = rig.servos()[index].servo.settings();
+            own.gear * rig.freedoms()[index].home + own.offset_rad
+        });
+        let mut memories = [[0; 256]; N];
+        let mut index = 0;
+        let mut devices = memories.each_mut().map(|memory| {
+            let mut device = Device::<256>::new(table, id(index), memory);
+            #[expect(clippy::cast_possible_truncation, reason = "it is within a turn")]
+            let counts = ((homes[index] + PI) / TAU * 4096.0) as i32;
+            for (register, value) in [
+                // Writes are not answered.
+                (address::STATUS_LEVEL, 1),
+                (address::PRESENT_POSITION, counts),
+                (address::PRESENT_VOLTAGE, 50),
+                (address::PRESENT_TEMPERATURE, 31),
+            ] {
+                device.memory_mut().set(register, value);
+            }
+            index += 1;
+            device
+        });
+        for _ in 0..PATIENCE {
+            let command = match self.controller.report().state {
+                State::Limp if self.has_all() => Some(Command::Arm),
+                State::Holding => Some(Command::Play(Feed::Show)),
+                State::Playing if self.controller.permission().runs => return Ok(()),
+                _ => None,
+            };
+            let answers = &mut self.answers;
+            let mut wire = Asked { devices: &mut devices, answers, is_first: true };
+            tick(&mut self.controller, &mut self.bus, &mut wire, &mut self.ticks, command)?;
+        }
+        Err("it does not play")
+    }
+
+    /// Whether each servo has told how it is.
+    fn has_all(&self) -> bool {
+        self.controller.report().servos.iter().all(|servo| servo.temperature_c.is_some())
+    }
+
+    /// A tick of the show, with the answers of before.
+    #[expect(
+        clippy::inline_always,
+        reason = "the frame of the function that is measured has it all"
+    )]
+    #[inline(always)]
+    pub(crate) fn plays(&mut self) -> Result<(), &'static str> {
+        let mut wire = Known { answers: &self.answers, is_first: true };
+        tick(&mut self.controller, &mut self.bus, &mut wire, &mut self.ticks, None)?;
+        let runs = self.controller.permission().runs;
+        if runs { Ok(()) } else { Err("the show does not run") }
+    }
+}
+
+/// One tick, as a board's loop has it.
+#[expect(clippy::inline_always, reason = "the frame of the function that is measured has it all")]
+#[inline(always)]
+fn tick<const B: usize, const N: usize>(
+    controller: &mut Controller<'_, B, N>,
+    bus: &mut Unregistered<N>,
+    wire: &mut impl Wire,
+    ticks: &mut u32,
+    command: Option<Command>,
+) -> Result<(), &'static str> {
+    let now_us = u64::from(*ticks) * u64::from(1_000_000 / TICK_HZ);
+    *ticks += 1;
+    let found = FaultSet::EMPTY;
+    let begun =
+        controller.begin(&Inputs { now_us, heard: true, command, found, jog: None }, &mut (), bus);
+    let exchanged = exchange(bus, wire, &mut [0; ROOM]);
+    controller.end(begun, exchanged, 0).map(|_| ()).map_err(|_| "a tick was not whole")
+}
+
+/// Servos that are asked, and what they answer is kept.
+struct Asked<'s, 'm, const N: usize> {
+    devices: &'s mut [Device<'m, 256>],
+    answers: &'s mut Answers<N>,
+    is_first: bool,
+}
+
+impl<const N: usize> Wire for Asked<'_, '_, N> {
+    fn exchange(&mut self, bytes: &[u8], _: u32, mut reply: impl FnMut(&[u8]) -> bool) {
+        let mut answer = Answer::<ROOM>::NONE;
+        Line::new(self.devices).exchange(bytes, &mut [0; ROOM], |said, _| {
+            answer.push(said);
+            reply(said);
+        });
+        if core::mem::replace(&mut self.is_first, false) {
+            self.answers.motion = answer;
+        } else if let Some(slow) = asked(bytes).and_then(|index| self.answers.slow.get_mut(index)) {
+            *slow = Answer::NONE;
+            slow.push(answer.bytes());
+        }
+    }
+
+    fn left_us(&self) -> u32 {
+        LEFT_US
+    }
+}
+
+/// What they answered before.
+struct Known<'s, const N: usize> {
+    answers: &'s Answers<N>,
+    is_first: bool,
+}
+
+impl<const N: usize> Wire for Known<'_, N> {
+    fn exchange(&mut self, bytes: &[u8], _: u32, mut reply: impl FnMut(&[u8]) -> bool) {
+        if core::mem::replace(&mut self.is_first, false) {
+            reply(self.answers.motion.bytes());
+        } else if let Some(slow) = asked(bytes).and_then(|index| self.answers.slow.get(index)) {
+            reply(slow.bytes());
+        }
+    }
+
+    fn left_us(&self) -> u32 {
+        LEFT_US
+    }
+}
+
+/// The servo that a question is for, by its id.
+fn asked(bytes: &[u8]) -> Option<usize> {
+    usize::from(*bytes.get(4)?).checked_sub(1)
+}
+
+/// Ids begin at 1.
+fn id(index: usize) -> u8 {
+    u8::try_from(index + 1).unwrap_or(u8::MAX)
+}
+
+fn setup() -> ServoSetup {
+    let cut_off = CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() };
+    let current = CurrentSettings { encoder: Encoder::default(), current_a: CURRENT_A, cut_off };
+    ServoSetup {
+        drive: DriveSettings::Current(current),
+        heat: HeatSettings::default(),
+        supply: SupplySettings::of(5.0, 3.5, 7.0),
+        winding: WindingSettings::of_stall(STALL_A),
+        stall_a: STALL_A,
+        stall_nm: STALL_NM,
+        shutdown_c: 70.0,
+    }
+}
+
+/// A bus whose servos' registers are not compared: that is over before a rig is armed.
+pub(crate) struct Unregistered<const N: usize>(Bus<N>);
+
+impl<const N: usize> ServoBus for Unregistered<N> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn command(
+        &mut self,
+        servo: usize,
+        command: BusCommand,
+    ) -> Result<Option<Limit>, CommandError> {
+        self.0.command(servo, command)
+    }
+    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
+        self.0.plan(out)
+    }
+    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        self.0.plan_more(left_us, out)
+    }
+    fn reply(&mut self, bytes: &[u8]) -> bool {
+        self.0.reply(bytes)
+    }
+    fn compare(&mut self, _: Option<(usize, Demand)>) {}
+    fn compared(&self) -> Compared {
+        Compared::Nothing
+    }
+    fn feedback(&self, servo: usize) -> Option<Feedback> {
+        self.0.feedback(servo)
+    }
+    fn health(&self, servo: usize) -> Option<Health> {
+        self.0.health(servo)
+    }
+}

@@ -1,0 +1,26 @@
+//! A request of [`sinew_bit_parity::answer`] on the machine that this is compiled for.
+
+use std::io::{BufWriter, Read as _, Write as _, stdin, stdout};
+use std::process::ExitCode;
+
+use sinew_bit_parity::answer;
+
+use crate::{CAPACITY, COORDINATES, LONGEST_SHOW};
+
+pub(crate) fn main() -> ExitCode {
+    let (mut input, mut output) = (stdin().lock(), BufWriter::new(stdout().lock()));
+    let mut buffer = vec![0; LONGEST_SHOW];
+    let result = answer::<CAPACITY, COORDINATES>(
+        &mut buffer,
+        |bytes| input.read_exact(bytes).map_err(|_| "the request ends too early"),
+        |bytes| output.write_all(bytes).map_err(|_| "the answer cannot be written"),
+    )
+    .and_then(|()| output.flush().map_err(|_| "the answer cannot be written"));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}

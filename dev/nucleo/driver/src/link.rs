@@ -1,0 +1,66 @@
+//! An emulated board as a client of the link has it: bytes out and in, and a clock, which is the board's own.
+
+use std::collections::VecDeque;
+use std::io;
+use std::time::Duration;
+
+use sinew_board_client::Line;
+use sinew_servo_sim::line::Wired;
+
+use crate::machine::{Heard, Port};
+use crate::on_servos::{Burst, OnServos};
+
+/// How far it runs at a time while the host waits: a byte of the link is heard so late at most, ns.
+const STEP_NS: u64 = 500_000;
+
+/// A board, its servos, and its host.
+pub struct EmulatedBoard<W> {
+    /// Board and servos.
+    pub servos: OnServos<W>,
+    /// What went over the bus since somebody took it.
+    pub bus: Vec<Burst>,
+    /// What else happened since then.
+    pub other: Vec<Heard>,
+    said: VecDeque<u8>,
+}
+
+impl<W: Wired> EmulatedBoard<W> {
+    /// A board that a host has said nothing to.
+    pub fn new(servos: OnServos<W>) -> Self {
+        Self { servos, bus: Vec::new(), other: Vec::new(), said: VecDeque::new() }
+    }
+
+    /// Runs until a time of the board, ns.
+    ///
+    /// # Errors
+    /// The emulator has ended.
+    pub fn run_until(&mut self, to_ns: u64) -> io::Result<()> {
+        let happened = self.servos.run_until(to_ns).map_err(io::Error::other)?;
+        self.bus.extend(happened.bus);
+        self.other.extend(happened.other);
+        self.said.extend(happened.link);
+        Ok(())
+    }
+}
+
+impl<W: Wired> Line for EmulatedBoard<W> {
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let now_ns = self.servos.at_ns();
+        self.servos.machine.say(Port::Link, now_ns, bytes).map_err(io::Error::other)
+    }
+
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let wait_ns = u64::try_from(wait.as_nanos()).unwrap_or(u64::MAX);
+        let end_ns = self.servos.at_ns().saturating_add(wait_ns);
+        while self.said.is_empty() && self.servos.at_ns() < end_ns {
+            self.run_until(end_ns.min(self.servos.at_ns() + STEP_NS))?;
+        }
+        let count = into.len().min(self.said.len());
+        into.iter_mut().zip(self.said.drain(..count)).for_each(|(to, byte)| *to = byte);
+        Ok(count)
+    }
+
+    fn now(&self) -> Duration {
+        Duration::from_nanos(self.servos.at_ns())
+    }
+}

@@ -1,0 +1,72 @@
+//! A core that stands still is reset by the chip's watchdog.
+
+use std::time::Duration;
+
+use sinew_board_client::Board;
+use sinew_nucleo::Heard;
+use sinew_firmware::supervisor::Fault;
+use sinew_link::message::{Command, Feed, State};
+
+use crate::stand::{
+    Emulated, LOWER_S, Rig, SECOND, arm_it, load, ready, servos_on, set_lowering, until,
+};
+
+const MS: u64 = 1_000_000;
+
+/// Hangs it, and looks when the watchdog bites that has been fed until then: it has so many ms, in counts of 2. Another
+/// 50 ms later it has begun anew.
+fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
+    board.other.clear();
+    let hung_ns = board.servos.at_ns();
+    board.servos.machine.hang().unwrap();
+    board.run_until(hung_ns + (bites_ms + 50) * MS).unwrap();
+    let resets: Vec<_> =
+        board.other.iter().filter(|heard| matches!(heard, Heard::Reset(..))).collect();
+    let [Heard::Reset(at_ns, by)] = resets.as_slice() else { panic!("{resets:?}") };
+    assert_eq!(by, "iwdg");
+    // It was fed a tick before at most; a count had begun then, and one is the last.
+    let took_ns = at_ns - hung_ns;
+    let allowed = bites_ms * MS - tick_ns..=(bites_ms + 4) * MS;
+    assert!(allowed.contains(&took_ns), "{took_ns} ns, not {allowed:?}");
+}
+
+#[test]
+#[ignore = "needs the emulator: `cargo xtask emulate`"]
+fn emulated_nucleo_that_hangs_is_reset_and_comes_back_limp_with_all_that_it_kept() {
+    let rig = Rig::new(3);
+    let mut board = ready(&rig);
+    set_lowering(&mut board, 2.0);
+    load(&mut board, &rig);
+    arm_it(&mut board);
+    board.ask(Command::Play(Feed::Show)).unwrap();
+    until(&mut board, State::Playing, 1);
+    board.run(SECOND / 2).unwrap();
+
+    // With torque.
+    assert_eq!(servos_on(board.line_mut()), 3);
+    hang(board.line_mut(), rig.tick_ns(), 100);
+    assert_eq!(servos_on(board.line_mut()), 0);
+    comes_back(&mut board, &rig);
+    // Without, where an erase of flash may take 2 s.
+    hang(board.line_mut(), rig.tick_ns(), 4000);
+    comes_back(&mut board, &rig);
+
+    arm_it(&mut board);
+    board.ask(Command::Play(Feed::Show)).unwrap();
+    until(&mut board, State::Playing, 1);
+}
+
+/// It says why it began anew, moves nothing, and has all that it had.
+fn comes_back(board: &mut Board<Emulated>, rig: &Rig) {
+    board.reconnect(5 * SECOND).unwrap();
+    assert_eq!(board.about().rig, rig.parts.rig_crc());
+    assert!((board.setting(LOWER_S).unwrap() - 2.0).abs() < 1e-6);
+    load(board, rig);
+    until(board, State::Faulted, 1);
+    let summary = board.seen.summary.unwrap();
+    assert_eq!(summary.fault, Some(Fault::WatchdogReset.number()));
+    board.run(Duration::from_millis(200)).unwrap();
+    assert_eq!(servos_on(board.line_mut()), 0);
+    board.ask(Command::ClearFaults).unwrap();
+    until(board, State::Limp, 1);
+}

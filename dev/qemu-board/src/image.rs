@@ -1,0 +1,78 @@
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): performs the baked show with each method and reports.
+//!
+//! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz
+//! `SysTick` counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction
+//! per tick. It counts instructions, not cycles: stalls and flash wait states are not there.
+//!
+//! A hash of all torques is compared with the host's; `cargo xtask parity` names what differs.
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use sinew_firmware::show::Show;
+use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
+
+// `SHOW` and `CAPACITY`.
+include!(concat!(env!("OUT_DIR"), "/baked.rs"));
+
+const INSTRUCTIONS_PER_COUNT: u64 = 40;
+const COUNTER_MASK: u32 = 0x00ff_ffff;
+
+#[entry]
+fn main() -> ! {
+    match perform() {
+        Ok(()) => debug::exit(debug::EXIT_SUCCESS),
+        Err(problem) => {
+            hprintln!("error: {}", problem);
+            debug::exit(debug::EXIT_FAILURE);
+        }
+    }
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+fn perform() -> Result<(), &'static str> {
+    let mut peripherals = Peripherals::take().ok_or("the peripherals are taken")?;
+    peripherals.SYST.set_clock_source(SystClkSource::Core);
+    peripherals.SYST.set_reload(COUNTER_MASK);
+    peripherals.SYST.clear_current();
+    peripherals.SYST.enable_counter();
+
+    let show = Show::parse(SHOW).map_err(|_| "the baked show is not valid")?;
+    for method in METHODS {
+        let mut replay =
+            Replay::<CAPACITY>::new(show, method).map_err(|_| "the show's rig is not usable")?;
+        let mut hash = TorqueHash::default();
+        let ticks = u32::try_from(show.frame_count()).map_err(|_| "the show is too long")?;
+        let (mut counts, mut most_counts) = (0, 0);
+        for tick in 0..ticks {
+            let start = SYST::get_current();
+            let asked = replay.step(tick).map_err(|_| "a tick was refused")?;
+            // The counter runs down and wraps at 24 bits.
+            let taken = u64::from(start.wrapping_sub(SYST::get_current()) & COUNTER_MASK);
+            counts += taken;
+            most_counts = most_counts.max(taken);
+            hash.update(asked.torques());
+        }
+        hprintln!(
+            "method={} ticks={} tick={} worst={} hash={:016x}",
+            method.as_str(),
+            ticks,
+            counts * INSTRUCTIONS_PER_COUNT / u64::from(ticks),
+            most_counts * INSTRUCTIONS_PER_COUNT,
+            hash.value()
+        );
+    }
+    Ok(())
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}

@@ -1,0 +1,140 @@
+//! A desk arm of six servos: how they are driven, and their bus.
+
+use serde::{Deserialize, Serialize};
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::feetech::{self, Family};
+use sinew_servo_bus::{Schedule, Timing};
+use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
+use sinew_firmware::controller::{ControllerSettings, ServoSetup};
+use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
+use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+
+use crate::node::CAPACITY;
+
+const COUNT: u32 = 6;
+
+/// Servos of the arm, and its joints.
+pub const SERVOS: usize = COUNT as usize;
+
+/// How its servos are driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kind {
+    /// XL330 by current, 400 Hz at 4 Mbps.
+    Current,
+    /// STS3215 by position, 100 Hz at 1 Mbps.
+    Position,
+}
+
+impl Kind {
+    /// Ticks a second.
+    pub fn rate_hz(self) -> u32 {
+        match self {
+            Self::Current => 400,
+            Self::Position => 100,
+        }
+    }
+
+    /// The kind of its servos.
+    pub fn model(self) -> &'static str {
+        match self {
+            Self::Current => "XL330-M288-T",
+            Self::Position => "STS3215-7.4V",
+        }
+    }
+}
+
+/// What a controller of the arm is made of, beside the rig.
+pub struct Parts {
+    /// Of the controller.
+    pub settings: ControllerSettings,
+    /// Of each servo.
+    pub servos: [ServoSetup; SERVOS],
+    /// Of the bus.
+    pub schedule: Schedule,
+    /// Of the bus.
+    pub timing: Timing,
+    /// The bus.
+    pub bus: Bus,
+}
+
+/// The arm's bus: of the type that a rig's lines have in an image.
+pub type Bus = sinew_wiring::Bus<CAPACITY>;
+
+/// The parts of an arm.
+///
+/// # Panics
+/// Never: they are all constants.
+pub fn parts(kind: Kind) -> Parts {
+    let baud = if kind == Kind::Current { 4_000_000 } else { 1_000_000 };
+    let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
+    let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
+        // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9.
+        Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
+        Kind::Position => {
+            let traffic = feetech::traffic(Family::Sts, COUNT).with_goal(6);
+            (traffic, 7.4, [4.0, 9.0], 2.4, 1.91)
+        }
+    };
+    let schedule = Schedule::new(timing, &traffic, kind.rate_hz()).expect("the bus is fast enough");
+    let setup = ServoSetup {
+        drive: match kind {
+            Kind::Current => DriveSettings::Current(CurrentSettings {
+                encoder: Encoder::default(),
+                current_a: 1.2,
+                // Above what the detector of heat finds first.
+                cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
+            }),
+            Kind::Position => DriveSettings::Position(PositionSettings::default()),
+        },
+        heat: HeatSettings::default(),
+        supply: SupplySettings::of(recommended_v, bounds_v[0], bounds_v[1]),
+        winding: WindingSettings::of_stall(stall_a),
+        stall_a,
+        stall_nm,
+        shutdown_c: 70.0,
+    };
+    let tracker = match kind {
+        Kind::Current => TrackerSettings::recommended(),
+        // 10 ms and as much latency: too late for the recommended one, whose feedback no position servo takes.
+        Kind::Position => {
+            TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
+        }
+    };
+    let settings = ControllerSettings { tracker, ..ControllerSettings::default() };
+    let bus = bus(kind, schedule);
+    Parts { settings, servos: [setup; SERVOS], schedule, timing, bus }
+}
+
+fn bus(kind: Kind, schedule: Schedule) -> Bus {
+    let ids: [u8; SERVOS] = [1, 2, 3, 4, 5, 6];
+    match kind {
+        Kind::Current => {
+            let model = MODELS.iter().find(|model| model.name == "XL330-M288");
+            let setups = ids.map(|id| dynamixel::ServoSetup {
+                id,
+                model: model.expect("the table has it"),
+                mode: dynamixel::Mode::Current,
+                range_rad: [0.0, 6.2],
+                current_a: 1.2,
+                pwm: 1.0,
+                speed_rad_s: 15.0,
+            });
+            let settings = dynamixel::Settings { fast: true, retries: 1 };
+            let bus = dynamixel::Bus::new(&setups, schedule, settings);
+            Bus::Dynamixel(bus.expect("six servos, each with its id"))
+        }
+        Kind::Position => {
+            let setups = ids.map(|id| feetech::ServoSetup {
+                id,
+                mode: feetech::Mode::Position,
+                range_rad: [0.0, 6.2],
+                pwm: 1.0,
+                speed_rad_s: 10.0,
+            });
+            let family = Family::Sts;
+            let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+            let bus = feetech::Bus::new(&setups, schedule, settings);
+            Bus::Feetech(bus.expect("six servos, each with its id"))
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! What a board has built in: how its servos are driven, and its lines.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+use sinew_servo_bus::Schedule;
+use sinew_core::tracker::Settings as TrackerSettings;
+use sinew_firmware::controller::{ControllerSettings, ServoSetup};
+use sinew_wiring::{Bus, LINES, Lines as AnyLines, Wiring};
+
+pub use sinew_wiring::{Dynamixel, Line, OnLine, Protocol, Servo};
+
+use crate::arm::{self, Kind};
+use crate::node::CAPACITY;
+
+/// What the node drives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum BuiltIn {
+    /// The desk arm of the tests.
+    Arm(Kind),
+    /// A rig of a host, whose lines and servos follow.
+    Rig(Rig),
+}
+
+/// A rig's loop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Rig {
+    /// How many lines follow, each as [`ToNode::Line`](crate::message::ToNode::Line).
+    pub lines: usize,
+    /// How many servos follow, in the rig's order, each as [`ToNode::Servo`](crate::message::ToNode::Servo).
+    pub servos: usize,
+    /// Ticks a second.
+    pub rate_hz: u32,
+    /// The line whose schedule the controller goes by.
+    pub latest: usize,
+    /// Method and gains.
+    pub tracker: TrackerSettings,
+}
+
+/// All that was said of it.
+#[expect(clippy::large_enum_variant, reason = "an image has no heap, and there is one")]
+pub(crate) enum Said {
+    Arm(Kind),
+    Rig { rig: Rig, lines: Vec<Line, LINES>, servos: Vec<Servo, CAPACITY> },
+}
+
+/// All lines of the node.
+pub(crate) type Lines = AnyLines<Bus<CAPACITY>, LINES, CAPACITY>;
+
+/// What a controller is made of, beside the rig.
+pub(crate) struct Parts {
+    pub(crate) settings: ControllerSettings,
+    pub(crate) servos: Vec<ServoSetup, CAPACITY>,
+    pub(crate) schedule: Schedule,
+    pub(crate) lines: Lines,
+}
+
+impl Said {
+    pub(crate) fn parts(&self) -> Parts {
+        match self {
+            Self::Arm(kind) => {
+                let arm::Parts { settings, servos, schedule, bus, .. } = arm::parts(*kind);
+                let lines = Lines::new([bus], [0; arm::SERVOS]);
+                let servos = Vec::from_slice(&servos).expect("the arm is small");
+                Parts { settings, servos, schedule, lines }
+            }
+            Self::Rig { rig, lines, servos } => {
+                let Rig { rate_hz, latest, tracker, .. } = *rig;
+                let (lines, servos) = (lines.clone(), servos.clone());
+                let wiring = Wiring { rate_hz, latest, tracker, lines, servos };
+                let mut lines = Lines::new([], []);
+                wiring.connect(&mut lines).expect("the host has it");
+                let schedule = wiring.schedule().expect("the host has it");
+                Parts { settings: wiring.settings(), servos: wiring.setups(), schedule, lines }
+            }
+        }
+    }
+}

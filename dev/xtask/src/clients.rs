@@ -1,0 +1,182 @@
+//! Programs that we did not write, against our simulated servos, and our side of a rig against servos that we did not
+//! write. What each does: `crates/servo-bus/tests/clients/README.md`.
+
+use std::fs::File;
+use std::io::{BufRead as _, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, bail};
+
+use crate::python::Venv;
+use crate::step;
+
+/// What pip installs together. The versions that were tried.
+const PACKAGES: [&str; 7] = [
+    "pyserial==3.5",
+    "numpy>=2,<3",
+    "deepdiff==9.1.0",
+    "tqdm==4.70.1",
+    "dynamixel-sdk==4.1.0",
+    "rustypot==1.13.1",
+    "feetech-cli==0.1.8",
+];
+/// These have one module of the same name: each is chosen by PYTHONPATH.
+const FEETECH_SDKS: [&str; 3] =
+    ["feetech-servo-sdk==1.0.0", "ftservo-python-sdk==2.0.1", "vassar-feetech-servo-sdk==1.5.0"];
+/// Its motor buses are used without torch, so without what it depends on.
+const LEROBOT: &str = "lerobot==0.4.4";
+/// Random exchanges of each program.
+const EXCHANGES: &str = "1000";
+
+pub(crate) fn run() -> Result<()> {
+    let clients = Clients::install()?;
+    // With a test beside them, they are built of the very crates that the tests are: nothing is built twice.
+    let mut build = step::cargo();
+    build.args(["build", "--locked", "--workspace", "--test", "parity", "--bin", "sinew"]);
+    build.args(["--example", "tables", "--example", "master"]);
+    step::run("build what clients talk to", &mut build)?;
+    let start = Instant::now();
+    clients.compare_tables()?;
+    clients.talk_to_dynamixels()?;
+    clients.talk_to_feetechs()?;
+    clients.be_talked_to()?;
+    eprintln!("\n== real clients: done in {:.0} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Where everything is.
+struct Clients {
+    venv: Venv,
+    scripts: PathBuf,
+    programs: PathBuf,
+}
+
+impl Clients {
+    /// Installs what is not there. A list of what was installed tells whether it is the same.
+    fn install() -> Result<Self> {
+        let own = std::env::current_exe()?;
+        let list = [&PACKAGES[..], &FEETECH_SDKS, &[LEROBOT]].concat().join("\n");
+        let venv = Venv::install("clients", &PACKAGES, &list, |venv| {
+            for sdk in FEETECH_SDKS {
+                venv.pip(&["install", "--no-deps", "--target", &package(venv, sdk), sdk])?;
+            }
+            let lerobot = package(venv, LEROBOT);
+            let apart = ["install", "--no-deps", "--ignore-requires-python", "--target", &lerobot];
+            venv.pip(&[&apart[..], &[LEROBOT]].concat())
+        })?;
+        Ok(Self {
+            venv,
+            scripts: step::root().join("crates/servo-bus/tests/clients"),
+            // Where cargo has put this program, it puts the others.
+            programs: own.parent().context("xtask lies in a folder")?.to_owned(),
+        })
+    }
+
+    fn python(&self, script: &str) -> Command {
+        self.venv.python(&self.scripts.join(script))
+    }
+
+    /// Our control tables against those inside dynamixel-sdk.
+    fn compare_tables(&self) -> Result<()> {
+        let ours = step::output(&mut Command::new(self.programs.join("examples/tables")));
+        let tables = self.venv.folder.join("tables.tsv");
+        std::fs::write(&tables, ours.context("the example `tables` of sinew-servo-bus fails")?)?;
+        step::run("control tables", self.python("tables.py").stdin(File::open(tables)?))
+    }
+
+    fn talk_to_dynamixels(&self) -> Result<()> {
+        let servos = ["xl330", "--ids", "1,2,3,11,12,13"];
+        self.talk("dynamixel-sdk", &servos, "dynamixel.py", &[], None)?;
+        self.talk("rustypot, Dynamixel", &servos, "rustypot_bus.py", &["dxl"], None)?;
+        let lerobot = package(&self.venv, LEROBOT);
+        self.talk("lerobot, Dynamixel", &servos, "lerobot_bus.py", &["dxl", &lerobot], None)?;
+        let hot = ["xl330", "--ids", "11,12", "--fault", "12:hot=90"];
+        self.talk("dynamixel-sdk, errors", &hot, "dynamixel_errors.py", &[], None)
+    }
+
+    fn talk_to_feetechs(&self) -> Result<()> {
+        for (family, kind) in [("sts", "sts3215"), ("scs", "scs0009")] {
+            for sdk in FEETECH_SDKS {
+                let title = format!("{sdk}, {family}");
+                self.talk(&title, &[kind, "--ids", "1,2,3"], "feetech.py", &[family], Some(sdk))?;
+            }
+        }
+        let hot = ["sts3215", "--ids", "1,2", "--fault", "2:hot=90"];
+        for sdk in FEETECH_SDKS {
+            self.talk(&format!("{sdk}, errors"), &hot, "feetech_errors.py", &[], Some(sdk))?;
+        }
+        let servos = ["sts3215", "--ids", "1,2,3"];
+        self.talk("rustypot, STS", &servos, "rustypot_bus.py", &["sts"], None)?;
+        let (lerobot, sdk) = (package(&self.venv, LEROBOT), Some(FEETECH_SDKS[0]));
+        self.talk("lerobot, STS", &servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
+        self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
+    }
+
+    /// One program and servos, by kind and more options of `sinew servos`, that nobody has used: what one leaves in
+    /// their registers would move them for the next.
+    fn talk(
+        &self,
+        title: &str,
+        servos: &[&str],
+        script: &str,
+        arguments: &[&str],
+        sdk: Option<&str>,
+    ) -> Result<()> {
+        let link = self.venv.folder.join("port").display().to_string();
+        let mut server = Command::new(self.programs.join("sinew"));
+        server.args(["servos", "--pty", &link, "--kind"]).args(servos);
+        let _server = Server::start("sinew servos", server, &link)?;
+        let mut client = self.python(script);
+        client.args([&link, EXCHANGES]).args(arguments);
+        client.envs(sdk.map(|sdk| ("PYTHONPATH", package(&self.venv, sdk))));
+        step::run(title, &mut client)
+    }
+
+    /// Our side of a rig against feetech-cli's own servos.
+    fn be_talked_to(&self) -> Result<()> {
+        let link = self.venv.folder.join("device").display().to_string();
+        let mut device = self.python("device.py");
+        device.args([&link, "1,2,3"]);
+        let _device = Server::start("feetech-cli's servos", device, &link)?;
+        let mut master = Command::new(self.programs.join("examples/master"));
+        step::run("our side, feetech-cli's servos", master.args(["sts", &link, "1,2,3", EXCHANGES]))
+    }
+}
+
+/// The folder of a package of its own.
+fn package(venv: &Venv, package: &str) -> String {
+    let name = package.split("==").next().unwrap_or(package);
+    venv.folder.join("packages").join(name).display().to_string()
+}
+
+/// A program that serves a port until this is dropped.
+struct Server {
+    child: Child,
+    link: PathBuf,
+}
+
+impl Server {
+    /// Starts it, and waits until it says that it is ready.
+    fn start(what: &str, mut command: Command, link: &str) -> Result<Self> {
+        let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| what.to_owned())?;
+        let output = child.stdout.take().context("its output is piped")?;
+        let server = Self { child, link: link.into() };
+        let mut line = String::new();
+        BufReader::new(output).read_line(&mut line)?;
+        if line.trim_end() != "ready" {
+            bail!("{what}: expected `ready`, found `{}`", line.trim_end());
+        }
+        Ok(server)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        // What is killed leaves its link.
+        let _ = std::fs::remove_file(&self.link);
+    }
+}

@@ -1,0 +1,66 @@
+//! What other projects may use: whether it can be published, and whether the oldest compiler that it names builds it.
+
+use std::fs;
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+use crate::{setup, step};
+
+/// Folders of the crates that are published. A crate comes after those that it needs.
+const FOLDERS: [&str; 3] = ["core/fpu", "core", "crates/mocap"];
+
+/// What is read of a manifest.
+#[derive(Deserialize)]
+struct Manifest {
+    package: Package,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+struct Package {
+    name: String,
+    rust_version: String,
+}
+
+/// Packs all of them, and builds each from nothing but its package.
+pub(crate) fn run() -> Result<()> {
+    let packages = FOLDERS.iter().map(|folder| read(folder)).collect::<Result<Vec<Package>>>()?;
+    let mut pack = step::cargo();
+    // What is not committed yet is packed, too: this is a check, not a release.
+    pack.args(["package", "--locked", "--allow-dirty"]);
+    for package in &packages {
+        pack.args(["--package", &package.name]);
+    }
+    step::run("packages for crates.io", &mut pack)?;
+
+    let in_use = step::output(step::command("rustc").arg("--version")).unwrap_or_default();
+    for Package { name, rust_version } in &packages {
+        // Clippy and the tests have built it with that.
+        if in_use.starts_with(&format!("rustc {rust_version}.")) {
+            continue;
+        }
+        if !setup::rust(rust_version) {
+            eprintln!(
+                "\n{name} is NOT checked with Rust {rust_version}, the oldest that it names: rustup cannot bring that"
+            );
+            continue;
+        }
+        step::run(
+            &format!("{name} with Rust {rust_version}, the oldest that it names"),
+            step::command("rustup")
+                .args(["run", rust_version, "cargo", "check", "--locked", "--all-features"])
+                // A folder of its own, or the other compiler would build everything anew.
+                .args(["--package", name, "--target-dir", "target/oldest"])
+                .env_remove("RUSTC"),
+        )?;
+    }
+    Ok(())
+}
+
+fn read(folder: &str) -> Result<Package> {
+    let path = step::root().join(folder).join("Cargo.toml");
+    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let manifest: Manifest = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    Ok(manifest.package)
+}

@@ -1,0 +1,75 @@
+//! Libraries of other people that the core is timed beside: programs of a few lines over each (`dev/bench/peers`).
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+
+use crate::python::Venv;
+use crate::step;
+
+/// They bring C++ headers and libraries. The versions that were tried.
+const PACKAGES: [&str; 3] = ["pin==4.1.0", "cmeel-eigen==3.4.1", "mujoco==4.0.0"];
+/// What Pinocchio's own build files define for those who use its headers.
+const DEFINITIONS: [&str; 4] = [
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+    "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
+    "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+    "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+];
+
+/// Builds the programs, and runs the bench.
+pub(crate) fn run() -> Result<()> {
+    let venv = Venv::install("peers", &PACKAGES, &PACKAGES.join("\n"), |_| Ok(()))?;
+    let packages = packages(&venv)?;
+    let mut programs = Vec::new();
+    for (name, scalar) in [("Pinocchio,_double", "double"), ("Pinocchio,_float", "float")] {
+        let headers = packages.join("cmeel.prefix/include");
+        let mut options: Vec<OsString> = DEFINITIONS.map(OsString::from).into();
+        options.push(format!("-DSCALAR={scalar}").into());
+        for folder in [headers.join("eigen3"), headers] {
+            options.extend(["-isystem".into(), folder.into_os_string()]);
+        }
+        programs.push(compiled(&venv, name, "pinocchio.cpp", &options)?);
+    }
+    let mujoco = packages.join("mujoco");
+    let library = library(&mujoco)?;
+    let mut path = OsString::from("-Wl,-rpath,");
+    path.push(&mujoco);
+    let options = ["-isystem".into(), mujoco.join("include").into(), library.into(), path];
+    programs.push(compiled(&venv, "MuJoCo,_double", "mujoco.cpp", &options)?);
+
+    let mut bench = step::cargo();
+    bench.args(["bench", "--locked", "-p", "sinew-bench", "--bench", "against"]);
+    bench.env("SINEW_PEERS", env::join_paths(&programs)?);
+    step::run("the core beside others", &mut bench)
+}
+
+/// Compiles one for any machine of the target, as ours is.
+fn compiled(venv: &Venv, name: &str, source: &str, options: &[OsString]) -> Result<PathBuf> {
+    let program = venv.folder.join(name);
+    let source = step::root().join("dev/bench/peers").join(source);
+    let mut compiler = step::command("g++");
+    compiler.args(["-std=c++17", "-O3", "-DNDEBUG", "-o"]).arg(&program).arg(source).args(options);
+    step::run(&format!("compile {name}"), &mut compiler)
+        .context("it takes g++, of Debian's package of that name")?;
+    Ok(program)
+}
+
+/// Where pip has put the packages.
+fn packages(venv: &Venv) -> Result<PathBuf> {
+    let lib = venv.folder.join("lib");
+    let entry =
+        std::fs::read_dir(&lib)?.next().with_context(|| format!("{} is empty", lib.display()))?;
+    Ok(entry?.path().join("site-packages"))
+}
+
+/// MuJoCo's library has its version in its name.
+fn library(folder: &Path) -> Result<PathBuf> {
+    let entries = std::fs::read_dir(folder)?.filter_map(Result::ok).map(|entry| entry.path());
+    let mut found = entries.filter(|path| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libmujoco.so"))
+    });
+    found.next().with_context(|| format!("no libmujoco.so in {}", folder.display()))
+}

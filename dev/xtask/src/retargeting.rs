@@ -1,0 +1,55 @@
+//! Clips on robots, scored by a program that we did not write, beside another program's. What is scored:
+//! `crates/retarget/tests/gmr/README.md`.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::python::Venv;
+use crate::step;
+
+/// What the scoring script imports. The versions that were tried.
+const PACKAGES: [&str; 3] = ["numpy==2.4.6", "scipy==1.17.1", "mujoco==4.0.0"];
+/// Where the scores are committed.
+const SCORES: &str = "docs/retargeting.csv";
+/// The folder that has the scoring script.
+pub(crate) const REFERENCE: &str = "SINEW_REFERENCE";
+
+/// Scores, and compares with what is committed, or with `accept` writes it.
+pub(crate) fn run(accept: bool) -> Result<()> {
+    let folder = |variable| -> Result<OsString> {
+        std::env::var_os(variable).with_context(|| format!("{variable} is not set"))
+    };
+    let reference = PathBuf::from(folder(REFERENCE)?).join("retargeting");
+    let data = folder("SINEW_DATA")?;
+    let venv = Venv::install("retargeting", &PACKAGES, &PACKAGES.join("\n"), |_| Ok(()))?;
+    // With a test beside it, it is built of the very crates that the tests are: nothing is built twice.
+    let mut build = step::cargo();
+    build.args(["build", "--locked", "--workspace", "--test", "parity", "--bin", "sinew"]);
+    step::run("build what is scored", &mut build)?;
+    // Where cargo has put this program, it puts the other.
+    let sinew = std::env::current_exe()?.with_file_name("sinew");
+    let made = venv.folder.join("made");
+    let _ = std::fs::remove_dir_all(&made);
+    std::fs::create_dir_all(&made)?;
+    let mut python = venv.python(&step::root().join("crates/retarget/tests/gmr/scores.py"));
+    python.args([reference.into_os_string(), data, sinew.into(), made.clone().into()]);
+    let scored = made.join("scores.csv");
+    python.stdout(std::fs::File::create(&scored)?);
+    step::run("clips on robots, scored", &mut python)?;
+    let (found, committed) = (std::fs::read_to_string(&scored)?, step::root().join(SCORES));
+    if accept {
+        return std::fs::write(&committed, found).context(SCORES);
+    }
+    let known = std::fs::read_to_string(&committed).context(SCORES)?;
+    let changed = found.lines().zip(known.lines()).find(|(found, known)| found != known);
+    let first =
+        changed.map_or_else(String::new, |(found, known)| format!("\n  {known}\n  {found}"));
+    ensure!(
+        found == known,
+        "{SCORES} is not what was scored: `cargo xtask retargeting --accept` writes it anew. First line, and \
+         what it would be:{first}"
+    );
+    Ok(())
+}

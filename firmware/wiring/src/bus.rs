@@ -1,0 +1,58 @@
+//! The bus of one line, whoever made its servos.
+
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+    dynamixel, feetech, pca9685,
+};
+
+/// The bus of one line of at most `S` servos.
+#[derive(Debug, Clone)]
+pub enum Bus<const S: usize> {
+    /// Of Dynamixel servos.
+    Dynamixel(dynamixel::Bus<S>),
+    /// Of Feetech servos.
+    Feetech(feetech::Bus<S>),
+    /// Of hobby servos: what it plans are I2C writes.
+    Pca9685(pca9685::Bus),
+}
+
+macro_rules! of {
+    ($bus:expr, $it:ident => $do:expr) => {
+        match $bus {
+            Self::Dynamixel($it) => $do,
+            Self::Feetech($it) => $do,
+            Self::Pca9685($it) => $do,
+        }
+    };
+}
+
+impl<const S: usize> ServoBus for Bus<S> {
+    fn len(&self) -> usize {
+        of!(self, bus => bus.len())
+    }
+    fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
+        of!(self, bus => bus.command(servo, command))
+    }
+    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
+        of!(self, bus => bus.plan(out))
+    }
+    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        of!(self, bus => bus.plan_more(left_us, out))
+    }
+    fn reply(&mut self, bytes: &[u8]) -> bool {
+        of!(self, bus => bus.reply(bytes))
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        of!(self, bus => bus.compare(asked));
+    }
+    fn compared(&self) -> Compared {
+        of!(self, bus => bus.compared())
+    }
+    fn feedback(&self, servo: usize) -> Option<Feedback> {
+        of!(self, bus => bus.feedback(servo))
+    }
+    fn health(&self, servo: usize) -> Option<Health> {
+        of!(self, bus => bus.health(servo))
+    }
+}

@@ -1,0 +1,202 @@
+//! One line and one servo, as they are told.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+use sinew_servo_bus::dynamixel::table::MODELS;
+use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
+use sinew_servo_bus::{Schedule, Timing, Traffic, dynamixel, feetech, pca9685};
+use sinew_firmware::controller::ServoSetup;
+
+use crate::remote::{
+    ChannelOf, DynamixelModeOf, DynamixelOf, FeetechOf, FeetechServoOf, ServoSetupOf, TimingOf,
+    TrafficOf,
+};
+use crate::{Bus, WiringError};
+
+/// A line of servos.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// What is spoken on it.
+    pub protocol: Protocol,
+    /// How fast it is.
+    #[serde(with = "TimingOf")]
+    pub timing: Timing,
+    /// What goes over it in a tick.
+    #[serde(with = "TrafficOf")]
+    pub traffic: Traffic,
+}
+
+/// What is spoken on a line, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Protocol {
+    /// Dynamixel 2.0.
+    Dynamixel(#[serde(with = "DynamixelOf")] dynamixel::Settings),
+    /// Feetech's.
+    Feetech(#[serde(with = "FeetechOf")] feetech::Settings),
+    /// Pulses of a PCA9685; [`Timing::baud`] is that of I2C.
+    Pca9685(Pulses),
+}
+
+/// The clock of a PCA9685.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pulses {
+    /// Its own oscillator as measured, Hz; 25 MHz by the data sheet.
+    pub oscillator_hz: f32,
+    /// Pulses a second.
+    pub rate_hz: f32,
+}
+
+/// A servo.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Servo {
+    /// Its line.
+    pub line: usize,
+    /// What it is there.
+    pub on_line: OnLine,
+    /// What the controller knows of it.
+    #[serde(with = "ServoSetupOf")]
+    pub setup: ServoSetup,
+}
+
+/// What a servo is on its line.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum OnLine {
+    /// A Dynamixel.
+    Dynamixel(Dynamixel),
+    /// A Feetech.
+    Feetech(#[serde(with = "FeetechServoOf")] feetech::ServoSetup),
+    /// A channel of a PCA9685.
+    Channel(#[serde(with = "ChannelOf")] ChannelSetup),
+}
+
+/// A [`dynamixel::ServoSetup`], its model by number.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Dynamixel {
+    id: u8,
+    model: u16,
+    #[serde(with = "DynamixelModeOf")]
+    mode: dynamixel::Mode,
+    range_rad: [f32; 2],
+    current_a: f32,
+    pwm: f32,
+    speed_rad_s: f32,
+}
+
+impl From<dynamixel::ServoSetup> for Dynamixel {
+    fn from(setup: dynamixel::ServoSetup) -> Self {
+        let dynamixel::ServoSetup { id, model, mode, range_rad, current_a, pwm, speed_rad_s } =
+            setup;
+        Self { id, model: model.number, mode, range_rad, current_a, pwm, speed_rad_s }
+    }
+}
+
+impl Dynamixel {
+    fn setup(self) -> Result<dynamixel::ServoSetup, WiringError> {
+        let Self { id, model, mode, range_rad, current_a, pwm, speed_rad_s } = self;
+        let known = MODELS.iter().find(|known| known.number == model);
+        let model = known.ok_or(WiringError::Model { id, found: model })?;
+        Ok(dynamixel::ServoSetup { id, model, mode, range_rad, current_a, pwm, speed_rad_s })
+    }
+}
+
+impl Line {
+    /// What its bus goes by, at so many ticks a second.
+    ///
+    /// # Errors
+    /// [`WiringError`] if it is too slow for that.
+    pub fn schedule(&self, rate_hz: u32) -> Result<Schedule, WiringError> {
+        Schedule::new(self.timing, &self.traffic, rate_hz).map_err(WiringError::Schedule)
+    }
+
+    /// Its bus, with its own servos.
+    ///
+    /// # Errors
+    /// [`WiringError`] names the servo that cannot be on it.
+    pub fn bus<const S: usize>(
+        &self,
+        servos: impl Iterator<Item = OnLine>,
+        rate_hz: u32,
+    ) -> Result<Bus<S>, WiringError> {
+        match self.protocol {
+            Protocol::Dynamixel(settings) => {
+                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
+                let bus = dynamixel::Bus::new(&setups, self.schedule(rate_hz)?, settings);
+                bus.map(Bus::Dynamixel).map_err(WiringError::Setup)
+            }
+            Protocol::Feetech(settings) => {
+                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
+                let bus = feetech::Bus::new(&setups, self.schedule(rate_hz)?, settings);
+                bus.map(Bus::Feetech).map_err(WiringError::Setup)
+            }
+            Protocol::Pca9685(pulses) => {
+                let setups = all::<_, S>(servos.map(OnLine::channel))?;
+                let bus = pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud);
+                bus.map(Bus::Pca9685).map_err(WiringError::Setup)
+            }
+        }
+    }
+
+    /// That [`Self::bus`] makes a bus. A board checks a wiring where its stack is deepest, and a bus is large.
+    ///
+    /// # Errors
+    /// As [`Self::bus`].
+    pub fn check<const S: usize>(
+        &self,
+        servos: impl Iterator<Item = OnLine>,
+        rate_hz: u32,
+    ) -> Result<(), WiringError> {
+        let checked = match self.protocol {
+            Protocol::Dynamixel(_) => {
+                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
+                dynamixel::Bus::<S>::check(&setups, &self.schedule(rate_hz)?)
+            }
+            Protocol::Feetech(settings) => {
+                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
+                feetech::Bus::<S>::check(&setups, &self.schedule(rate_hz)?, settings)
+            }
+            Protocol::Pca9685(pulses) => {
+                let setups = all::<_, S>(servos.map(OnLine::channel))?;
+                pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud).map(drop)
+            }
+        };
+        checked.map_err(WiringError::Setup)
+    }
+}
+
+impl OnLine {
+    fn dynamixel(self) -> Result<dynamixel::ServoSetup, WiringError> {
+        let Self::Dynamixel(own) = self else { return Err(WiringError::Protocol) };
+        own.setup()
+    }
+
+    fn feetech(self) -> Result<feetech::ServoSetup, WiringError> {
+        let Self::Feetech(own) = self else { return Err(WiringError::Protocol) };
+        Ok(own)
+    }
+
+    fn channel(self) -> Result<ChannelSetup, WiringError> {
+        let Self::Channel(own) = self else { return Err(WiringError::Protocol) };
+        Ok(own)
+    }
+}
+
+impl Pulses {
+    /// The divider of the chip's clock.
+    ///
+    /// # Errors
+    /// [`WiringError::Pulses`] if it cannot be.
+    pub fn prescale(&self) -> Result<Prescale, WiringError> {
+        Prescale::new(self.oscillator_hz, self.rate_hz).map_err(|_| WiringError::Pulses)
+    }
+}
+
+/// All of them, if there is room.
+fn all<T, const S: usize>(
+    items: impl Iterator<Item = Result<T, WiringError>>,
+) -> Result<Vec<T, S>, WiringError> {
+    let mut all = Vec::new();
+    for item in items {
+        all.push(item?).map_err(|_| WiringError::Servos { holds: S })?;
+    }
+    Ok(all)
+}

@@ -1,0 +1,130 @@
+//! All lines of a board: servos in the rig's order. What goes over a line its bus plans for itself, when it is asked.
+
+use core::cell::RefCell;
+
+use heapless::Vec;
+use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::{
+    Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
+};
+
+/// At most `L` lines with `S` servos together.
+#[derive(Debug)]
+pub struct Lines<B, const L: usize, const S: usize> {
+    buses: Vec<B, L>,
+    /// Line and place of each servo.
+    places: Vec<(usize, usize), S>,
+    /// The line whose servo is compared.
+    compared: Option<usize>,
+    /// Why a packet of this tick did not go out.
+    failed: Option<EncodeError>,
+}
+
+impl<B: ServoBus, const L: usize, const S: usize> Lines<B, L, S> {
+    /// `line_of`: the line of each servo, in the rig's order. What there is no room for is left out.
+    pub fn new(
+        lines: impl IntoIterator<Item = B>,
+        line_of: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        let mut own = Self { buses: Vec::new(), places: Vec::new(), compared: None, failed: None };
+        lines.into_iter().for_each(|line| own.add(line));
+        line_of.into_iter().for_each(|line| own.place(line));
+        own
+    }
+
+    /// One more line, if there is room.
+    pub(crate) fn add(&mut self, line: B) {
+        let _ = self.buses.push(line);
+    }
+
+    /// One more servo, if there is room: the next one on its line.
+    pub(crate) fn place(&mut self, line: usize) {
+        let place = self.places.iter().filter(|(other, _)| *other == line).count();
+        let _ = self.places.push((line, place));
+    }
+
+    /// How many lines there are.
+    pub fn count(&self) -> usize {
+        self.buses.len()
+    }
+
+    /// First packets of a line in a tick; none if there is no room for them.
+    pub fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
+        let planned = self.buses.get_mut(line)?.plan(out);
+        planned.inspect_err(|why| self.failed = Some(*why)).ok()
+    }
+
+    /// What a line wants besides, if anything.
+    pub fn plan_more(&mut self, line: usize, left_us: u32, out: &mut [u8]) -> Option<Request> {
+        let planned = self.buses.get_mut(line)?.plan_more(left_us, out);
+        planned.inspect_err(|why| self.failed = Some(*why)).ok()?
+    }
+
+    /// What servos of a line have said. Whether that is all.
+    pub fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
+        self.buses.get_mut(line).is_none_or(|bus| bus.reply(bytes))
+    }
+
+    fn of(&self, servo: usize) -> Option<(&B, usize)> {
+        let (line, place) = *self.places.get(servo)?;
+        Some((self.buses.get(line)?, place))
+    }
+}
+
+/// The lines as the controller sees them: one bus, which plans nothing by itself.
+#[derive(Debug)]
+pub struct AllLines<'l, B, const L: usize, const S: usize>(pub &'l RefCell<Lines<B, L, S>>);
+
+impl<B: ServoBus, const L: usize, const S: usize> ServoBus for AllLines<'_, B, L, S> {
+    fn len(&self) -> usize {
+        self.0.borrow().places.len()
+    }
+
+    fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
+        let Lines { buses, places, .. } = &mut *self.0.borrow_mut();
+        let unknown = CommandError::Servo { index: servo, count: places.len() };
+        let (line, place) = *places.get(servo).ok_or(unknown)?;
+        buses.get_mut(line).ok_or(unknown)?.command(place, command)
+    }
+
+    fn plan(&mut self, _: &mut [u8]) -> Result<Request, EncodeError> {
+        self.0.borrow_mut().failed = None;
+        Ok(Request::default())
+    }
+
+    fn plan_more(&mut self, _: u32, _: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        self.0.borrow().failed.map_or(Ok(None), Err)
+    }
+
+    fn reply(&mut self, _: &[u8]) -> bool {
+        true
+    }
+
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        let Lines { buses, places, compared, .. } = &mut *self.0.borrow_mut();
+        let place = asked.and_then(|(servo, demand)| Some((*places.get(servo)?, demand)));
+        *compared = place.map(|((line, _), _)| line);
+        for (index, line) in buses.iter_mut().enumerate() {
+            let own = place.filter(|((line, _), _)| *line == index);
+            line.compare(own.map(|((_, place), demand)| (place, demand)));
+        }
+    }
+
+    fn compared(&self) -> Compared {
+        let Lines { buses, compared, .. } = &*self.0.borrow();
+        let line = compared.and_then(|line| buses.get(line));
+        line.map_or(Compared::Nothing, ServoBus::compared)
+    }
+
+    fn feedback(&self, servo: usize) -> Option<Feedback> {
+        let lines = self.0.borrow();
+        let (line, place) = lines.of(servo)?;
+        line.feedback(place)
+    }
+
+    fn health(&self, servo: usize) -> Option<Health> {
+        let lines = self.0.borrow();
+        let (line, place) = lines.of(servo)?;
+        line.health(place)
+    }
+}
