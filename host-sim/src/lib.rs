@@ -19,7 +19,6 @@ pub mod play;
 pub mod random;
 pub mod report;
 pub mod rig;
-pub mod show;
 pub mod spatial;
 pub mod sweep;
 pub mod teach;

@@ -2,54 +2,45 @@
 
 use std::env;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use sinew_firmware::show::Show;
-use sinew_image::{BOARDS, Baked, Board, EMULATED};
-use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
+use sinew_image::{BOARDS, Board, EMULATED};
 
 use crate::budget::{self, Figures, Place, field, number};
 use crate::image::Image;
 use crate::{arm, step};
-
-/// Bodies that this program holds: as many as any board. The bits do not depend on it.
-const CAPACITY: usize = 64;
 
 /// Instructions of ticks over the whole show of the image for QEMU.
 const SECTION: &str = "show_instructions";
 
 /// Builds all images, and says what they take.
 pub(crate) fn run() -> Result<Figures> {
-    of(BOARDS, None)
+    of(BOARDS)
 }
 
-/// Builds the images of boards, with a show of the caller's in place of ours, and says what they take.
-fn of(boards: &[Board], given: Option<&Path>) -> Result<Figures> {
-    let given = given.map(checked).transpose()?;
-    let show_of =
-        |board: Board| board.baked.is_some().then(|| given.clone().unwrap_or_else(|| baked(board)));
-    if given.is_none() {
-        bake(boards)?;
-    }
+/// Builds the images of boards, compares the emulated one with this machine, and says what they take.
+fn of(boards: &[Board]) -> Result<Figures> {
+    let emulates = boards.iter().any(|board| board.qemu_machine.is_some());
+    let host = emulates.then(make_show).transpose()?;
     for &board in boards {
-        build(board, show_of(board))?;
+        build(board)?;
     }
 
     let mut figures = Figures::default();
     for &board in boards {
-        let show_bytes =
-            show_of(board).map_or(Ok(0), |show| fs::metadata(show).map(|it| it.len()))?;
+        let built_in = if board.qemu_machine.is_some() { built_in().to_vec() } else { Vec::new() };
+        let lengths = built_in.iter().map(|(_, file)| fs::metadata(file).map(|it| it.len()));
+        let built_in_bytes = lengths.sum::<std::io::Result<u64>>()?;
         let image = Image::of(board).path();
-        figures.extend(budget::size(board.name, &image, show_bytes)?);
-        if board.baked.is_none() {
+        figures.extend(budget::size(board.name, &image, built_in_bytes)?);
+        if board.qemu_machine.is_none() {
             figures.extend(budget::node(board.name, &image)?);
         }
     }
     for &board in boards.iter().filter(|board| board.qemu_machine.is_some()) {
-        let Some(show) = show_of(board) else { continue };
         let runs = emulated(board)?;
-        compare(board, &runs, &host(&show)?)?;
+        compare(board, &runs, host.as_deref().unwrap_or_default())?;
         // One board's are enough: the instructions are those of the processor.
         for run in runs.iter().filter(|_| board == EMULATED) {
             for (column, instructions) in &run.instructions {
@@ -60,95 +51,82 @@ fn of(boards: &[Board], given: Option<&Path>) -> Result<Figures> {
     Ok(figures)
 }
 
-/// Prints the hashes of a board's runs beside the host's, and fails if they differ.
-fn compare(board: Board, runs: &[Run], host: &[u64]) -> Result<()> {
+/// Prints what a board said of its runs beside what this machine says, and fails if they differ.
+fn compare(board: Board, runs: &[Run], host: &[String]) -> Result<()> {
     let name = board.name;
     let mut rows =
         vec![["method", "ticks", "hash, QEMU", "hash, host"].map(str::to_owned).to_vec()];
-    for (Run { method, ticks, hash, .. }, on_host) in runs.iter().zip(host) {
-        rows.push(vec![method.clone(), ticks.clone(), hash.clone(), format!("{on_host:016x}")]);
+    let mut is_equal = runs.len() == host.len();
+    for (Run { method, ticks, hash, .. }, line) in runs.iter().zip(host) {
+        rows.push(vec![
+            method.clone(),
+            ticks.clone(),
+            hash.clone(),
+            field(line, "hash")?.to_owned(),
+        ]);
+        is_equal &= *line == format!("method={method} ticks={ticks} hash={hash}");
     }
     println!("\n{}", budget::aligned(&rows));
-    let equal = runs.len() == host.len()
-        && runs.iter().zip(host).all(|(run, host)| run.hash == format!("{host:016x}"));
-    ensure!(equal, "{name} and the host compute different torques");
+    ensure!(is_equal, "{name} and the host compute different torques");
     println!("{name} in QEMU and the host give the same bits.\n");
     Ok(())
 }
 
 /// The same of all boards or of a named one, and prints what the images take.
-pub(crate) fn show(name: Option<&str>, given: Option<&Path>) -> Result<()> {
+pub(crate) fn show(name: Option<&str>) -> Result<()> {
     let boards: Vec<Board> =
         BOARDS.iter().copied().filter(|board| name.is_none_or(|name| name == board.name)).collect();
     let names = || BOARDS.iter().map(|board| board.name).collect::<Vec<_>>().join(", ");
     ensure!(!boards.is_empty(), "{}: no such board; there are {}", name.unwrap_or(""), names());
-    let figures = of(&boards, given)?;
+    let figures = of(&boards)?;
     for section in figures.names(|place| Some(&place.section)) {
         println!("{}", budget::section(&figures, None, section));
     }
     Ok(())
 }
 
-/// The whole path of a show, if the images can perform it.
-fn checked(show: &Path) -> Result<PathBuf> {
-    let whole_path = || -> Result<PathBuf> {
-        Show::parse(&fs::read(show)?)?.tree::<CAPACITY>()?;
-        Ok(show.canonicalize()?)
-    };
-    whole_path().with_context(|| {
-        format!(
-            "SINEW_SHOW={} is no show; make one with `cargo run --release -- bake --out FILE`",
-            show.display()
-        )
-    })
+/// The files that are built into the image of an emulated board, by the environment variables that name them: the human
+/// figure in a rig's compact form, and a show of it.
+pub(crate) fn built_in() -> [(&'static str, PathBuf); 2] {
+    let file = |extension| step::root().join("target/shows/figure").with_extension(extension);
+    [("SINEW_RIG", file("snwr")), ("SINEW_SHOW", file("show"))]
 }
 
-/// Bakes the show of each image that performs one by itself.
-fn bake(boards: &[Board]) -> Result<()> {
-    if boards.iter().all(|board| board.baked.is_none()) {
-        return Ok(());
-    }
-    // With a test beside it, the simulator is built of the very crates that the tests are: nothing is built twice.
+/// Writes these files, and returns what this machine computes for the show: a line for each method.
+fn make_show() -> Result<Vec<String>> {
+    // With a test beside it, the program is built of the very crates that the tests are: nothing is built twice.
     step::run(
-        "build the simulator",
+        "build the figure's show",
         step::cargo().args([
             "build",
             "--locked",
             "--workspace",
             "--bin",
-            "sinew",
+            "figure_show",
             "--test",
             "parity",
         ]),
     )?;
-    let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));
-    let simulator = simulator.to_str().context("the target folder's name is not UTF-8")?;
-    for &board in boards {
-        let Some(Baked { seconds, .. }) = board.baked else { continue };
-        let show = baked(board);
-        fs::create_dir_all(show.parent().context("the show has a folder")?)?;
-        step::run(
-            &format!("bake the show of {}", board.name),
-            step::command(simulator)
-                .args(["bake", "kicks_01", "--scale", "1.1"])
-                .args(["--seconds", &seconds.to_string(), "--out"])
-                .arg(&show),
-        )?;
+    let name = format!("figure_show{}", env::consts::EXE_SUFFIX);
+    let program = env::current_exe()?.with_file_name(name);
+    let files = built_in().map(|(_, file)| file);
+    for folder in files.iter().filter_map(|file| file.parent()) {
+        fs::create_dir_all(folder)?;
     }
-    Ok(())
+    let program = program.to_str().context("the target folder's name is not UTF-8")?;
+    let output = step::command(program).args(files).output()?;
+    if !output.status.success() {
+        bail!("figure_show: {}\n{}", output.status, String::from_utf8_lossy(&output.stderr));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect())
 }
 
-/// Builds the image of one board, with its show, if it performs one by itself.
-fn build(board: Board, show: Option<PathBuf>) -> Result<()> {
+/// Builds the image of one board.
+fn build(board: Board) -> Result<()> {
     step::run(
         &format!("build {} with {}", board.name, arm::toolchain()?.name()),
-        Image::of(board).cargo("build")?.envs(show.map(|show| ("SINEW_SHOW", show))),
+        Image::of(board).cargo("build")?.envs(built_in()),
     )
-}
-
-/// Where the show that is baked for a board lies.
-pub(crate) fn baked(board: Board) -> PathBuf {
-    step::root().join("target/shows").join(board.name).with_extension("snws")
 }
 
 /// What the board said of one method.
@@ -181,23 +159,6 @@ fn emulated(board: Board) -> Result<Vec<Run>> {
                 instructions: vec![("tick", tick), ("worst_tick", worst)],
                 hash: field(line, "hash")?.to_owned(),
             })
-        })
-        .collect()
-}
-
-/// The hashes of the same run here.
-fn host(show: &Path) -> Result<Vec<u64>> {
-    let bytes = fs::read(show)?;
-    let show = Show::parse(&bytes)?;
-    METHODS
-        .into_iter()
-        .map(|method| {
-            let mut replay = Replay::<CAPACITY>::new(show, method)?;
-            let mut hash = TorqueHash::default();
-            for tick in 0..u32::try_from(show.frame_count())? {
-                hash.update(replay.step(tick)?.torques());
-            }
-            Ok(hash.value())
         })
         .collect()
 }

@@ -62,6 +62,6 @@ const FIRMWARE: &str = "firmware";
 
 /// Boards that run the node have a profile of their own: what is small.
 fn profile_of(name: &str) -> &'static str {
-    let is_node = |board: &Board| board.name == name && board.baked.is_none();
+    let is_node = |board: &Board| board.name == name && board.qemu_machine.is_none();
     if BOARDS.iter().any(is_node) { "node" } else { FIRMWARE }
 }

@@ -24,7 +24,6 @@ mod step;
 mod test;
 
 use std::env;
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -71,7 +70,6 @@ Environment:
   SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
   SINEW_REFERENCE
               A folder with the script, robots and results that `retargeting` needs
-  SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
 fn main() -> ExitCode {
@@ -119,10 +117,7 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
         ["docs"] => Box::new(docs::run),
         ["firmware", name @ ..] if name.len() <= 1 => {
             let name = name.first().map(|name| (*name).to_owned());
-            Box::new(move || {
-                let show = env::var_os("SINEW_SHOW");
-                firmware::show(name.as_deref(), show.as_deref().map(Path::new))
-            })
+            Box::new(move || firmware::show(name.as_deref()))
         }
         _ => return None,
     })

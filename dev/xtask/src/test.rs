@@ -11,8 +11,8 @@ use crate::{
     setup, step,
 };
 
-/// Core, firmware and parity with `defmt`, too, which nothing else has.
-const WITH_DEFMT: &str = "--features=sinew-bit-parity/defmt";
+/// Core and firmware with `defmt`, too, which nothing else has.
+const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
 pub(crate) fn run() -> Result<()> {
     setup::run()?;
@@ -113,7 +113,7 @@ fn lint_images() -> Result<()> {
     for &board in BOARDS {
         let image = Image::of(board);
         let mut command = image.cargo("clippy")?;
-        command.env("SINEW_SHOW", firmware::baked(board));
+        command.envs(firmware::built_in());
         clippy(image, command)?;
     }
     for image in
