@@ -19,8 +19,7 @@ const MANIFEST: &str = "dev/nucleo/emulator/Cargo.toml";
 const TITLE: &str = "build the emulator";
 
 /// Tries the chip's peripherals.
-pub(crate) const CHIP: Image =
-    Image { package: "sinew-nucleo-image", name: "chip", feature: None };
+pub(crate) const CHIP: Image = Image { package: "sinew-nucleo-image", name: "chip", feature: None };
 /// The node, as it is flashed.
 const NUCLEO: Image = Image { package: "nucleo_f446re", name: "nucleo_f446re", feature: None };
 /// Leaves out what keeps packets whole: the tests of the bus must notice.

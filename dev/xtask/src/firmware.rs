@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 use sinew_image::{BOARDS, Baked, Board, EMULATED};
-use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 
 use crate::budget::{self, Figures, Place, field, number};
 use crate::image::Image;
