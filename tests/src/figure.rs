@@ -1,12 +1,12 @@
 //! The human figure as boards have a rig: its compact form, and shows of its coordinates.
 
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, prepare};
+use sinew_figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
 use sinew_rig::board::BoardRig;
 use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate};
-use sinew_sim::builtin;
-use sinew_sim::figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
-use sinew_sim::pipeline::{Settings, prepare};
 
 /// Degrees of freedom of the figure: a free root, and ball joints.
 pub const FREEDOMS: usize = 6 + 3 * (BODY_COUNT - 1);

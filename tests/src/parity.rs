@@ -9,8 +9,8 @@ use std::process::Command;
 
 use sinew_bit_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
 use sinew_bit_parity::{PLAY, RUN, answer};
-use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
-use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
+use sinew_evaluation::{CAPACITY, MethodName, Protocol, track};
+use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use crate::figure::{COORDINATES, FREEDOMS, FigureShow, rig};
 

@@ -16,11 +16,11 @@ use rayon::prelude::*;
 use sinew_bit_parity::DECODE;
 use sinew_bit_parity::replay::METHODS;
 use sinew_bit_parity::run::NUMBERS;
+use sinew_evaluation::MethodName;
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, prepare};
+use sinew_figure::{BODIES, FigureMotion};
 use sinew_show::write::{Settings as ShowSettings, write};
-use sinew_sim::builtin;
-use sinew_sim::evaluate::MethodName;
-use sinew_sim::figure::{BODIES, FigureMotion};
-use sinew_sim::pipeline::{Settings, prepare};
 use sinew_tests::figure::figure_show;
 use sinew_tests::parity::{Difference, Machine, Run, here, to_play};
 

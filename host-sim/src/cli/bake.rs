@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::bail;
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
+use sinew_performance::rig::Loaded;
+use sinew_performance::{
+    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
+};
+use sinew_report::feasibility::Page;
 use sinew_retarget::feasibility::{check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
-use sinew_sim::command::{note, print};
-use sinew_sim::output;
-use sinew_sim::performance::{
-    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
-};
-use sinew_sim::report::feasibility::Page;
-use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
 use super::performance::{ON_STAND, OnRig, Performed};

@@ -7,8 +7,8 @@ use std::error::Error;
 use std::fs;
 
 use sinew_bit_parity::replay::{METHODS, hash, ticks, tree};
+use sinew_figure::BODY_COUNT;
 use sinew_show::Show;
-use sinew_sim::figure::BODY_COUNT;
 use sinew_tests::figure::{COORDINATES, FREEDOMS, FigureShow, figure_show};
 
 /// How long the show is, s.
