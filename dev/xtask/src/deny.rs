@@ -1,4 +1,5 @@
-//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and `dev/deny.toml`.
+//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and
+//! `dev/deny.toml`.
 
 use std::process::Command;
 

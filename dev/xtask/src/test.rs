@@ -1,4 +1,5 @@
-//! The checks and tests: a gate for every change, all of them before an issue is called resolved, and what takes an hour.
+//! The checks and tests: a gate for every change, all of them before an issue is called resolved, and what takes an
+//! hour.
 
 use std::env;
 use std::process::Command;
@@ -111,6 +112,9 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
         return examples(&["sinew-core", "sinew-fpu", "sinew-mocap"]);
     }
 
+    let mut of_measure = step::cargo();
+    of_measure.args(["test", "--locked", "--package", "sinew-measure"]);
+    step::run("tests of what measures", &mut of_measure)?;
     measure::run(&["budget"])?;
     measure::run(&["audit", "--self-test"])?;
     measure::run(&["audit"])?;
@@ -163,7 +167,7 @@ fn clippy(scope: Scope) -> Command {
             clippy.args(["--all-targets", WITH_DEFMT]);
             // Fuzz targets as a fuzzer builds them.
             clippy.args(
-                ["bus", "link", "firmware", "sim"]
+                ["servo-bus", "link", "firmware", "sim"]
                     .map(|of| format!("--features=sinew-{of}-fuzz/bolero")),
             );
         }

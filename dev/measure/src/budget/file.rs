@@ -255,7 +255,7 @@ kernel = { 18 = 100 }
         let error = budget.verdicts(&figures([1, 1, 1])).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "budget.toml promises instructions.tock.18, which was not measured"
+            "dev/bench/budget.toml promises instructions.tock.18, which was not measured"
         );
     }
 
@@ -278,8 +278,8 @@ kernel = { 18 = 100 }
         assert_eq!(
             budget.changes(&figures([1_000, 1_700, 100])),
             [
-                "instructions.kernel.18 is 100, and budget.toml does not have it",
-                "instructions.other.18 is in budget.toml, and was not measured"
+                "instructions.kernel.18 is 100, and dev/bench/budget.toml does not have it",
+                "instructions.other.18 is in dev/bench/budget.toml, and was not measured"
             ]
         );
     }
