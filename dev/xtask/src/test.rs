@@ -167,7 +167,7 @@ fn clippy(scope: Scope) -> Command {
             clippy.args(["--all-targets", WITH_DEFMT]);
             // Fuzz targets as a fuzzer builds them.
             clippy.args(
-                ["servo-bus", "link", "firmware", "sim"]
+                ["bus", "link", "firmware", "sim"]
                     .map(|of| format!("--features=sinew-{of}-fuzz/bolero")),
             );
         }
