@@ -1,5 +1,5 @@
-//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers differ;
-//! what any machine answers.
+//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers
+//! differ; what any machine answers.
 
 use std::fmt;
 use std::fs::File;

@@ -11,6 +11,7 @@ mod performance;
 
 use std::env;
 use std::path::Path;
+use std::process::Command;
 
 use rayon::prelude::*;
 use sinew_bit_parity::DECODE;
@@ -233,4 +234,27 @@ fn a_flipped_bit_is_found_and_named() {
         (difference.frame, difference.body, difference.quantity, difference.component),
         (7, "pelvis", "desired pose", "rotation x")
     );
+}
+
+#[test]
+#[ignore = "needs the image that `cargo xtask firmware` builds"]
+fn the_emulated_board_is_the_host() {
+    let image = env::var_os("SINEW_BOARD_IMAGE").expect("`cargo xtask test` sets it");
+    let lines = |command: &mut Command| -> Vec<String> {
+        let output = command.output().expect("`cargo xtask setup` installs QEMU");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+        text.lines().map(str::to_owned).collect()
+    };
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-machine", "mps2-an386", "-nographic"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    // Instructions of a tick follow on the board's lines.
+    let torques = |line: String| line.split(" tick=").next().map(str::to_owned);
+    let on_board: Vec<_> = lines(&mut qemu).into_iter().filter_map(torques).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let mut host = Command::new(env!("CARGO_BIN_EXE_figure_show"));
+    host.args([folder.path().join("figure.snwr"), folder.path().join("figure.show")]);
+    assert_eq!(on_board, lines(&mut host));
+    assert_eq!(on_board.len(), METHODS.len());
 }

@@ -7,16 +7,16 @@ mod rules;
 use anyhow::{Result, bail, ensure};
 
 use crate::elf::{Elf, Lines};
-use crate::image::Image;
-use crate::step;
+use sinew_steps::image::Image;
+use sinew_steps::step;
 
 use rules::{Finding, Rule};
 
 /// The image.
-const IMAGE: Image = Image { package: "sinew-audit", name: "audit", feature: None };
+const IMAGE: Image = Image::AUDIT;
 
 /// One of faults that must be found, and of nothing else.
-pub(crate) const FAULTY: Image = Image { name: "faults", ..IMAGE };
+const FAULTY: Image = Image { name: "faults", ..IMAGE };
 
 /// What a panic calls in the image, and nobody has.
 const MISSING: &str = "a_panic_can_be_reached";
