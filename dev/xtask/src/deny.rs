@@ -35,5 +35,5 @@ pub(crate) fn run() -> Result<()> {
         );
         return Ok(());
     }
-    step::run("advisories", &mut deny(&["check", "--config", "dev/deny.toml", "advisories"]))
+    step::run("advisories", &mut deny(&["--config", "dev/deny.toml", "check", "advisories"]))
 }
