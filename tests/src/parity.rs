@@ -31,8 +31,8 @@ pub struct Run {
 }
 
 impl Run {
-    /// Makes the evaluation's run and records it: the rig, the joints' poses as the clip has them and as the tracker got
-    /// them, and every number that it computed in each tick.
+    /// Makes the evaluation's run and records it: the rig, the joints' poses as the clip has them and as the tracker
+    /// got them, and every number that it computed in each tick.
     pub fn record(motion: &FigureMotion, scale: f64, method: MethodName) -> Self {
         let index = MethodName::ALL.iter().position(|one| *one == method);
         let setup = Protocol::default().setup_of(scale, method);

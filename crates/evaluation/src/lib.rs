@@ -3,12 +3,12 @@
 //!
 //! - `setup` holds all that a run can vary; `controller` holds the core's settings, with bodies by name.
 //! - `track` runs one clip with the core's tracker; `evaluation` runs all clips with all methods.
-//! - `levers` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed order: by body, by size
-//!   and over time, in bounded memory.
+//! - `levers` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed order: by body, by
+//!   size and over time, in bounded memory.
 //! - `disturbance`, `friction` and `supply` add what the controller does not know of a rig.
 //! - [`exercise`] makes motions of a user's rig; [`robustness`] varies rigs as built, and latencies.
-//! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`; [`mod@pareto`] finds
-//!   Pareto fronts.
+//! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`; [`mod@pareto`]
+//!   finds Pareto fronts.
 //! - [`paper`] holds the paper's numbers; [`mod@report`] writes tables, JSON and CSV.
 //! - [`mod@sweep`] runs grids of setups and resumes what was interrupted.
 

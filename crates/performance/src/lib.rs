@@ -5,9 +5,10 @@
 //!
 //! - [`rig`] loads rigs of the user, reviews them, and computes torques for rows of a table.
 //! - `clip` reads and cleans a clip, `take_over` puts it on a rig, `bake` makes a show, `table` reports on it.
-//! - [`play`] plays a show on simulated servos: `parts` and `line` hold what controller and lines are made of, `stand` runs a
-//!   tick, `director` commands it. `play/board` is a whole node with flash in a file.
-//! - [`teach`] lets a hand lead a rig: `leads` is the hand's way, `lesson` the simulated rig, `taught` the motion that is left.
+//! - [`play`] plays a show on simulated servos: `parts` and `line` hold what controller and lines are made of, `stand`
+//!   runs a tick, `director` commands it. `play/board` is a whole node with flash in a file.
+//! - [`teach`] lets a hand lead a rig: `leads` is the hand's way, `lesson` the simulated rig, `taught` the motion that
+//!   is left.
 
 mod bake;
 mod clip;

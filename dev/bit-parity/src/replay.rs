@@ -1,7 +1,7 @@
 //! A stand-in for servos: a rig that performs the show a little late.
 //!
-//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit
-//! by bit. Rig and show are the bytes that boards read: the rig's compact form ([`sinew_rig::board`]), and a show of its
+//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit by bit. Rig
+//! and show are the bytes that boards read: the rig's compact form ([`sinew_rig::board`]), and a show of its
 //! coordinates ([`sinew_show`]).
 
 use sinew_core::control::Limited;

@@ -1,9 +1,9 @@
 //! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
 //!
 //! A run is a rig, a method, the joints' poses as they should be in each frame and as they were measured in each tick;
-//! the machine answers with what it computed on the way to its torques. The evaluation writes down all of it as it goes.
-//! The frames are poses and no show, since the dimensions of the evaluation's performer are not the rig's: so projection
-//! and differences are compared, too, which the coordinates of a show do not need.
+//! the machine answers with what it computed on the way to its torques. The evaluation writes down all of it as it
+//! goes. The frames are poses and no show, since the dimensions of the evaluation's performer are not the rig's: so
+//! projection and differences are compared, too, which the coordinates of a show do not need.
 //!
 //! # Format of a run
 //! All numbers little-endian; `f32` as IEEE 754.

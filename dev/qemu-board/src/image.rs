@@ -1,7 +1,7 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): performs a show of the human figure with each method and reports.
 //!
-//! `SINEW_RIG` and `SINEW_SHOW` name the files that are built in, by whole paths: the figure in a rig's compact form, and
-//! a show of its coordinates. `cargo xtask firmware` makes both.
+//! `SINEW_RIG` and `SINEW_SHOW` name the files that are built in, by whole paths: the figure in a rig's compact form,
+//! and a show of its coordinates. `cargo xtask firmware` makes both.
 //!
 //! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz
 //! `SysTick` counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction

@@ -1,5 +1,5 @@
-//! What the images of ST's NUCLEO-64 boards have in common: their connectors are the same, and so is what is wired to them
-//! (docs/nucleo.md).
+//! What the images of ST's NUCLEO-64 boards have in common: their connectors are the same, and so is what is wired to
+//! them (docs/nucleo.md).
 
 use embassy_stm32::Peri;
 use embassy_stm32::PeripheralType;

@@ -1,5 +1,5 @@
-//! Writes the show that QEMU's `mps2-an386` performs, with its rig, and prints the hashes of the torques that this machine
-//! computes for it, as the image prints its own.
+//! Writes the show that QEMU's `mps2-an386` performs, with its rig, and prints the hashes of the torques that this
+//! machine computes for it, as the image prints its own.
 //!
 //! `figure_show RIG SHOW`: the files to write.
 
