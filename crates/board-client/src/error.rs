@@ -27,7 +27,7 @@ pub enum ClientError {
     NoController,
     /// Servos answer, and no controller.
     #[error(
-        "{}: {} servos answer here at {baud} baud, no controller. This is an adapter at the servos: name it with --bus",
+        "{}: {} servos answer here at {baud} baud, no controller. This is an adapter at the servos: `sinew servo --port` takes it",
         path.display(),
         protocol.name()
     )]
@@ -40,10 +40,10 @@ pub enum ClientError {
         baud: u32,
     },
     /// No port is given, and not one has a controller.
-    #[error("no controller was found at {0}: name its port, `--board PORT`")]
+    #[error("no controller was found at {0}")]
     NoneFound(String),
     /// No port is given, and several have a controller.
-    #[error("several controllers were found: {0}. Say which one, `--board PORT`")]
+    #[error("several controllers were found: {0}")]
     Several(String),
     /// The controller takes no session.
     #[error("{0}")]

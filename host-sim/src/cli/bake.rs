@@ -56,7 +56,7 @@ pub(super) struct Args {
 
     /// The largest error of the show's angles, deg.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error, requires = "rig")]
-    error: f64,
+    tolerance_deg: f64,
 
     /// A cue: a name, and when in the clip, s. Of a fitted show it stands where the motion is then.
     #[arg(long, value_name = "NAME@S", value_parser = cue, requires = "rig")]
@@ -74,7 +74,7 @@ pub(super) struct Args {
 
     /// How long before its end a loop leaves the clip, s.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
-    blend: f64,
+    loop_blend_s: f64,
 
     /// Factor on the figure's dimensions, 0.1 to 10. The clip keeps its own.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
@@ -87,11 +87,11 @@ pub(super) struct Args {
     /// Also write a page: the rig in motion, plots of each joint beside its limits. One file that any browser opens
     /// from disk, without a network.
     #[arg(long, value_name = "FILE.html", requires = "rig")]
-    page: Option<PathBuf>,
+    html: Option<PathBuf>,
 
     /// The file to write.
     #[arg(short, long, visible_alias = "output", value_name = "FILE")]
-    out: PathBuf,
+    output: PathBuf,
 }
 
 /// Runs the subcommand.
@@ -105,7 +105,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 
 fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     let written: Vec<&Path> =
-        [&args.out].into_iter().chain(&args.page).map(PathBuf::as_path).collect();
+        [&args.output].into_iter().chain(&args.html).map(PathBuf::as_path).collect();
     let read = [
         ("rig", Some(rig)),
         ("clip", Some(Path::new(&args.clip))),
@@ -113,12 +113,12 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     ];
     output::distinct(&written, &read)?;
     let mut on_rig = args.on_rig.clone();
-    on_rig.blend_s = args.is_loop.then_some(args.blend);
+    on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
     let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
-    let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
+    let settings = ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
         note(format_args!("note: {line}"));
@@ -150,9 +150,9 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
             (baked, report)
         }
     };
-    output::write(&args.out, &baked.written.bytes)?;
+    output::write(&args.output, &baked.written.bytes)?;
     let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
-    if let Some(file) = &args.page {
+    if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
             clip: &performed.name,
@@ -200,7 +200,7 @@ fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> Stri
     format!(
         "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
-        args.out.display(),
+        args.output.display(),
         performed.name,
         rig.description.name,
         baked.duration_s,
@@ -234,7 +234,7 @@ fn clock(bytes: &[u8]) -> String {
 
 fn of_figure(args: &Args) -> anyhow::Result<()> {
     let read = [("clip", Some(Path::new(&args.clip))), ("mapping", args.mapping.as_deref())];
-    output::distinct(&[&args.out], &read)?;
+    output::distinct(&[&args.output], &read)?;
     let settings = Settings {
         mapping: args.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
         told: args.told.told(),
@@ -267,10 +267,10 @@ fn of_figure(args: &Args) -> anyhow::Result<()> {
     let frames = args.seconds.map_or(usize::MAX, |s| (s / motion.dt_s).round().max(1.0) as usize);
     let bytes = show::bake(&motion, &model, frames)?;
     sinew_firmware::show::Show::parse(&bytes).context("no board would perform this show")?;
-    output::write(&args.out, &bytes)?;
+    output::write(&args.output, &bytes)?;
     print(&format!(
         "{}: {} frames of {}, {} bytes\n",
-        args.out.display(),
+        args.output.display(),
         motion.rotation.len().min(frames),
         motion.name,
         bytes.len()
