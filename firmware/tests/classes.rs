@@ -1,7 +1,5 @@
 //! What each class of drive commands, and what it refuses.
 
-use sinew_servo_bus::dynamixel::{self, table::MODELS};
-use sinew_servo_bus::{Command, Effort, Feedback, feetech};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
@@ -12,6 +10,8 @@ use sinew_firmware::drives::{
 use sinew_rig::board::BoardRig;
 use sinew_rig::servo::{Servo, ServoSettings, SignalLoss};
 use sinew_rig::toml_file;
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::{Command, Effort, Feedback, feetech};
 
 const TIMING: Timing = Timing { dt_s: 0.005, latency_ticks: 1 };
 const CURRENT: CurrentSettings = CurrentSettings {

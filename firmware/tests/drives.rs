@@ -4,13 +4,13 @@ mod common;
 
 use common::{Kind, Rig, kinds, read, rig};
 use proptest::prelude::*;
-use sinew_servo_bus::{Command, Effort};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Condition, CurrentSettings, CutOff, DriveSettings, Drives, Encoder, Limit, Measured,
     PositionSettings, ServoCommand, ServoDrive, TargetSettings,
 };
+use sinew_servo_bus::{Command, Effort};
 
 const TIMING: Timing = Timing { dt_s: 0.005, latency_ticks: 1 };
 const CURRENT_A: f32 = 0.7;

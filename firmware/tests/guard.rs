@@ -4,7 +4,6 @@ mod common;
 
 use common::{Rig, kinds, read, rig};
 use proptest::prelude::*;
-use sinew_servo_bus::{Command, Effort, Feedback};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
@@ -12,6 +11,7 @@ use sinew_firmware::drives::{
     TargetSettings,
 };
 use sinew_firmware::supervisor::{Guard, GuardReason, GuardSettings, Permission, Source};
+use sinew_servo_bus::{Command, Effort, Feedback};
 
 const DT_S: f32 = 0.005;
 

@@ -1,12 +1,12 @@
 //! Shows: what is written is read back, and nothing that is not a show is performed.
 
 use proptest::prelude::*;
+use sinew_bit_parity::replay::{METHODS, Replay, ReplayError, TorqueHash};
 use sinew_core::glam::Vec3;
 use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
 use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, TreeError, math};
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{Show, ShowError, write};
-use sinew_bit_parity::replay::{METHODS, Replay, ReplayError, TorqueHash};
 
 const BODIES: usize = 3;
 

@@ -6,14 +6,14 @@
     reason = "the drives' side is f32, the servos' f64, and milliseconds are counted"
 )]
 
-use sinew_servo_bus::dynamixel::{self, table::MODELS};
-use sinew_servo_bus::feetech::{self, Family};
-use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{Condition, DriveSettings, Drives, PositionSettings};
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::feetech::{self, Family};
+use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::load::{Arm, Plant, Shaft};

@@ -21,7 +21,7 @@ pub enum ClientError {
     Line(io::Error),
     /// Nothing answers a greeting.
     #[error(
-        "no controller answers. Has the board power, and is it flashed (`sinew flash`)? `sinew board simulate` is one \
+        "no controller answers. Has the board power, and is it flashed (`sinew board flash`)? `sinew board simulate` is one \
          to try without hardware"
     )]
     NoController,
@@ -59,7 +59,7 @@ pub enum ClientError {
     SessionOver,
     /// The firmware is too old for something.
     #[error(
-        "this takes version {needs} of the link, the board's firmware speaks {has}: `sinew flash` brings a newer one"
+        "this takes version {needs} of the link, the board's firmware speaks {has}: `sinew board flash` brings a newer one"
     )]
     Old {
         /// What it takes.

@@ -6,9 +6,9 @@ mod common;
 use std::time::Instant;
 
 use common::{BAUD, Registers, master, registers};
+use sinew_rig::new::arm;
 use sinew_servo_bus::dynamixel::{Instruction, Mode};
 use sinew_servo_bus::{Command, ServoBus};
-use sinew_rig::new::arm;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::Servo;
 use sinew_servo_sim::fleet::{self, OnBus, Setup, Wanted};

@@ -12,7 +12,9 @@ use sinew_servo_bus::Line;
 use sinew_servo_bus::dynamixel::Device;
 use sinew_servo_bus::dynamixel::table::Table;
 use sinew_servo_tools::registers::{self, Number};
-use sinew_servo_tools::{Client, Exchange as _, Protocol, SerialLine, ServiceError, Settings, find};
+use sinew_servo_tools::{
+    Client, Exchange as _, Protocol, SerialLine, ServiceError, Settings, find,
+};
 
 /// A terminal, kept open, with XL330 number 3 behind it: registers without a motor, at any rate.
 fn servo() -> (OwnedFd, PathBuf) {

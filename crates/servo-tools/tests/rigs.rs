@@ -5,10 +5,10 @@
 mod common;
 
 use common::{SimLine, client};
-use sinew_servo_bus::settings::{self, Demand, Setting};
-use sinew_servo_bus::table::{Access, Range};
 use sinew_rig::Description;
 use sinew_rig::description::ServoModel;
+use sinew_servo_bus::settings::{self, Demand, Setting};
+use sinew_servo_bus::table::{Access, Range};
 use sinew_servo_tools::calibrate::{self, Calibration};
 use sinew_servo_tools::compare::{apply, diff, span};
 use sinew_servo_tools::desired::{Mode, desired};
@@ -161,7 +161,8 @@ fn a_bad_line_ends_in_the_same_settings() {
         let settings = desired(&rig, &servo.table, Mode::Position).unwrap();
         let mut line = client.into_line();
         (line.lost, line.damaged) = (15, 15);
-        let patient = sinew_servo_tools::Settings { tries: 12, ..sinew_servo_tools::Settings::default() };
+        let patient =
+            sinew_servo_tools::Settings { tries: 12, ..sinew_servo_tools::Settings::default() };
         let baud = line.bench.baud;
         let mut client = Client::new(line, servo.table.protocol(), baud, patient).unwrap();
         apply(&mut client, &servo, &settings, false).unwrap();

@@ -7,12 +7,12 @@ use std::io;
 use std::time::Duration;
 
 use common::{KINDS, SimLine, client};
+use sinew_servo_sim::fault::{Fault, FaultKind};
 use sinew_servo_tools::registers::{self, Number};
 use sinew_servo_tools::{
     Client, Exchange, Protocol, Registers, ScanEvent, ScanSettings, ServiceError, Servo, Settings,
     address, find, identify, scan, watch,
 };
-use sinew_servo_sim::fault::{Fault, FaultKind};
 
 /// A client, and its first servo.
 fn one(kind: &str) -> (Client<SimLine>, Servo) {

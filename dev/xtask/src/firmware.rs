@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 use sinew_image::{BOARDS, Baked, Board, EMULATED};
-use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 
 use crate::budget::{self, Figures, Place, field, number};
 use crate::image::Image;
@@ -97,7 +97,7 @@ fn checked(show: &Path) -> Result<PathBuf> {
     };
     whole_path().with_context(|| {
         format!(
-            "SINEW_SHOW={} is no show; make one with `cargo run --release -- bake --out FILE`",
+            "SINEW_SHOW={} is no show; make one with `cargo run --release -- bake --output FILE`",
             show.display()
         )
     })

@@ -16,7 +16,8 @@ pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", targ
 };
 
 /// The program for emulated boards; hosts' is of the same name.
-pub(crate) const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };
+pub(crate) const IMAGE: Image =
+    Image { package: "sinew-bit-parity", name: "parity", feature: None };
 
 /// Where `tests/tests/parity.rs` finds a machine's program; empty for one that cannot be built here.
 pub(crate) type Variable = (&'static str, PathBuf);

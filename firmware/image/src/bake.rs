@@ -9,7 +9,7 @@ use crate::link;
 
 /// Puts the show where the image includes it from: a show that the board could perform, or the build ends.
 pub(crate) fn bake(board: &str, capacity: usize) {
-    const HELP: &str = "make a show with `cargo run --release -- bake --out FILE`, or build the images with \
+    const HELP: &str = "make a show with `cargo run --release -- bake --output FILE`, or build the images with \
         `cargo xtask firmware`";
     println!("cargo:rerun-if-env-changed=SINEW_SHOW");
     let Some(path) = env::var_os("SINEW_SHOW").map(PathBuf::from) else {

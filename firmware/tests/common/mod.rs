@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use sinew_servo_bus::{Effort, Feedback};
 use sinew_firmware::drives::{Condition, Encoder};
 use sinew_rig::board::BoardRig;
 use sinew_rig::toml_file;
+use sinew_servo_bus::{Effort, Feedback};
 
 /// Room for the largest of them.
 pub(crate) type Rig = BoardRig<16, 24, 24>;

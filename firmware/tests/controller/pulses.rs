@@ -1,12 +1,12 @@
 //! Hobby servos tell nothing: after a stop they are armed where they were last sent.
 
-use sinew_servo_bus::pca9685::{Bus, ChannelSetup, Device, Prescale, start};
-use sinew_servo_bus::{Cost, Schedule, ServoBus, Timing, Traffic};
 use sinew_firmware::controller::{Controller, Inputs, ServoSetup, Start};
 use sinew_firmware::drives::{DriveSettings, TargetSettings};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
+use sinew_servo_bus::pca9685::{Bus, ChannelSetup, Device, Prescale, start};
+use sinew_servo_bus::{Cost, Schedule, ServoBus, Timing, Traffic};
 
 use crate::stand::{Kind, Live, Parts, setup};
 

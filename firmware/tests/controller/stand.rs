@@ -2,6 +2,15 @@
 
 use std::sync::OnceLock;
 
+use sinew_firmware::controller::{
+    Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
+};
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
+use sinew_firmware::watchdog::Complete;
+use sinew_qemu_node::arm;
+pub(crate) use sinew_qemu_node::arm::{Kind, Parts, SERVOS, parts as setup};
+use sinew_rig::board::BoardRig;
+use sinew_rig::new;
 use sinew_servo_bus::dynamixel::table::{MODELS, Table};
 use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::settings::{self, Demand, Setting};
@@ -9,15 +18,6 @@ use sinew_servo_bus::{
     Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
     Request, ServoBus,
 };
-use sinew_qemu_node::arm;
-pub(crate) use sinew_qemu_node::arm::{Kind, Parts, SERVOS, parts as setup};
-use sinew_firmware::controller::{
-    Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
-};
-use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
-use sinew_firmware::watchdog::Complete;
-use sinew_rig::board::BoardRig;
-use sinew_rig::new;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::load::Arm;

@@ -1,12 +1,12 @@
 //! A pose held by simulated servos over their bus, with and without the offset.
 
+use sinew_core::coordinates::DofCommand;
+use sinew_core::tracker::Timing;
+use sinew_firmware::drives::{Condition, DriveSettings, Drives, PositionSettings};
 use sinew_servo_bus::dynamixel;
 use sinew_servo_bus::dynamixel::table::{MODELS, address};
 use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
-use sinew_core::coordinates::DofCommand;
-use sinew_core::tracker::Timing;
-use sinew_firmware::drives::{Condition, DriveSettings, Drives, PositionSettings};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::load::{Load, Plant, Shaft};

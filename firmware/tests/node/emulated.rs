@@ -6,12 +6,12 @@ use std::io::{BufReader, Read, Write, pipe};
 use std::process::{Child, Command as Program, Stdio};
 use std::{env, panic, thread};
 
-use sinew_qemu_node::built_in::BuiltIn;
-use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
-use sinew_qemu_node::node::{self, FLASH_LEN};
 use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
+use sinew_qemu_node::built_in::BuiltIn;
+use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::node::{self, FLASH_LEN};
 
 use crate::hardware::Servos;
 use crate::line::BAD;

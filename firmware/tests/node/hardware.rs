@@ -5,11 +5,11 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use sinew_qemu_node::node::LINE_IN_STEP;
-pub(crate) use sinew_qemu_node::node::TABLE;
 use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Mail, Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;
+use sinew_qemu_node::node::LINE_IN_STEP;
+pub(crate) use sinew_qemu_node::node::TABLE;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 

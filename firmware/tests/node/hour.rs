@@ -1,8 +1,8 @@
 //! An hour of a looping show, in accelerated time.
 
-use sinew_servo_bus::ServoBus;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed};
+use sinew_servo_bus::ServoBus;
 
 use crate::ideal::Ideal;
 use crate::line::Trouble;

@@ -1,11 +1,11 @@
 //! Servos that are at once where they are commanded: for hours of a show in seconds.
 
+use sinew_firmware::controller::Wire;
 use sinew_servo_bus::settings::Demand;
 use sinew_servo_bus::{
     Command, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit, Request,
     ServoBus,
 };
-use sinew_firmware::controller::Wire;
 
 use crate::stand::hash_of;
 

@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 
-use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
+use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 

@@ -35,7 +35,7 @@ use super::told::ToldArgs;
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; with --rig also a motion of its own: a CSV of
-    /// joint coordinates (`sinew record`, `sinew export`), or positions of servos (JSON).
+    /// joint coordinates (`sinew record`, `sinew clip export`), or positions of servos (JSON).
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -43,7 +43,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry; of the figure one of the
+    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry; of the figure one of the
     /// known maps.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
@@ -118,7 +118,8 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
     let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
-    let settings = ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
+    let settings =
+        ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
         note(format_args!("note: {line}"));

@@ -1,4 +1,4 @@
-//! `sinew blend`: from one clip to another.
+//! `sinew clip blend`: from one clip to another.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -30,9 +30,9 @@ use super::told::ToldArgs;
 /// goes its own shortest way, and the report says so. The second clip is turned about the
 /// vertical and shifted so that they meet. Feet are not held on the floor, and may slide.
 ///
-///   sinew blend walk.bvh run.bvh --output walk-run.bvh
-///   sinew blend walk.bvh@1s..2.5s run.bvh --output walk-run.bvh --blend-s 0.4 --picture walk-run.png
-///   sinew blend walk.bvh@120 run.bvh@0.6s --output walk-run.bvh
+///   sinew clip blend walk.bvh run.bvh --output walk-run.bvh
+///   sinew clip blend walk.bvh@1s..2.5s run.bvh --output walk-run.bvh --blend-s 0.4 --picture walk-run.png
+///   sinew clip blend walk.bvh@120 run.bvh@0.6s --output walk-run.bvh
 ///
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face.
@@ -65,8 +65,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = find::seconds, allow_negative_numbers = true)]
     alone_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
-    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map --list`).
+    /// Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 
@@ -255,7 +255,7 @@ impl Room {
     }
 }
 
-/// The line's length in space, as `sinew find` measures it.
+/// The line's length in space, as `sinew clip find` measures it.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
     let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
     let measuring = Measuring::new(&rig, Measure::new(Metric::Line));

@@ -1,4 +1,4 @@
-//! `sinew export`: a clip on a rig, for other programs.
+//! `sinew clip export`: a clip on a rig, for other programs.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry.
+    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 

@@ -1,4 +1,4 @@
-//! `sinew find`: the nearest moments in a library of clips.
+//! `sinew clip find`: the nearest moments in a library of clips.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -24,9 +24,9 @@ use super::told::ToldArgs;
 /// refused if it is named, and left out if it comes from a folder. Joints that no clip moves
 /// do not count.
 ///
-///   sinew find walks/ fights/ --like punch.bvh@1.25s
-///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
-///   sinew find fights/ --like punch.bvh@1.0s..1.6s --picture found.png
+///   sinew clip find walks/ fights/ --like punch.bvh@1.25s
+///   sinew clip find walks/ --like kick.bvh@40 --metric positions --weighted
+///   sinew clip find fights/ --like punch.bvh@1.0s..1.6s --picture found.png
 ///
 /// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip is FILE@FROM..TO, or
 /// FILE for all of it. It is compared with every place of every clip; the distance is the
@@ -71,8 +71,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
-    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map --list`).
+    /// Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 

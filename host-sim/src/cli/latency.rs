@@ -1,4 +1,4 @@
-//! `sinew latency`: how late a drive may come.
+//! `sinew evaluate latency`: how late a drive may come.
 
 use std::process::ExitCode;
 

@@ -23,7 +23,7 @@ pub(super) struct PageArgs {
     #[arg(long, value_name = "CLIP", requires = "output")]
     playback: Option<String>,
 
-    /// CSV of `sinew sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
+    /// CSV of `sinew evaluate sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
     #[arg(long, value_name = "FILE", requires = "output")]
     sweep: Option<PathBuf>,
 }
@@ -206,7 +206,15 @@ mod tests {
     fn a_command_is_shown_without_threads_and_folder() {
         let shown = |words: &[&str]| command(words.iter().map(OsString::from));
         assert_eq!(
-            shown(&["/usr/bin/sinew", "evaluate", "--output", "a", "--scale", "1.1", "--threads=2"]),
+            shown(&[
+                "/usr/bin/sinew",
+                "evaluate",
+                "--output",
+                "a",
+                "--scale",
+                "1.1",
+                "--threads=2"
+            ]),
             "sinew evaluate --scale 1.1"
         );
         assert_eq!(shown(&["sinew", "--clips", "my clip.bvh"]), "sinew --clips 'my clip.bvh'");

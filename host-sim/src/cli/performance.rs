@@ -302,14 +302,14 @@ fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
     Ok((motion, 0.0))
 }
 
-/// The motion of a rig as `sinew record` and `sinew export` write it, and when it begins, s.
+/// The motion of a rig as `sinew record` and `sinew clip export` write it, and when it begins, s.
 fn of_coordinates(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
     let text = sinew_mocap::read::text(path)?;
     Ok(table::read(&rig.mechanism, &text)?)
 }
 
 fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
-    let expected = "a mapping on the rig, as `sinew map --rig` proposes it";
+    let expected = "a mapping on the rig, as `sinew clip map --rig` proposes it";
     let text = file::text_of(path, expected, &[Kind::RigMapping, Kind::Toml])
         .with_context(|| path.display().to_string())?;
     Mapping::read(&text).with_context(|| path.display().to_string())

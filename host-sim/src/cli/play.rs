@@ -165,7 +165,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let of_rig = || args.rig.display().to_string();
     let of_record =
         || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
-    let options = if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
+    let options =
+        if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
     let mut parts = Parts::new(&rig.description, &rig.mechanism, options).with_context(of_rig)?;
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
@@ -332,9 +333,7 @@ impl Args {
         // Nobody watches an emulated one in real time.
         let rounds = |is_real_time| self.rounds(&Show::open(bytes)?, is_real_time);
         match (&self.target, emulated) {
-            (Target::Port(port), _) => {
-                board::perform(port, parts, bytes, rounds(true)?).map(Some)
-            }
+            (Target::Port(port), _) => board::perform(port, parts, bytes, rounds(true)?).map(Some),
             (Target::Nucleo, Some(found)) => {
                 emulated::perform(found, rig, parts, bytes, rounds(false)?).map(Some)
             }

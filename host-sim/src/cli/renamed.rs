@@ -117,9 +117,33 @@ mod tests {
 
     /// The commands at the top before they were grouped.
     const BEFORE: [&str; 27] = [
-        "evaluate", "verify", "inspect", "map", "bake", "play", "record", "report", "export", "figure", "sweep",
-        "robustness", "latency", "weights", "study", "find", "blend", "rig", "servo", "board", "monitor", "faults",
-        "settings", "upload", "flash", "doctor", "servos",
+        "evaluate",
+        "verify",
+        "inspect",
+        "map",
+        "bake",
+        "play",
+        "record",
+        "report",
+        "export",
+        "figure",
+        "sweep",
+        "robustness",
+        "latency",
+        "weights",
+        "study",
+        "find",
+        "blend",
+        "rig",
+        "servo",
+        "board",
+        "monitor",
+        "faults",
+        "settings",
+        "upload",
+        "flash",
+        "doctor",
+        "servos",
     ];
 
     fn told(line: &str) -> String {
@@ -131,7 +155,8 @@ mod tests {
     fn find(path: &str) -> Command {
         let mut command = Cli::command();
         command.build();
-        let found = path.split(' ').try_fold(&command, |command, word| command.find_subcommand(word));
+        let found =
+            path.split(' ').try_fold(&command, |command, word| command.find_subcommand(word));
         found.expect(path).clone()
     }
 
@@ -158,7 +183,9 @@ mod tests {
             for path in *commands {
                 let command = find(path);
                 let has = |name: &str| {
-                    command.get_arguments().any(|option| option.get_long() == name.strip_prefix("--"))
+                    command
+                        .get_arguments()
+                        .any(|option| option.get_long() == name.strip_prefix("--"))
                 };
                 assert!(has(new) && !has(old), "{path}: {old} {new}");
                 assert!(told(&format!("{path} {old}")).contains(new), "{path} {old}");

@@ -1,4 +1,4 @@
-//! `sinew robustness`: the methods on rigs as they are built.
+//! `sinew evaluate robustness`: the methods on rigs as they are built.
 
 use std::fmt::Write as _;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! `sinew sweep`: many setups.
+//! `sinew evaluate sweep`: many setups.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

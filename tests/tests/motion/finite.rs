@@ -6,6 +6,7 @@ use std::num::NonZeroU16;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
+use sinew_bit_parity::replay::{METHODS, Replay, settings};
 use sinew_core::control::{ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit};
 use sinew_core::coordinates::{DofCommand, nearest_turn};
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
@@ -34,7 +35,6 @@ use sinew_core::{
 };
 use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::show::{self, Show};
-use sinew_bit_parity::replay::{METHODS, Replay, settings};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,

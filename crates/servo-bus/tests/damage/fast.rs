@@ -4,7 +4,9 @@
 
 use sinew_servo_bus::dynamixel::fast::FastReader;
 use sinew_servo_bus::dynamixel::table::{MODELS, address};
-use sinew_servo_bus::dynamixel::{self, Bus, Instruction, Mode, Parser, ServoSetup, Settings, Status};
+use sinew_servo_bus::dynamixel::{
+    self, Bus, Instruction, Mode, Parser, ServoSetup, Settings, Status,
+};
 use sinew_servo_bus::{Feedback, Schedule, ServoBus};
 
 use crate::{TIMING, reference};

@@ -8,7 +8,9 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_servo_bus::dynamixel::table::{MODELS, Table};
-use sinew_servo_bus::dynamixel::{self, Instruction, Mode, ServoSetup, Settings, Status, StatusError};
+use sinew_servo_bus::dynamixel::{
+    self, Instruction, Mode, ServoSetup, Settings, Status, StatusError,
+};
 use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{BusDevice, Schedule, ServoBus};
 

@@ -3,12 +3,12 @@
 use std::io;
 use std::time::Duration;
 
-use sinew_servo_tools::{Client, Exchange, Protocol, Settings};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo as SimServo};
 use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
+use sinew_servo_tools::{Client, Exchange, Protocol, Settings};
 
 /// A line of simulated servos, in simulated time, that may lose and damage what passes.
 pub(crate) struct SimLine {

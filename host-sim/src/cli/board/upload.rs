@@ -66,7 +66,7 @@ struct Common {
     board: BoardPort,
 
     /// Name of who approves the upload. The board stores it beside the item.
-    #[arg(long, value_name = "NAME", default_value = "sinew upload")]
+    #[arg(long, value_name = "NAME", default_value = "sinew board upload")]
     approved_by: String,
 }
 
@@ -142,7 +142,7 @@ pub(in crate::cli) fn put_show<L: Line>(
             let shows = board.shows()?;
             let count = shows.iter().flatten().count();
             bail!(
-                "the board has room for {} shows of {} bytes, and holds {count}: `sinew upload show FILE --replace \
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE --replace \
                  SLOT` deletes one before",
                 shows.len(),
                 board.about().capacities.slot_bytes

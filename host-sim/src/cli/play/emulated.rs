@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, item, nonce};
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::RIG_SCHEMA;
 use sinew_link::message::Kind;
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_sim::command::{note, print};
 use sinew_sim::play::{Line, Memory, Parts};
@@ -51,9 +51,15 @@ pub(super) fn perform(
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
     let [line] = parts.lines.as_slice() else {
-        bail!("--target nucleo: the rig has {} buses, the board one serial line", parts.lines.len());
+        bail!(
+            "--target nucleo: the rig has {} buses, the board one serial line",
+            parts.lines.len()
+        );
     };
-    ensure!(!line.is_of_pulses(), "--target nucleo: servos that take pulses are not emulated there");
+    ensure!(
+        !line.is_of_pulses(),
+        "--target nucleo: servos that take pulses are not emulated there"
+    );
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism)?;
     let servos = parts.simulated(&mut memories, plant)?.pop().context("it has one line")?;

@@ -7,8 +7,8 @@ mod servos;
 mod stand;
 mod walk;
 
-use sinew_nucleo::Heard;
 use sinew_link::message::Command;
+use sinew_nucleo::Heard;
 
 use stand::{Rig, SECOND, TORQUE_OFF, connected};
 
