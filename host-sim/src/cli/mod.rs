@@ -36,7 +36,7 @@ mod weights;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use sinew_sim::command::{exit_code, note};
+use sinew_host_util::command::{exit_code, note};
 
 /// A motion core for animatronic figures: from a clip to torques of servos.
 ///
