@@ -18,7 +18,7 @@ const COMMANDS: &[(&str, &str)] = &[
     ("robustness", "sinew evaluate robustness"),
     ("servos", "sinew servo simulate"),
     ("settings", "sinew board settings"),
-    ("study", "cargo run --release -p sinew-studies --"),
+    ("study", "cargo run --release --manifest-path dev/studies/Cargo.toml --"),
     ("sweep", "sinew evaluate sweep"),
     ("upload", "sinew board upload"),
     ("verify", "sinew evaluate verify"),

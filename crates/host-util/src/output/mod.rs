@@ -1,8 +1,8 @@
 //! Files that commands write.
 //!
 //! Whoever reads a file has the old one or the new one, whatever happens meanwhile: a full disk, a kill, a second run.
-//! So every command writes through here. `sinew_servo_tools::rig_file`, which edits a rig, and the checkpoints of studies
-//! do the same by themselves.
+//! So every command writes through here. `sinew_servo_tools::rig_file`, which edits a rig, and the checkpoints of
+//! studies do the same by themselves.
 
 mod file;
 mod folder;

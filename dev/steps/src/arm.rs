@@ -8,20 +8,20 @@ use anyhow::{Context, Result, bail};
 
 use crate::step;
 
-pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
+pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// The same processor without a floating-point unit.
-pub(crate) const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
+pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 
 /// Debian's packages that build for Arm: a compiler that needs no bootstrap, the library's source, a linker.
-pub(crate) const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "rust-web-src", "cargo-web", "lld"];
+pub const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "rust-web-src", "cargo-web", "lld"];
 
 /// The environment variable that chooses who builds for the boards: `rustup` or `debian`.
-pub(crate) const CHOICE: &str = "SINEW_ARM";
+pub const CHOICE: &str = "SINEW_ARM";
 
 /// Who builds for the boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Toolchain {
+pub enum Toolchain {
     /// The toolchain that runs this, with its target installed.
     Rustup,
     /// `/usr/bin/rustc`, which builds the library itself.
@@ -30,7 +30,10 @@ pub(crate) enum Toolchain {
 
 impl Toolchain {
     /// Those that may be used: both, rustup's first, or the one that [`CHOICE`] names.
-    pub(crate) fn allowed() -> Result<&'static [Self]> {
+    ///
+    /// # Errors
+    /// If it names something else.
+    pub fn allowed() -> Result<&'static [Self]> {
         match env::var(CHOICE).as_deref() {
             Err(_) => Ok(&[Self::Rustup, Self::Debian]),
             Ok("rustup") => Ok(&[Self::Rustup]),
@@ -56,7 +59,7 @@ impl Toolchain {
     }
 
     /// What to call it.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Rustup => "rustup's target",
             Self::Debian => "Debian's rustc-web",
@@ -64,7 +67,7 @@ impl Toolchain {
     }
 
     /// A cargo command for an Arm target: `cargo VERB --target ..`.
-    pub(crate) fn cargo_for(self, target: &str, verb: &str) -> Command {
+    pub fn cargo_for(self, target: &str, verb: &str) -> Command {
         let mut command = match self {
             Self::Rustup => {
                 let mut command = step::cargo();
@@ -91,23 +94,29 @@ impl Toolchain {
 }
 
 /// Whether the toolchain that runs this has the library for a target.
-pub(crate) fn has_target(target: &str) -> bool {
+pub fn has_target(target: &str) -> bool {
     let installed = step::output(step::command("rustup").args(["target", "list", "--installed"]));
     installed.is_some_and(|list| list.lines().any(|line| line == target))
 }
 
 /// Apart from the host's, so that two compilers do not undo each other's work.
-pub(crate) fn target_dir() -> PathBuf {
+pub fn target_dir() -> PathBuf {
     step::root().join("target/arm")
 }
 
 /// The toolchain for boards, or what to do.
-pub(crate) fn toolchain() -> Result<Toolchain> {
+///
+/// # Errors
+/// If there is no compiler for them.
+pub fn toolchain() -> Result<Toolchain> {
     toolchain_for(TARGET)
 }
 
 /// The same for an Arm target.
-pub(crate) fn toolchain_for(target: &str) -> Result<Toolchain> {
+///
+/// # Errors
+/// If there is no compiler for it.
+pub fn toolchain_for(target: &str) -> Result<Toolchain> {
     let found = Toolchain::allowed()?.iter().find(|toolchain| toolchain.builds_for(target));
     found
         .copied()

@@ -3,32 +3,33 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::Instant;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
 /// The workspace's folder.
-pub(crate) fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")
         .canonicalize()
-        .expect("xtask lies in the workspace")
+        .expect("this crate is in the workspace")
 }
 
 /// Cargo of the toolchain that runs this, in the workspace's folder.
-pub(crate) fn cargo() -> Command {
+pub fn cargo() -> Command {
     command(&std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()))
 }
 
 /// A program, run in the workspace's folder.
-pub(crate) fn command(program: &str) -> Command {
+pub fn command(program: &str) -> Command {
     let mut command = Command::new(program);
     command.current_dir(root());
     command
 }
 
 /// A program that lets all others go first, where the system has a way to say so.
-pub(crate) fn patient(program: &str) -> Command {
+pub fn patient(program: &str) -> Command {
     if cfg!(not(unix)) {
         return command(program);
     }
@@ -37,11 +38,44 @@ pub(crate) fn patient(program: &str) -> Command {
     command
 }
 
+/// Steps that have ended in this program, with the time that each took.
+static DONE: Mutex<Vec<(String, Duration)>> = Mutex::new(Vec::new());
+
+/// Adds a step to the table of [`table`].
+pub fn record(title: &str, taken: Duration) {
+    DONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((title.to_owned(), taken));
+}
+
+/// Returns a table of the steps that have ended, in seconds, and their sum.
+pub fn table() -> String {
+    let done = DONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let sum = ("sum".to_owned(), done.iter().map(|(_, taken)| *taken).sum());
+    let row =
+        |(title, taken): &(String, Duration)| format!("{:>8.1}  {title}\n", taken.as_secs_f64());
+    done.iter().chain([&sum]).map(row).collect()
+}
+
+/// Runs a step that is no other program.
+///
+/// # Errors
+/// As `action` has them.
+pub fn of<T>(title: &str, action: impl FnOnce() -> Result<T>) -> Result<T> {
+    eprintln!("\n== {title}");
+    let start = Instant::now();
+    let result = action();
+    record(title, start.elapsed());
+    result
+}
+
 /// Runs a step to its end, its output as it comes.
-pub(crate) fn run(title: &str, command: &mut Command) -> Result<()> {
+///
+/// # Errors
+/// If the program does not start, or fails.
+pub fn run(title: &str, command: &mut Command) -> Result<()> {
     eprintln!("\n== {title}");
     let start = Instant::now();
     let status = command.status().with_context(|| format!("cannot start {}", line(command)))?;
+    record(title, start.elapsed());
     if !status.success() {
         bail!("{title}: {status}\n  {}", line(command));
     }
@@ -50,7 +84,7 @@ pub(crate) fn run(title: &str, command: &mut Command) -> Result<()> {
 }
 
 /// A step beside others, for what these leave idle: an image is linked by one core.
-pub(crate) struct Beside {
+pub struct Beside {
     title: &'static str,
     command: String,
     child: Child,
@@ -59,7 +93,10 @@ pub(crate) struct Beside {
 
 impl Beside {
     /// Begins a step. `log`: a file for its output.
-    pub(crate) fn begin(title: &'static str, command: &mut Command, log: PathBuf) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If the program does not start, or the file cannot be written.
+    pub fn begin(title: &'static str, command: &mut Command, log: PathBuf) -> Result<Self> {
         let output = File::create(&log).with_context(|| log.display().to_string())?;
         command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
         let child = command.spawn().with_context(|| format!("cannot start {}", line(command)))?;
@@ -69,12 +106,16 @@ impl Beside {
     }
 
     /// Waits for its end.
-    pub(crate) fn end(mut self) -> Result<()> {
+    ///
+    /// # Errors
+    /// If the program failed.
+    pub fn end(mut self) -> Result<()> {
         let Self { title, command, child, log } = &mut self;
         eprintln!("\n== {title}: what is left of it");
         let start = Instant::now();
         let status = child.wait()?;
         eprint!("{}", String::from_utf8_lossy(&fs::read(log)?));
+        record(&format!("{title}: what is left of it"), start.elapsed());
         if !status.success() {
             bail!("{title}: {status}\n  {command}");
         }
@@ -92,7 +133,7 @@ impl Drop for Beside {
 }
 
 /// What a program prints, if it can be run and succeeds.
-pub(crate) fn output(command: &mut Command) -> Option<String> {
+pub fn output(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }

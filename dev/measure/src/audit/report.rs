@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::rules::{Finding, Rule};
 use crate::elf::{Elf, Lines, Place};
-use crate::step;
+use sinew_steps::step;
 
 /// How many instructions of one function are shown that break a rule in the same way.
 const SHOWN: usize = 3;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use crate::elf::{Elf, Lines, last_part};
-use crate::step;
+use sinew_steps::step;
 
 /// Where what boards may call is written, seen from the workspace.
 const SOURCES: [&str; 7] = [

@@ -12,7 +12,7 @@ use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW, WHOLE_LOOP};
 use super::stack::{Depth, Frames, deepest};
 use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
-use crate::image::Image;
+use sinew_steps::image::Image;
 
 /// Instructions of the whole kernel, the mean of its runs.
 const INSTRUCTIONS: &str = "instructions";

@@ -9,8 +9,8 @@ use object::{Object, ObjectSection, ObjectSegment};
 use super::figures::{Figures, Place};
 use super::stack;
 use crate::elf::Elf;
-use crate::image::Image;
-use crate::step;
+use sinew_steps::image::Image;
+use sinew_steps::step;
 
 /// What images take beside their shows.
 pub(crate) const SECTION: &str = "image_bytes";

@@ -7,23 +7,22 @@ mod rules;
 use anyhow::{Result, bail, ensure};
 
 use crate::elf::{Elf, Lines};
-use crate::image::Image;
-use crate::step;
+use sinew_steps::image::Image;
+use sinew_steps::step;
 
 use rules::{Finding, Rule};
 
 /// The image.
-const IMAGE: Image = Image { package: "sinew-audit", name: "audit", feature: None };
+const IMAGE: Image = Image::AUDIT;
 
 /// One of faults that must be found, and of nothing else.
-pub(crate) const FAULTY: Image = Image { name: "faults", ..IMAGE };
+const FAULTY: Image = Image { name: "faults", ..IMAGE };
 
 /// What a panic calls in the image, and nobody has.
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 47] = [
-    "audit::image::decode::show",
+const PARTS: [&str; 46] = [
     "audit::image::decode::coordinates",
     "audit::image::construct::trees",
     "audit::image::construct::controllers",
