@@ -30,7 +30,7 @@ pub(super) struct Args {
     rig: Option<PathBuf>,
 
     /// The file to write. Default: beside the recording, with its name and `.html`.
-    #[arg(short, long, visible_alias = "output", value_name = "FILE.html")]
+    #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
 }
 
