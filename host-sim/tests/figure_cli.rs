@@ -1,4 +1,4 @@
-//! `sinew figure` as a command: what it prints, and its exit codes.
+//! `sinew evaluate figure` as a command: what it prints, and its exit codes.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 fn figure(more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
-    command.arg("figure").args(more).output().expect("the command runs")
+    command.args(["evaluate", "figure"]).args(more).output().expect("the command runs")
 }
 
 fn text(bytes: &[u8]) -> String {

@@ -60,8 +60,8 @@ pub enum BakeError {
     Check(#[from] CheckError),
     /// What a show rounds leads beyond a limit, however often the motion is fitted.
     #[error(
-        "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --error, or more room in \
-         rig.toml, helps, and a longer --blend of a loop",
+        "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --tolerance-deg, or more room in \
+         rig.toml, helps, and a longer --loop-blend-s of a loop",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)

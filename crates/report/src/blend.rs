@@ -1,4 +1,4 @@
-//! What `sinew blend` made: figures through the transition, where the clips are near each other, and how fast their
+//! What `sinew clip blend` made: figures through the transition, where the clips are near each other, and how fast their
 //! joints are.
 
 use std::io;

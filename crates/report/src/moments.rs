@@ -1,4 +1,4 @@
-//! What `sinew find` found: every moment's pose inside the query's, pelvis on pelvis.
+//! What `sinew clip find` found: every moment's pose inside the query's, pelvis on pelvis.
 
 use std::io;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What `sinew map` proposes for the recorded files beside the maps that ship: the page `docs/mappings.md`.
+//! What `sinew clip map` proposes for the recorded files beside the maps that ship: the page `docs/mappings.md`.
 //! `INSTA_UPDATE=always` with this test accepts a change.
 
 use std::collections::BTreeMap;
@@ -55,9 +55,9 @@ const HEAD: &str = "\
 is which body. You rarely write one:
 
 - **A known skeleton** is found by its joints' names, behind any prefix: `mixamorig7:Hips` is Mixamo's `Hips`.
-  `sinew map --list` names them, `--mapping NAME` takes one by its name.
+  `sinew clip map --list` names them, `--mapping NAME` takes one by its name.
 - **Another human's** is proposed by names, tree, lengths and directions of bones, and used with a note that says what
-  is least sure. `sinew map CLIP` prints the proposal with reasons, as a file to edit for `--mapping FILE`.
+  is least sure. `sinew clip map CLIP` prints the proposal with reasons, as a file to edit for `--mapping FILE`.
 - **What is no human, or cannot be told**, is refused with the reason. `find` and `blend` take it without a map.
 
 All mistakes of a map are told at once.

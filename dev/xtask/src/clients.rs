@@ -111,7 +111,7 @@ impl Clients {
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// One program and servos, by kind and more options of `sinew servos`, that nobody has used: what one leaves in
+    /// One program and servos, by kind and more options of `sinew servo simulate`, that nobody has used: what one leaves in
     /// their registers would move them for the next.
     fn talk(
         &self,
@@ -123,8 +123,8 @@ impl Clients {
     ) -> Result<()> {
         let link = self.venv.folder.join("port").display().to_string();
         let mut server = Command::new(self.programs.join("sinew"));
-        server.args(["servos", "--pty", &link, "--kind"]).args(servos);
-        let _server = Server::start("sinew servos", server, &link)?;
+        server.args(["servo", "simulate", "--pty", &link, "--kind"]).args(servos);
+        let _server = Server::start("sinew servo simulate", server, &link)?;
         let mut client = self.python(script);
         client.args([&link, EXCHANGES]).args(arguments);
         client.envs(sdk.map(|sdk| ("PYTHONPATH", package(&self.venv, sdk))));

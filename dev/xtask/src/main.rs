@@ -47,7 +47,7 @@ Commands:
             of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
             `sinew play`: an arm, and with SINEW_DATA two robots
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
-            an image, the NUCLEO's own one, and `sinew play --emulate`; says `ignored` where there is none
+            an image, the NUCLEO's own one, and `sinew play --target nucleo`; says `ignored` where there is none
   limits    Compares the core with its formulas in f64 on 10,000 random rigs, each number by the limit that follows from
             its rounding, and prints the smallest mistakes that are noticed: 10 minutes on two cores
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of

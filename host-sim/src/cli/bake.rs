@@ -27,7 +27,7 @@ use super::told::ToldArgs;
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; or a motion of the rig's own: a CSV of joint
-    /// coordinates (`sinew record`, `sinew export`), or positions of servos (JSON).
+    /// coordinates (`sinew record`, `sinew clip export`), or positions of servos (JSON).
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -35,7 +35,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry.
+    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -47,7 +47,7 @@ pub(super) struct Args {
 
     /// The largest error of the show's angles, deg.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error)]
-    error: f64,
+    tolerance_deg: f64,
 
     /// A cue: a name, and when in the clip, s. Of a fitted show it stands where the motion is then.
     #[arg(long, value_name = "NAME@S", value_parser = cue)]
@@ -65,7 +65,7 @@ pub(super) struct Args {
 
     /// How long before its end a loop leaves the clip, s.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
-    blend: f64,
+    loop_blend_s: f64,
 
     /// Only the first S seconds.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
@@ -74,11 +74,11 @@ pub(super) struct Args {
     /// Also write a page: the rig in motion, plots of each joint beside its limits. One file that any browser opens
     /// from disk, without a network.
     #[arg(long, value_name = "FILE.html")]
-    page: Option<PathBuf>,
+    html: Option<PathBuf>,
 
     /// The file to write.
-    #[arg(short, long, visible_alias = "output", value_name = "FILE")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
 }
 
 /// Runs the subcommand.
@@ -90,7 +90,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
         );
     };
     let written: Vec<&Path> =
-        [&args.out].into_iter().chain(&args.page).map(PathBuf::as_path).collect();
+        [&args.output].into_iter().chain(&args.html).map(PathBuf::as_path).collect();
     let read = [
         ("rig", Some(rig)),
         ("clip", Some(Path::new(&args.clip))),
@@ -98,12 +98,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     ];
     output::distinct(&written, &read)?;
     let mut on_rig = args.on_rig.clone();
-    on_rig.blend_s = args.is_loop.then_some(args.blend);
+    on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
     let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
-    let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
+    let settings =
+        ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
         note(format_args!("note: {line}"));
@@ -135,9 +136,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
             (baked, report)
         }
     };
-    output::write(&args.out, &baked.written.bytes)?;
+    output::write(&args.output, &baked.written.bytes)?;
     let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
-    if let Some(file) = &args.page {
+    if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
             clip: &performed.name,
@@ -185,7 +186,7 @@ fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> Stri
     format!(
         "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
-        args.out.display(),
+        args.output.display(),
         performed.name,
         rig.description.name,
         baked.duration_s,

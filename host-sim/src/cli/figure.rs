@@ -1,4 +1,4 @@
-//! `sinew figure`: the bodies of a measured subject.
+//! `sinew evaluate figure`: the bodies of a measured subject.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

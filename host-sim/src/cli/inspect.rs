@@ -1,4 +1,4 @@
-//! `sinew inspect`: what files are.
+//! `sinew clip inspect`: what files are.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! `sinew map`: which joint follows which.
+//! `sinew clip map`: which joint follows which.
 
 use std::path::{Path, PathBuf};
 

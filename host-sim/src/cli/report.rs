@@ -30,13 +30,13 @@ pub(super) struct Args {
     rig: Option<PathBuf>,
 
     /// The file to write. Default: beside the recording, with its name and `.html`.
-    #[arg(short, long, visible_alias = "output", value_name = "FILE.html")]
-    out: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    let out = args.out.clone().unwrap_or_else(|| args.recording.with_extension("html"));
+    let out = args.output.clone().unwrap_or_else(|| args.recording.with_extension("html"));
     let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
     output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();

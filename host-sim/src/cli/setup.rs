@@ -20,7 +20,7 @@ pub(super) struct SetupArgs {
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 
-    /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew figure --help`.
+    /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew evaluate figure --help`.
     #[arg(long, value_name = "FILE", conflicts_with = "rig")]
     subject: Option<PathBuf>,
 

@@ -1,4 +1,4 @@
-//! `sinew weights`: how much each joint of a character matters.
+//! `sinew clip weights`: how much each joint of a character matters.
 
 use std::path::{Path, PathBuf};
 

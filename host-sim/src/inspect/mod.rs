@@ -1,4 +1,4 @@
-//! What a file of motion, a character or a rig is: `sinew inspect`.
+//! What a file of motion, a character or a rig is: `sinew clip inspect`.
 
 mod maker;
 mod motion;

@@ -45,7 +45,7 @@ pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
         extents: measured::extents(&rest, DVec3::Y),
     };
     let mut inspected = common.inspected();
-    // A rig is no body: which of its joints are whose is `sinew map --rig`'s to say.
+    // A rig is no body: which of its joints are whose is `sinew clip map --rig`'s to say.
     inspected.landmarks_missing.clear();
     (inspected.nearest, inspected.missing) = (None, Vec::new());
     let mass_kg: f64 = loaded.mechanism.bodies.iter().map(|body| body.mass_kg).sum();

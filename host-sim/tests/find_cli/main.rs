@@ -1,4 +1,4 @@
-//! `sinew find` and `sinew blend` as commands: what they print, draw and write, and their exit codes.
+//! `sinew clip find` and `sinew clip blend` as commands: what they print, draw and write, and their exit codes.
 
 mod any_skeleton;
 mod blend;

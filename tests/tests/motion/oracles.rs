@@ -1,4 +1,4 @@
-//! Golden numbers, recomputed by the code of `sinew verify`; and that it would notice a wrong one.
+//! Golden numbers, recomputed by the code of `sinew evaluate verify`; and that it would notice a wrong one.
 
 use std::fs;
 use std::path::{Path, PathBuf};

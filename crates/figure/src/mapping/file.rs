@@ -41,7 +41,7 @@ pub enum Error {
     /// The skeleton is unknown.
     #[error(
         "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping after what \
-         `sinew map` prints, and give it with --mapping"
+         `sinew clip map` prints, and give it with --mapping"
     )]
     NoneMatches {
         /// The skeleton's joints.
@@ -179,7 +179,8 @@ impl Mapping {
     /// [`Error::Io`] or [`Error::Toml`], with the file's name.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = || path.to_path_buf();
-        let expected = "a mapping on the human figure (without --rig), as `sinew map` proposes it";
+        let expected =
+            "a mapping on the human figure (without --rig), as `sinew clip map` proposes it";
         let text = read::text_of(path, expected, &[Kind::FigureMapping, Kind::Toml])
             .map_err(|source| Error::Io { file: file(), source })?;
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })

@@ -36,7 +36,7 @@ impl fmt::Display for Proposed {
         let Self { body, confidence, reason } = self;
         write!(
             f,
-            "mapped as `sinew map` proposes, as no known skeleton has its joints; least sure: {body}, {:.0} %: {reason}",
+            "mapped as `sinew clip map` proposes, as no known skeleton has its joints; least sure: {body}, {:.0} %: {reason}",
             100.0 * confidence
         )
     }
@@ -85,7 +85,7 @@ fn propose(recording: &Recording) -> Result<Found<'static>, String> {
         proposed.as_ref().filter(|least| least.confidence < SURE)
     {
         return Err(format!(
-            "not sure of {body}: {reason}. Look at what `sinew map` prints, and give it with --mapping if it is right"
+            "not sure of {body}: {reason}. Look at what `sinew clip map` prints, and give it with --mapping if it is right"
         ));
     }
     let mapping = Mapping::try_from(proposal.map)?;

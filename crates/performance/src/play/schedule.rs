@@ -32,7 +32,7 @@ pub(super) struct Needs {
 #[non_exhaustive]
 pub enum RateError {
     /// The asked one is.
-    #[error("--rate {asked_hz}: line {line:?} at {baud} bit/s has no time for it; {fits}")]
+    #[error("--rate-hz {asked_hz}: line {line:?} at {baud} bit/s has no time for it; {fits}")]
     Asked {
         /// What was asked for.
         asked_hz: u32,

@@ -22,7 +22,7 @@ pub enum TaughtError {
     Rest,
     /// The frequency is too high.
     #[error(
-        "--cutoff: expected a frequency below half of the {rate_hz} rows a second, found {cutoff_hz} Hz"
+        "--cutoff-hz: expected a frequency below half of the {rate_hz} rows a second, found {cutoff_hz} Hz"
     )]
     Cutoff {
         /// Rows a second.

@@ -124,7 +124,7 @@ mod tests {
     fn our_programs_are_found_in_what_a_shell_reads() {
         let program = |name, arguments: &str| Call::Program(name, words(arguments));
         assert_eq!(
-            calls("sinew find a/ --like b # what it does"),
+            calls("sinew clip find a/ --like b # what it does"),
             [program("sinew", "find a/ --like b")]
         );
         assert_eq!(

@@ -1,4 +1,4 @@
-//! `sinew play --board`: a show on a controller at a serial port.
+//! `sinew play --target PORT`: a show on a controller at a serial port.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -50,7 +50,7 @@ pub(super) fn perform(
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
-    perform_on(&mut open(Some(path))?, parts, bytes, rounds)
+    perform_on(&mut open(Some(path), "--target")?, parts, bytes, rounds)
 }
 
 /// The same on a board in a session.

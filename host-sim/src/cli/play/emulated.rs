@@ -1,4 +1,4 @@
-//! `sinew play --emulate`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
+//! `sinew play --target nucleo`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -51,9 +51,15 @@ pub(super) fn perform(
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
     let [line] = parts.lines.as_slice() else {
-        bail!("--emulate: the rig has {} buses, the board one serial line", parts.lines.len());
+        bail!(
+            "--target nucleo: the rig has {} buses, the board one serial line",
+            parts.lines.len()
+        );
     };
-    ensure!(!line.is_of_pulses(), "--emulate: servos that take pulses are not emulated there");
+    ensure!(
+        !line.is_of_pulses(),
+        "--target nucleo: servos that take pulses are not emulated there"
+    );
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism)?;
     let servos = parts.simulated(&mut memories, plant)?.pop().context("it has one line")?;

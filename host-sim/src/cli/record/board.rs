@@ -32,7 +32,7 @@ pub(super) fn led(
     seconds: Option<f64>,
 ) -> anyhow::Result<RigMotion> {
     check_servos(parts, mode)?;
-    let mut board = open(Some(port))?;
+    let mut board = open(Some(port), "--target")?;
     check_rig(&board, parts)?;
     // As often as there are ticks: how long one is, the board alone knows.
     let tick_s = f64::from(board.telemetry(f32::MAX, Told::SUMMARY)?.rate_hz).recip();
