@@ -1,5 +1,5 @@
-//! What `sinew clip blend` made: figures through the transition, where the clips are near each other, and how fast their
-//! joints are.
+//! What `sinew clip blend` made: figures through the transition, where the clips are near each other, and how fast
+//! their joints are.
 
 use std::io;
 use std::path::Path;

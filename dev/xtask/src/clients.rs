@@ -111,8 +111,8 @@ impl Clients {
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// One program and servos, by kind and more options of `sinew servo simulate`, that nobody has used: what one leaves in
-    /// their registers would move them for the next.
+    /// One program and servos, by kind and more options of `sinew servo simulate`, that nobody has used: what one
+    /// leaves in their registers would move them for the next.
     fn talk(
         &self,
         title: &str,

@@ -122,13 +122,13 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     let machines = parity::build()?;
     let image = node::build()?;
     let emulator = emulate::build(emulator)?;
-    if !data {
+    if data {
+        tests.args(["--run-ignored", "all"]);
+    } else {
         let result = step::run("tests that need nothing but the workspace", &mut tests);
         *slowest = nextest::slowest("default");
         result?;
         tests.args(["--run-ignored", "only"]);
-    } else {
-        tests.args(["--run-ignored", "all"]);
     }
     tests
         .envs(machines.into_iter().chain([image]))

@@ -31,8 +31,8 @@ pub(super) struct ClipArgs {
     #[arg(long, requires = "clips")]
     strict: bool,
 
-    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew clip map`. Default: chosen among the
-    /// known ones; of a rig by names and geometry.
+    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew clip map`. Default: chosen among
+    /// the known ones; of a rig by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 

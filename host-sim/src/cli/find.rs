@@ -72,8 +72,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map --list`).
-    /// Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be compared.
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map
+    /// --list`). Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be
+    /// compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 

@@ -40,8 +40,8 @@ use sinew_host_util::command::{exit_code, note};
 
 /// A motion core for animatronic figures: from a clip to torques of servos.
 ///
-/// Start with `sinew rig new` or `sinew rig import`; then `sinew bake` makes a show of a clip, and `sinew play` performs
-/// it. Without a command, `sinew` is `sinew evaluate`.
+/// Start with `sinew rig new` or `sinew rig import`; then `sinew bake` makes a show of a clip, and `sinew play`
+/// performs it. Without a command, `sinew` is `sinew evaluate`.
 ///
 /// Exit codes: 0 done; 1 done, and the result is bad; 2 not done, because of bad input or usage.
 #[derive(Debug, Parser)]

@@ -43,9 +43,10 @@ const STACK_BYTES: usize = 256 << 20;
 
 /// Play a show on a rig: on simulated servos, or on a board.
 ///
-/// The controller is the one that boards run. The simulated rig hangs on a stand. Power comes on; the rig is armed where
-/// it is, and goes to the show's first pose at 20 deg/s at most; it plays, goes to its rest pose, and is limp again. At
-/// the end a table shows how well each joint followed. Every run of a command puts the same bytes on the wire.
+/// The controller is the one that boards run. The simulated rig hangs on a stand. Power comes on; the rig is armed
+/// where it is, and goes to the show's first pose at 20 deg/s at most; it plays, goes to its rest pose, and is limp
+/// again. At the end a table shows how well each joint followed. Every run of a command puts the same bytes on the
+/// wire.
 ///
 /// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
 /// rest, then torque is off. A second Ctrl-C ends at once.
@@ -80,16 +81,17 @@ pub(super) struct Args {
     /// image on an emulated chip, with simulated servos, several times slower than real time; or the serial port of a
     /// controller board, such as /dev/ttyACM0, and `auto` for the USB port where one answers.
     ///
-    /// A board must have this rig; it gets the show if it has it not. Ctrl-C stops its rig: it goes to its rest pose, is
-    /// lowered, and is limp. `cargo xtask emulate` builds the emulator and the image of `nucleo`; `SINEW_EMULATOR` and
-    /// `SINEW_NUCLEO_IMAGE` name others.
+    /// A board must have this rig; it gets the show if it has it not. Ctrl-C stops its rig: it goes to its rest pose,
+    /// is lowered, and is limp. `cargo xtask emulate` builds the emulator and the image of `nucleo`; `SINEW_EMULATOR`
+    /// and `SINEW_NUCLEO_IMAGE` name others.
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
     #[command(flatten)]
     pace: Pace,
 
-    /// Mapping of a clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and geometry.
+    /// Mapping of a clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and
+    /// geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 

@@ -25,12 +25,12 @@ use super::target::Target;
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
 /// By default torque is off: hold the rig. With --float the rig carries its own weight by its model, and stays about
-/// where you leave it; for this every servo must have a current mode. The measured motion is low-passed, and rest at its
-/// beginning and end is cut; both are reported.
+/// where you leave it; for this every servo must have a current mode. The measured motion is low-passed, and rest at
+/// its beginning and end is cut; both are reported.
 ///
-/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end it reports how far the result
-/// is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig goes to rest, and
-/// is limp before this ends.
+/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end it reports how far the
+/// result is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig goes to
+/// rest, and is limp before this ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]

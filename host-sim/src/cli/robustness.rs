@@ -28,7 +28,8 @@ use super::setup::SetupArgs;
 /// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
 /// and its linear error are smaller.
 ///
-/// `--projection-weights` gives angle against distance: `recommended` with other weights than its own, beside the methods.
+/// `--projection-weights` gives angle against distance: `recommended` with other weights than its own, beside the
+/// methods.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

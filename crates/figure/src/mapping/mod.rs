@@ -221,6 +221,9 @@ impl Binding {
     /// is a damaged digit, and how unlike real sides can be is not known to us: both numbers are choices. One digit
     /// in the first place changes a length by half of it or more where that digit is small (1 to 2, 3 to 5), or where
     /// a digit more makes it ten times as long; what is smaller harms in proportion, and passes.
+    ///
+    /// # Errors
+    /// If the two sides of a limb differ by half or more.
     pub fn check_sides(&self) -> Result<(), UnlikeSides> {
         for (left, body) in BODIES.iter().enumerate() {
             let Some(part) = body.name.strip_suffix("_l") else { continue };

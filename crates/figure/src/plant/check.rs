@@ -119,7 +119,10 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Whether a body and its joint are ones that a machine can have.
+/// Checks that a machine can have this body and its joint.
+///
+/// # Errors
+/// If a number of the body or its joint is one that no machine can have.
 pub fn check_link(body: usize, link: &Link) -> Result<(), PlantError> {
     match body_fault(link).or_else(|| joint_fault(link)) {
         Some((item, expected, found)) => Err(PlantError::Body { body, item, expected, found }),

@@ -19,9 +19,9 @@ use super::servos;
 
 /// Bus servos: find them, give them ids, set them up, calibrate, watch or simulate them.
 ///
-/// The servos are Dynamixels (protocol 2.0) or Feetechs. They are on a serial port (--port: a USB adapter such as U2D2 or
-/// Feetech's board, or the link of `sinew servo simulate`), or on a controller board (--board). Without --protocol and
-/// --baud a servo is searched for in both protocols at all their rates.
+/// The servos are Dynamixels (protocol 2.0) or Feetechs. They are on a serial port (--port: a USB adapter such as U2D2
+/// or Feetech's board, or the link of `sinew servo simulate`), or on a controller board (--board). Without --protocol
+/// and --baud a servo is searched for in both protocols at all their rates.
 ///
 /// Exit codes: 0 done; 1 done, and the result is bad (nothing found, settings differ); 2 not done.
 #[derive(Debug, Args)]
