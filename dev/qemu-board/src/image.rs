@@ -11,8 +11,8 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use sinew_firmware::show::Show;
 use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
+use sinew_firmware::show::Show;
 
 // `SHOW` and `CAPACITY`.
 include!(concat!(env!("OUT_DIR"), "/baked.rs"));

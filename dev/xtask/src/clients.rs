@@ -34,7 +34,7 @@ pub(crate) fn run() -> Result<()> {
     let clients = Clients::install()?;
     // With a test beside them, they are built of the very crates that the tests are: nothing is built twice.
     let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "parity", "--bin", "sinew"]);
+    build.args(["build", "--locked", "--workspace", "--test", "memory", "--bin", "sinew"]);
     build.args(["--example", "tables", "--example", "master"]);
     step::run("build what clients talk to", &mut build)?;
     let start = Instant::now();

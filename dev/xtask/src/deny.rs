@@ -17,7 +17,15 @@ pub(crate) fn run() -> Result<()> {
         command.current_dir(step::root()).arg("--locked").args(arguments);
         command
     };
-    let checks = ["check", "--config", "dev/deny.toml", "--hide-inclusion-graph", "licenses", "bans", "sources"];
+    let checks = [
+        "check",
+        "--config",
+        "dev/deny.toml",
+        "--hide-inclusion-graph",
+        "licenses",
+        "bans",
+        "sources",
+    ];
     step::run("licences, sources and versions", &mut deny(&checks))?;
     // The database of advisories is on GitHub, which not every machine reaches.
     if step::output(&mut deny(&["fetch", "db"])).is_none() {

@@ -19,8 +19,7 @@ const MANIFEST: &str = "dev/nucleo/emulator/Cargo.toml";
 const TITLE: &str = "build the emulator";
 
 /// Tries the chip's peripherals.
-pub(crate) const CHIP: Image =
-    Image { package: "sinew-nucleo-image", name: "chip", feature: None };
+pub(crate) const CHIP: Image = Image { package: "sinew-nucleo-image", name: "chip", feature: None };
 /// The node, as it is flashed.
 const NUCLEO: Image = Image { package: "nucleo_f446re", name: "nucleo_f446re", feature: None };
 /// Leaves out what keeps packets whole: the tests of the bus must notice.
@@ -39,7 +38,7 @@ pub(crate) fn test() -> Command {
     // Of the whole workspace's features: nothing is built twice.
     test.args(["test", "--locked", "--workspace"]);
     // Those of `sinew play --emulate` are among the shows.
-    test.args(["chip", "nucleo", "shows"].iter().flat_map(|of| ["--test", of]));
+    test.args(["nucleo", "shows"].iter().flat_map(|of| ["--test", of]));
     test.args(["--", "emulated", "--include-ignored"]);
     if std::env::var_os("SINEW_DATA").is_none() {
         test.args(["--skip", "walks"]);

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 use sinew_firmware::show::Show;
 use sinew_image::{BOARDS, Baked, Board, EMULATED};
-use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
 
 use crate::budget::{self, Figures, Place, field, number};
 use crate::image::Image;
@@ -118,7 +118,7 @@ fn bake(boards: &[Board]) -> Result<()> {
             "--bin",
             "sinew",
             "--test",
-            "parity",
+            "memory",
         ]),
     )?;
     let simulator = env::current_exe()?.with_file_name(format!("sinew{}", env::consts::EXE_SUFFIX));

@@ -22,7 +22,7 @@ pub(crate) fn run() -> Result<()> {
 pub(crate) fn test() -> Command {
     let mut test = step::cargo();
     // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "node", "--test", "shows"]).args([
+    test.args(["test", "--locked", "--workspace", "--test", "firmware", "--test", "shows"]).args([
         "--",
         "emulated",
         "in_qemu",

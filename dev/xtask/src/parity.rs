@@ -16,9 +16,10 @@ pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", targ
 };
 
 /// The program for emulated boards; hosts' is of the same name.
-pub(crate) const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };
+pub(crate) const IMAGE: Image =
+    Image { package: "sinew-bit-parity", name: "parity", feature: None };
 
-/// Where `tests/tests/parity.rs` finds a machine's program; empty for one that cannot be built here.
+/// Where `tests/tests/cross_crate/parity.rs` finds a machine's program; empty for one that cannot be built here.
 pub(crate) type Variable = (&'static str, PathBuf);
 
 /// Builds the programs and runs the test.
@@ -31,8 +32,17 @@ pub(crate) fn run() -> Result<()> {
 pub(crate) fn test() -> Command {
     let mut test = step::cargo();
     // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "parity", "--", "--include-ignored"])
-        .arg("--nocapture");
+    test.args([
+        "test",
+        "--locked",
+        "--workspace",
+        "--test",
+        "cross_crate",
+        "parity::",
+        "--",
+        "--include-ignored",
+    ])
+    .arg("--nocapture");
     if std::env::var_os("SINEW_DATA").is_none() {
         test.args(["--skip", "recorded"]);
     }

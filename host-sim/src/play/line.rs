@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use sinew_rig::servo::Address;
 use sinew_servo_bus::feetech::table::BAUDS as FEETECH_BAUDS;
 use sinew_servo_bus::pca9685::{self, ChannelSetup};
 use sinew_servo_bus::{Schedule, ServoBus, Timing, dynamixel, feetech};
-use sinew_rig::servo::Address;
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 use sinew_wiring::{OnLine, Protocol};

@@ -1,12 +1,12 @@
 //! What a rig's controller, buses and simulated servos are made of.
 
-use sinew_servo_bus::Schedule;
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_rig::board::BakeError;
 use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::Freedom;
 use sinew_rig::{Description, Mechanism};
+use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;

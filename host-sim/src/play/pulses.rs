@@ -2,9 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use sinew_rig::servo::Address;
 use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
 use sinew_servo_bus::{Cost, Timing, Traffic};
-use sinew_rig::servo::Address;
 use sinew_servo_sim::bench::{Chip, OSCILLATOR_HZ};
 use sinew_servo_sim::firmware::pulse::{MIDDLE_US, QUARTER_TURN_US};
 use sinew_wiring::Pulses;

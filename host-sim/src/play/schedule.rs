@@ -1,7 +1,7 @@
 //! The rate of a rig's loop: what was asked for, if the lines have time for it, or what they have time for.
 
-use sinew_servo_bus::{Schedule, Timing, Traffic};
 use sinew_core::tracker::LATE_MOST_S;
+use sinew_servo_bus::{Schedule, Timing, Traffic};
 use thiserror::Error;
 
 /// Rates that are tried in turn where servos take currents, Hz.

@@ -1,12 +1,12 @@
 //! One servo of a rig that plays: how it is driven, and what the controller knows of it.
 
-use sinew_servo_bus::dynamixel;
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
     CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
 };
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_rig::Description;
+use sinew_servo_bus::dynamixel;
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 

@@ -3,13 +3,13 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use sinew_servo_bus::dynamixel::table::address;
-use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
-use sinew_servo_bus::{Effort, ServoBus as _, settings};
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
+use sinew_servo_bus::{Effort, ServoBus as _, settings};
 use sinew_servo_sim::bench::{Bench, Branch};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
 use sinew_servo_sim::line::{Line, Wired as _, run_all};

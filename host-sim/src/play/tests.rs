@@ -1,13 +1,13 @@
 use std::f64::consts::FRAC_PI_8;
 
-use sinew_servo_bus::dynamixel::table::address;
-use sinew_servo_bus::feetech::table::address as feetech_address;
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
 use sinew_rig::description::DriveKind;
 use sinew_rig::new::arm;
 use sinew_rig::servo::Address;
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address as feetech_address;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings;
 

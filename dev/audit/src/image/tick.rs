@@ -2,6 +2,8 @@
 
 use core::hint::black_box;
 
+use sinew_bit_parity::replay::{Replay, TorqueHash};
+use sinew_bit_parity::{decode, run};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
 use sinew_core::tracker::{Measured, MethodName, Settings, Timing, Tracker};
@@ -10,8 +12,6 @@ use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::indicator;
 use sinew_firmware::show::Show;
 use sinew_firmware::watchdog::Complete;
-use sinew_bit_parity::replay::{Replay, TorqueHash};
-use sinew_bit_parity::{decode, run};
 
 use super::{N, construct, desired, measured, slice, slice_mut, tree};
 

@@ -10,8 +10,15 @@ use crate::elf::{Elf, Lines, last_part};
 use crate::step;
 
 /// Where what boards may call is written, seen from the workspace.
-const SOURCES: [&str; 7] =
-    ["crates/servo-bus/src", "core/src", "firmware/src", "crates/link/src", "dev/bit-parity/src", "crates/show/src", "crates/storage/src"];
+const SOURCES: [&str; 7] = [
+    "crates/servo-bus/src",
+    "core/src",
+    "firmware/src",
+    "crates/link/src",
+    "dev/bit-parity/src",
+    "crates/show/src",
+    "crates/storage/src",
+];
 
 /// What of it is for hosts alone.
 const OF_HOSTS: &str = "crates/show/src/write/";

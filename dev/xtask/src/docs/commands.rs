@@ -18,7 +18,7 @@ pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     // With a test beside them, the programs are built of the very crates that the tests are: nothing is built twice.
     let programs = PROGRAMS.iter().flat_map(|(_, program)| ["--bin", program]);
     let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "parity"]).args(programs);
+    build.args(["build", "--locked", "--workspace", "--test", "memory"]).args(programs);
     step::run("build the programs of the commands", &mut build)?;
     let mut faults = Vec::new();
     for page in pages {

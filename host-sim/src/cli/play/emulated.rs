@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, item, nonce};
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::RIG_SCHEMA;
 use sinew_link::message::Kind;
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_sim::command::{note, print};
 use sinew_sim::play::{Line, Memory, Parts};

@@ -2,11 +2,11 @@
 
 use std::cell::{Cell, RefCell};
 
+use sinew_firmware::controller::Wire;
 use sinew_servo_bus::settings::Demand;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
-use sinew_firmware::controller::Wire;
 use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, Wired as _, run_all};
 use sinew_servo_sim::load::Plant;

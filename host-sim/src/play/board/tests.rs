@@ -14,9 +14,9 @@ use sinew_link::message::{
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
 use sinew_rig::new::{arm, face};
-use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::plant::RigPlant;
+use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 use sinew_show::write::Settings as ShowSettings;
 
 use super::{Chip, SimulatedBoard};
@@ -229,7 +229,8 @@ fn servos_are_reached_through_a_limp_board_alone() {
         client.set_baud(57_600).unwrap();
         assert!(client.read_bytes(1, 0, 2).is_err());
         let mut second = BoardServos::new(client.into_line().into_board(), 1).unwrap();
-        let none = sinew_servo_tools::Exchange::set_baud(&mut second, baud).unwrap_err().to_string();
+        let none =
+            sinew_servo_tools::Exchange::set_baud(&mut second, baud).unwrap_err().to_string();
         assert!(none.contains("no such line"), "{none}");
         desk.client = second.into_board();
         desk.arm();
@@ -246,7 +247,8 @@ fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
         desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
         desk.until(State::Limp);
         let mut chip = BoardServos::new(desk.client, 0).unwrap();
-        let none = sinew_servo_tools::Exchange::set_baud(&mut chip, 1_000_000).unwrap_err().to_string();
+        let none =
+            sinew_servo_tools::Exchange::set_baud(&mut chip, 1_000_000).unwrap_err().to_string();
         assert!(none.contains("no such line"), "{none}");
         desk.client = chip.into_board();
         desk.arm();

@@ -1,11 +1,11 @@
 //! What the node is told before it plays: what its board has built in, then over the link rig, settings and show.
 
 use sha2::{Digest as _, Sha256};
+use sinew_firmware::node::{NodeSettings, RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
+use sinew_link::message::{Item, Kind};
 use sinew_qemu_node::built_in::{BuiltIn, Line, Rig, Servo};
 use sinew_qemu_node::message::ToNode;
 use sinew_qemu_node::node::{CAPACITY, LINES, RIG_ROOM};
-use sinew_firmware::node::{NodeSettings, RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
-use sinew_link::message::{Item, Kind};
 
 use super::error::TwinError;
 use super::node::Node;

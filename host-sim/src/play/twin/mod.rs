@@ -21,11 +21,11 @@ pub use emulator::Emulator;
 pub use error::TwinError;
 pub(super) use twinned::Twinned;
 
-use sinew_servo_bus::Request;
-use sinew_qemu_node::message::{OfLoop, Packets, ToHost, ToNode};
-use sinew_qemu_node::node::{bits, commanded};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
+use sinew_qemu_node::message::{OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::node::{bits, commanded};
+use sinew_servo_bus::Request;
 
 use super::{Drive, Loop, Parts};
 use emulator::IMAGE;

@@ -1,11 +1,11 @@
 //! A node as a host sees it: messages of the lock-step, and over them the link.
 
-use sinew_qemu_node::message::{End, LINE_AT_ONCE, TakeError, ToHost, ToNode};
 use sinew_link::message::{
     Applied, Block, Command, Hello, Item, Outcome, Stream, ToController, ToHost as Said, Version,
     Welcome,
 };
 use sinew_link::{Decoder, FRAME_MAX, Sender, encode};
+use sinew_qemu_node::message::{End, LINE_AT_ONCE, TakeError, ToHost, ToNode};
 
 use super::emulator::Emulator;
 use super::error::TwinError;

@@ -3,9 +3,9 @@ use std::io::{PipeReader, PipeWriter, Read as _, Write as _, pipe};
 use std::panic::resume_unwind;
 use std::thread;
 
+use sinew_firmware::supervisor::FaultSet;
 use sinew_qemu_node::message::{Bytes, End};
 use sinew_qemu_node::node::{self, FLASH_LEN};
-use sinew_firmware::supervisor::FaultSet;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::new::arm;
 use sinew_rig::{Description, Mechanism};

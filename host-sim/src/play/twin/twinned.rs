@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use sinew_qemu_node::message::ToNode;
 use sinew_servo_bus::settings::Demand;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
-use sinew_qemu_node::message::ToNode;
 
 use super::Twin;
 

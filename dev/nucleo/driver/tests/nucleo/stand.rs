@@ -5,11 +5,11 @@ use std::time::Duration;
 use std::{env, fs};
 
 use sinew_board_client::{Board, ClientError, Line as Link, item};
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
 use sinew_mocap::files::ClipFile;
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
 use sinew_rig::import::Options as Import;
 use sinew_rig::new::arm;
