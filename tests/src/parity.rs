@@ -1,5 +1,5 @@
-//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers differ;
-//! what any machine answers.
+//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers
+//! differ; what any machine answers.
 
 use std::fmt;
 use std::fs::File;
@@ -9,9 +9,9 @@ use std::process::Command;
 
 use sinew_bit_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
 use sinew_bit_parity::{RUN, answer};
-use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
-use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
-use sinew_sim::show;
+use sinew_evaluation::{CAPACITY, MethodName, Protocol, track};
+use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
+use sinew_performance::show;
 
 /// Coordinates of the largest show that is decoded.
 const COORDINATES: usize = 20;

@@ -9,8 +9,9 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 
+use crate::nextest;
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// What pip installs together. The versions that were tried.
 const PACKAGES: [&str; 7] = [
@@ -32,11 +33,7 @@ const EXCHANGES: &str = "1000";
 
 pub(crate) fn run() -> Result<()> {
     let clients = Clients::install()?;
-    // With a test beside them, they are built of the very crates that the tests are: nothing is built twice.
-    let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "memory", "--bin", "sinew"]);
-    build.args(["--example", "tables", "--example", "master"]);
-    step::run("build what clients talk to", &mut build)?;
+    nextest::build()?;
     let start = Instant::now();
     clients.compare_tables()?;
     clients.talk_to_dynamixels()?;

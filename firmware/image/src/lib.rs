@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+#[cfg(feature = "bake")]
 mod bake;
 mod boards;
 mod link;
@@ -24,12 +25,16 @@ pub use link::link;
 /// that the board holds.
 ///
 /// # Panics
-/// If the board is not in [`BOARDS`], has no memory, or has no show that it could perform.
+/// If the board is not in [`BOARDS`], has no memory, or has no show that it could perform. A board that performs a show
+/// by itself needs the feature `bake`.
 pub fn board(scripts: &[&str]) {
     let board = Board::named(&link::variable("CARGO_PKG_NAME"));
     if link(board, scripts)
         && let Some(baked) = board.baked
     {
+        #[cfg(feature = "bake")]
         bake::bake(board.name, baked.bodies);
+        #[cfg(not(feature = "bake"))]
+        panic!("{}, of {} bodies, needs the feature `bake`", board.name, baked.bodies);
     }
 }

@@ -5,20 +5,21 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{self, Settings};
+use sinew_figure::{BodyModel, mapping};
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
 use sinew_mocap::files::ClipFile;
+use sinew_performance::rig::Loaded;
+use sinew_performance::show;
+use sinew_performance::{
+    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
+};
+use sinew_report::feasibility::Page;
 use sinew_retarget::feasibility::{check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
-use sinew_sim::command::{note, print};
-use sinew_sim::figure::{BodyModel, mapping};
-use sinew_sim::output;
-use sinew_sim::performance::{
-    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
-};
-use sinew_sim::pipeline::{self, Settings};
-use sinew_sim::report::feasibility::Page;
-use sinew_sim::rig::Loaded;
-use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
 use super::evaluate::scale;

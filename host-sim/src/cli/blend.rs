@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
+use sinew_figure::Mapping;
+use sinew_figure::pipeline::{LoadedClip, Settings, load_clip};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output;
 use sinew_mocap::bvh;
 use sinew_mocap::files::ClipFile;
-use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::figure::Mapping;
-use sinew_sim::find::{Part, Reference};
-use sinew_sim::output;
-use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
-use sinew_sim::report::blend as picture;
-use sinew_sim::spatial::{BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace};
+use sinew_pose_metrics::blend::{self, Outcome, Pair, Places, Side};
+use sinew_pose_metrics::find::{Part, Reference};
+use sinew_pose_metrics::spatial::{
+    BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace,
+};
+use sinew_report::blend as picture;
 
 use super::clips::seconds;
 use super::find::{self, ensure_room, frames};

@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use rayon::prelude::*;
+use sinew_evaluation::Take;
+use sinew_evaluation::exercise::{Exercise, Exercises, exercises};
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{self, Notice, Settings};
+use sinew_figure::{FigureMotion, mapping};
+use sinew_host_util::command::note;
 use sinew_mocap::files::{ClipFile, expand_all};
-use sinew_sim::builtin;
-use sinew_sim::evaluate::Take;
-use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
-use sinew_sim::figure::{FigureMotion, mapping};
-use sinew_sim::performance::RigClip;
-use sinew_sim::pipeline::{self, Notice, Settings};
-use sinew_sim::rig::Loaded;
-
-use sinew_sim::command::note;
+use sinew_performance::RigClip;
+use sinew_performance::rig::Loaded;
 
 use super::performance::{ON_STAND, OnRig};
 use super::told::ToldArgs;

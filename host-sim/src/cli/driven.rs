@@ -1,7 +1,7 @@
 //! Options of how a rig's servos are driven: by whoever simulates them, and by a board that gets its rig.
 
 use clap::ValueEnum;
-use sinew_sim::play::{Drive, Options};
+use sinew_performance::play::{Drive, Options};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum DriveArg {

@@ -7,16 +7,15 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_rig::Mechanism;
-use sinew_rig::review::{Finding, Loop, Severity};
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::robustness::TRACKS_BELOW_DEG;
-use sinew_sim::evaluate::{
+use sinew_evaluation::robustness::TRACKS_BELOW_DEG;
+use sinew_evaluation::{
     EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
 };
-
-use sinew_sim::output::{self, Folder};
-use sinew_sim::rig::{Loaded, review};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output::{self, Folder};
+use sinew_performance::rig::{Loaded, review};
+use sinew_rig::Mechanism;
+use sinew_rig::review::{Finding, Loop, Severity};
 
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};

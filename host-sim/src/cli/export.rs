@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use sinew_host_util::command::note;
+use sinew_host_util::output;
 use sinew_mocap::bvh;
 use sinew_retarget::exchange::{blender, clip, servos, table};
 use sinew_retarget::feasibility::Curve;
-use sinew_sim::command::note;
-use sinew_sim::output;
 
 use super::clips::rate;
 use super::performance::{FOR_OTHERS, OnRig};

@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_sim::figure::Mapping;
-use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
-use sinew_sim::pipeline::{Notice, Settings};
-use sinew_sim::report::moments as picture;
-use sinew_sim::spatial::{BODY_COUNT, BODY_COUNT_MAX, Measure, Measuring, Rigid, SpatialRig};
-
-use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
+use sinew_figure::Mapping;
+use sinew_figure::pipeline::{Notice, Settings};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_pose_metrics::find::{self, Library, Limits, Part, Query, Reference, Search};
+use sinew_pose_metrics::spatial::{
+    BODY_COUNT, BODY_COUNT_MAX, Measure, MeasureArgs, Measuring, Rigid, SpatialRig,
+};
+use sinew_report::moments as picture;
 
 use super::told::ToldArgs;
 

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
-use sinew_sim::command::{ThreadArgs, print, with_progress};
-use sinew_sim::evaluate::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
-use sinew_sim::evaluate::{Setup, Take};
-use sinew_sim::figure::Dimensions;
+use sinew_evaluation::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
+use sinew_evaluation::{Setup, Take};
+use sinew_figure::Dimensions;
+use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};

@@ -33,7 +33,7 @@ mod weights;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use sinew_sim::command::exit_code;
+use sinew_host_util::command::exit_code;
 
 /// A motion core for animatronic figures, evaluated on motion capture.
 ///

@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
-use sinew_sim::evaluate::exercise::Exercise;
-use sinew_sim::evaluate::optimum::{Optimum, optimum};
-use sinew_sim::evaluate::{BodySource, Evaluation, Protocol, Setup, Take};
-use sinew_sim::figure::FigureMotion;
-use sinew_sim::performance::RigClip;
-use sinew_sim::report::scene::Mannequin;
-use sinew_sim::report::{Comparison, Playback, Report, Sweep};
-
-use sinew_sim::command::note;
+use sinew_evaluation::exercise::Exercise;
+use sinew_evaluation::optimum::{Optimum, optimum};
+use sinew_evaluation::{BodySource, Evaluation, Protocol, Setup, Take};
+use sinew_figure::FigureMotion;
+use sinew_host_util::command::note;
+use sinew_performance::RigClip;
+use sinew_report::scene::Mannequin;
+use sinew_report::{Comparison, Playback, Report, Sweep};
 
 /// Options of the report.
 #[derive(Debug, clap::Args)]

@@ -4,8 +4,11 @@ use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Kind, read as file};
+use sinew_performance::rig::Loaded;
+use sinew_performance::{ClipSettings, PreparedClip, TakenOver, fitted, take_over};
 use sinew_retarget::exchange::{blender, servos, table};
 use sinew_retarget::feasibility::{
     Fit, FitSettings, Limits, LoopError, Looped, RigMotion, fit, looped,
@@ -16,9 +19,6 @@ use sinew_retarget::{Landmark, Side};
 use sinew_rig::Mechanism;
 use sinew_rig::description::Base;
 use sinew_rig::review::Servos;
-use sinew_sim::command::note;
-use sinew_sim::performance::{ClipSettings, PreparedClip, TakenOver, fitted, take_over};
-use sinew_sim::rig::Loaded;
 
 use super::rig::read;
 use super::told::ToldArgs;

@@ -12,19 +12,19 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_firmware::supervisor::{Fault, Refused};
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
 use sinew_mocap::Kind;
+use sinew_performance::play::{
+    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
+    put_servos,
+};
+use sinew_performance::rig::Loaded;
+use sinew_performance::{Baker, Marks, rig_hash};
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::Show;
 use sinew_show::write::Settings as ShowSettings;
-use sinew_sim::command::{note, print};
-use sinew_sim::output;
-use sinew_sim::performance::{Baker, Marks, rig_hash};
-use sinew_sim::play::{
-    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
-    put_servos,
-};
-use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
 use super::driven::DrivenArgs;

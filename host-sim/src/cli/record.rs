@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
+use sinew_performance::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
+use sinew_performance::rig::Loaded;
+use sinew_performance::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
+use sinew_performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
 use sinew_retarget::exchange::table;
 use sinew_retarget::feasibility::{RigMotion, check};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings as ShowSettings;
-use sinew_sim::command::{note, print};
-use sinew_sim::output;
-use sinew_sim::performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
-use sinew_sim::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
-use sinew_sim::rig::Loaded;
-use sinew_sim::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
 
 use super::clips::{rate, seconds};
 use super::performance::{ON_STAND, OnRig};

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
+use sinew_host_util::command::note;
+use sinew_host_util::output;
+use sinew_performance::play::Recording;
+use sinew_report::recording::{Page, cut, duration_s};
 use sinew_rig::Description;
 use sinew_rig::toml_file;
-use sinew_sim::command::note;
-use sinew_sim::output;
-use sinew_sim::play::Recording;
-use sinew_sim::report::recording::{Page, cut, duration_s};
 
 use super::rig::read;
 

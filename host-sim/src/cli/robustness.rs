@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use anyhow::{bail, ensure};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
-use sinew_sim::command::{ThreadArgs, print, with_progress};
-use sinew_sim::evaluate::pareto::on_front;
-use sinew_sim::evaluate::robustness::{Trial, as_built, median, trial};
-use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
-use sinew_sim::figure::Dimensions;
+use sinew_evaluation::pareto::on_front;
+use sinew_evaluation::robustness::{Trial, as_built, median, trial};
+use sinew_evaluation::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
+use sinew_figure::Dimensions;
+use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};

@@ -7,6 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, bail};
 use signal_hook::consts::{SIGINT, SIGTERM};
+use sinew_host_util::command::{note, print};
+use sinew_performance::rig::Loaded;
 use sinew_servo_sim::fault::FaultOrder;
 use sinew_servo_sim::fleet::{self, Memory, Setup, Wanted};
 use sinew_servo_sim::kind::Kind;
@@ -14,9 +16,6 @@ use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::port::{Port, serve};
 use sinew_servo_sim::rig;
 use sinew_servo_sim::supply::Supply;
-use sinew_sim::command::{note, print};
-
-use sinew_sim::rig::Loaded;
 
 use super::rig::read;
 

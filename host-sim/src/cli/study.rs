@@ -18,6 +18,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<std::process::ExitCode> {
     let given: Vec<_> = args.arguments.iter().map(|argument| argument.to_string_lossy()).collect();
     let given = if given.is_empty() { "--help".into() } else { given.join(" ") };
     bail!(
-        "the studies are a command of their own: run `cargo run --release -p sinew-studies -- {given}`"
+        "the studies are a command of their own: run `cargo run --release --manifest-path dev/studies/Cargo.toml -- {given}`"
     )
 }

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::{Errors, Take as _, step_count};
-use sinew_sim::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
+use sinew_evaluation::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
+use sinew_evaluation::{Errors, Take as _, step_count};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 
 use super::clips::{ClipArgs, seconds, tell};
 use super::performance::OnRig;

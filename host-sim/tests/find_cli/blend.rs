@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use sinew_figure::pipeline::{self, Settings};
 use sinew_mocap::bvh;
-use sinew_sim::pipeline::{self, Settings};
 
 use super::any_skeleton::creature;
 use super::{clips, json, sinew, text};

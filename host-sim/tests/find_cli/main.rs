@@ -9,8 +9,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
+use sinew_figure::builtin;
 use sinew_mocap::{bvh, gaps};
-use sinew_sim::builtin;
 
 /// The first built-in clips as BVH files in the folder `clips`, and their names.
 fn clips(folder: &Path, count: usize) -> Vec<String> {

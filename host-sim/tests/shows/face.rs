@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use sinew_performance::play::Recording;
 use sinew_show::{Player, Show};
-use sinew_sim::play::Recording;
 
 use super::{done, path};
 

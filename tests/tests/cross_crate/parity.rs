@@ -15,11 +15,11 @@ use std::path::Path;
 use rayon::prelude::*;
 use sinew_bit_parity::DECODE;
 use sinew_bit_parity::run::NUMBERS;
+use sinew_evaluation::MethodName;
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, prepare};
+use sinew_figure::{BODIES, FigureMotion};
 use sinew_show::write::{Settings as ShowSettings, write};
-use sinew_sim::builtin;
-use sinew_sim::evaluate::MethodName;
-use sinew_sim::figure::{BODIES, FigureMotion};
-use sinew_sim::pipeline::{Settings, prepare};
 use sinew_tests::parity::{Difference, Machine, Run, here};
 
 const SCALES: [f64; 2] = [1.0, 1.1];

@@ -1,9 +1,9 @@
 //! The paper's tables from the built-in clips, as a committed snapshot: a change of behaviour shows in review as a
 //! change of figures. `cargo insta review`, or `INSTA_UPDATE=always` with this test, accepts one.
 
-use sinew_sim::builtin;
-use sinew_sim::evaluate::{Protocol, evaluate, report};
-use sinew_sim::pipeline::{Settings, prepare};
+use sinew_evaluation::{Protocol, evaluate, report};
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, prepare};
 
 #[test]
 fn tables_of_the_built_in_clips() {

@@ -88,7 +88,7 @@ fn data() -> PathBuf {
 }
 
 fn shipped() -> Vec<Shipped> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../host-sim/mappings");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../figure/mappings");
     let mut files = sorted(Path::new(folder));
     files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
     let read = |file: PathBuf| {

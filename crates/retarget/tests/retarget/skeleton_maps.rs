@@ -102,7 +102,7 @@ fn clip(file: &str) -> Clip {
 }
 
 fn hand_written(name: &str) -> SkeletonMap {
-    let file = format!("{}/../../host-sim/mappings/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/../figure/mappings/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     toml::from_str(&std::fs::read_to_string(&file).expect(&file)).expect(&file)
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Refusal};
-use sinew_sim::play::Parts;
+use sinew_performance::play::Parts;
 
 /// For so long a rig may not be ready to be armed.
 pub(in crate::cli) const READY: Duration = Duration::from_secs(10);

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::Parts;
+use sinew_host_util::command::{note, print};
+use sinew_performance::play::Parts;
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
@@ -91,7 +91,7 @@ pub(in crate::cli) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     }
     let head = format!("sinew {} doctor\n", env!("CARGO_PKG_VERSION"));
     print(&findings.lines)?;
-    sinew_sim::output::write(&args.output, &(head + &findings.lines))?;
+    sinew_host_util::output::write(&args.output, &(head + &findings.lines))?;
     note(format_args!("wrote {}", args.output.display()));
     Ok(if findings.is_wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use sinew_host_util::command::print;
 use sinew_link::message::Command;
-use sinew_sim::command::print;
 
 use super::{BoardPort, remedy, words::told};
 

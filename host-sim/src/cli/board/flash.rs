@@ -6,8 +6,8 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::ClientError;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Misfit, State, Version};
-use sinew_sim::command::{note, print};
 
 use super::BoardPort;
 

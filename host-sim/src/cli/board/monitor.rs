@@ -4,8 +4,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::ensure;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Parts, Summary};
-use sinew_sim::command::{note, print};
 
 use super::{BoardPort, cycles, named};
 use crate::cli::play::stop::Stop;

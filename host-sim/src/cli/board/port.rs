@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sinew_board_client::{Board, SerialBoard, port};
-use sinew_sim::command::note;
+use sinew_host_util::command::note;
 
 /// A controller at a serial port.
 pub(in crate::cli) type PortBoard = Board<SerialBoard>;

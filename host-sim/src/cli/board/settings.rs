@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Subcommand;
 use sinew_firmware::node::SETTING_NAMES;
-use sinew_sim::command::{print, table};
+use sinew_host_util::command::{print, table};
 
 use super::{BoardPort, PortBoard};
 

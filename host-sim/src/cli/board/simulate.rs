@@ -10,11 +10,11 @@ use anyhow::Context as _;
 use clap::{Args, Subcommand};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_firmware::supervisor::State;
+use sinew_host_util::command::print;
+use sinew_performance::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
+use sinew_performance::teach::ScriptedHand;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
-use sinew_sim::command::print;
-use sinew_sim::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
-use sinew_sim::teach::ScriptedHand;
 
 use crate::cli::driven::DrivenArgs;
 use crate::cli::record::leads;
@@ -68,7 +68,7 @@ struct BoardArgs {
 
     /// Servos for a rig whose file has none, as of `sinew play`.
     #[arg(long, value_name = "[JOINTS=]KIND")]
-    servo: Vec<sinew_sim::play::ServoChoice>,
+    servo: Vec<sinew_performance::play::ServoChoice>,
 
     #[command(flatten)]
     driven: DrivenArgs,

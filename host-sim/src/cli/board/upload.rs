@@ -8,11 +8,11 @@ use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
+use sinew_performance::play::{Parts, ServoChoice, put_servos};
 use sinew_show::Show;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::{Parts, ServoChoice, put_servos};
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;

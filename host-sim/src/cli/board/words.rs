@@ -2,8 +2,8 @@
 
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
+use sinew_host_util::command::note;
 use sinew_link::message::FaultRecord;
-use sinew_sim::command::note;
 
 /// The fault of a number, if this program knows it.
 fn known(number: u8) -> Option<Fault> {

@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_host_util::command::note;
 use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
+use sinew_performance::play::Parts;
 use sinew_show::Show;
-use sinew_sim::command::note;
-use sinew_sim::play::Parts;
 
 use super::stop::Stop;
 use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};

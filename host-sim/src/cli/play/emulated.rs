@@ -7,12 +7,12 @@ use std::time::Duration;
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, item, nonce};
 use sinew_firmware::node::RIG_SCHEMA;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::Kind;
 use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
+use sinew_performance::play::{Line, Memory, Parts};
+use sinew_performance::rig::Loaded;
 use sinew_servo_sim::device::MEMORY_LEN;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::{Line, Memory, Parts};
-use sinew_sim::rig::Loaded;
 
 use super::board::perform_on;
 use crate::cli::board::put;

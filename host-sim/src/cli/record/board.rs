@@ -6,12 +6,12 @@ use std::time::Duration;
 use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::ClientError;
+use sinew_host_util::command::note;
 use sinew_link::message::{Command, Parts as Told, Refusal, State};
+use sinew_performance::play::Parts;
+use sinew_performance::rig::Loaded;
+use sinew_performance::teach::{Mode, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
-use sinew_sim::command::note;
-use sinew_sim::play::Parts;
-use sinew_sim::rig::Loaded;
-use sinew_sim::teach::{Mode, check_servos, rows};
 
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
 use crate::cli::play::stop::Stop;

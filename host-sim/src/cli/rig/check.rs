@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use comfy_table::Table;
+use sinew_host_util::command::{print, table};
+use sinew_performance::rig::review;
 use sinew_rig::review::{Loop, Review, Severity};
-use sinew_sim::command::{print, table};
-use sinew_sim::rig::review;
 
 use super::read_as;
 use crate::cli::told::ToldArgs;

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 
 use anyhow::{Context as _, bail};
+use sinew_host_util::command::note;
 use sinew_rig::{Description, toml_file};
 use sinew_servo_tools::calibrate::{Calibration, LOOK_EVERY, drives_of, home_of, offsets};
 use sinew_servo_tools::rig_file::{edited, replace};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
-use sinew_sim::command::note;
 
 use super::LineArgs;
 use super::line::PortClient;

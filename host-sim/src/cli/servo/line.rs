@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use sinew_board_client::BoardServos;
+use sinew_host_util::command::note;
 use sinew_servo_tools::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
-use sinew_sim::command::note;
 
 use crate::cli::board::open;
 

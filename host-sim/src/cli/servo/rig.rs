@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use sinew_host_util::command::{note, print, table};
 use sinew_servo_tools::compare::{self, Difference};
 use sinew_servo_tools::desired::{Mode, desired};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::{ServiceError, Servo};
-use sinew_sim::command::{note, print, table};
 
 use super::line::PortClient;
 use super::{Format, LineArgs};

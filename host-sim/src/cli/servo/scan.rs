@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use sinew_host_util::command::{note, print, table};
 use sinew_servo_tools::{Found, ScanEvent, ScanSettings, scan};
-use sinew_sim::command::{note, print, table};
 
 use super::{Format, LineArgs};
 

@@ -7,10 +7,10 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
+use sinew_host_util::command::{note, print, print_raw, table};
 use sinew_servo_tools::rig_servo::of_bus;
 use sinew_servo_tools::watch::{State, look};
 use sinew_servo_tools::{ScanSettings, ServiceError, Servo, scan};
-use sinew_sim::command::{note, print, print_raw, table};
 
 use super::LineArgs;
 use super::line::PortClient;

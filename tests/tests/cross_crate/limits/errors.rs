@@ -7,10 +7,10 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, StateError, linear_compensation, local, world,
 };
 use sinew_core::{Controller, JointTargets, Twist, Workspace};
-use sinew_sim::verify::rounding::{
+use sinew_tests::rig::{CAPACITY, Rig};
+use sinew_verification::rounding::{
     Compensated, Difference, Joint, Motion, Number, State, Vector, turn_error,
 };
-use sinew_tests::rig::{CAPACITY, Rig};
 
 use super::case::Case;
 use super::dynamics::{GRAVITY_M_S2, Sides, vectors};

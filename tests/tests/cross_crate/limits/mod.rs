@@ -2,7 +2,7 @@
 //! of joints, up to 64 bodies, with rotors and without.
 //!
 //! Each case is computed by the core and once more with its rounding
-//! ([`sinew_sim::verify::rounding`]); each number may be off by its own limit. `SINEW_CASES` says how many cases
+//! ([`sinew_verification::rounding`]); each number may be off by its own limit. `SINEW_CASES` says how many cases
 //! (default: 200); `cargo xtask limits` runs 10,000 and prints what a mistake must be to be noticed.
 
 mod case;

@@ -2,9 +2,9 @@
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointState, Tree, Twist};
-use sinew_sim::verify::rounding::Vector;
 use sinew_tests::rig::{CAPACITY, Rig};
 use sinew_tests::rounded::motions;
+use sinew_verification::rounding::Vector;
 
 use super::case::Case;
 use super::dynamics::{GRAVITY_M_S2, Sides};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use sinew_sim::verify::rounding::LAMBDA;
+use sinew_verification::rounding::LAMBDA;
 
 /// One quantity.
 #[derive(Debug, Clone)]

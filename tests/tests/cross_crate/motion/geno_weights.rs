@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use sinew_sim::character::{self, Character, Options, VertexArea};
-use sinew_sim::weights::radii::{self, Radii};
-use sinew_sim::weights::{Method, Settings, weigh};
+use sinew_pose_metrics::character::{self, Character, Options, VertexArea};
+use sinew_pose_metrics::weights::radii::{self, Radii};
+use sinew_pose_metrics::weights::{Method, Settings, weigh};
 
 /// A row of `oracles/geno_published_weights.csv`: joint, lengths, cylinders, mesh.
 type Row = (String, f64, f64, f64);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sinew_sim::verify::{Kind, VerifyError, verify_folder};
+use sinew_verification::{Kind, VerifyError, verify_folder};
 use tempfile::TempDir;
 
 fn oracles() -> PathBuf {

@@ -13,8 +13,8 @@ use sinew_core::{
     Body, BodyState, Controller, ControllerError, Inertia, JointKind, JointStates, JointTargets,
     Transform, Tree, Twist, Workspace, kinematics,
 };
-use sinew_sim::figure::MassProperties;
-use sinew_sim::plant::{
+use sinew_figure::plant::MassProperties;
+use sinew_figure::plant::{
     ArticulatedPlant, Drive, Freedom, Mechanism, MovingPose, Plant, Pose, link,
 };
 use sinew_tests::property;

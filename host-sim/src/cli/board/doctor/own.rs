@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Cycles, Health, Item, Parts as Told, Place, State, Version};
-use sinew_sim::play::Parts;
+use sinew_performance::play::Parts;
 
 use super::Findings;
 use super::Verdict::{Doubtful, Ok as Well, Wrong};
