@@ -73,11 +73,11 @@ fn a_failed_verification_fails_though_its_reader_is_gone() {
 fn damaged_geometry_is_refused_or_filled_and_told() {
     let folder = folder_with(&["thigh_404m.bvh", "root_spike_1e9.bvh", "root_spike_10m.bvh"]);
     let folder = folder.path();
-    let said = refused(folder, &["bake", "thigh_404m.bvh", "--out", "k.show"]);
+    let evaluate = |clip| ["evaluate", "--clips", clip, "--methods", "local", "--seconds", "0.2"];
+    let said = refused(folder, &evaluate("thigh_404m.bvh"));
     assert!(said.contains("thigh_404m: the bone to joint `RightLeg` is 403.649 m long"), "{said}");
-    assert!(!folder.join("k.show").exists());
     for spike in ["root_spike_1e9.bvh", "root_spike_10m.bvh"] {
-        let said = done(folder, &["bake", spike, "--out", "k.show"]);
+        let said = done(folder, &evaluate(spike));
         assert!(said.contains("no body jumps faster than 50 m/s: Hips in 1 frame"), "{said}");
         assert!(said.contains("filled 1 gap"), "{said}");
     }
@@ -89,8 +89,9 @@ fn a_command_keeps_what_it_reads() {
     let folder = folder.path();
     let clip = fs::read(folder.join("m21.bvh")).expect("the clip");
     fs::hard_link(folder.join("m21.bvh"), folder.join("linked.bvh")).expect("a link");
+    done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
     for out in ["m21.bvh", "./m21.bvh", "linked.bvh"] {
-        let said = refused(folder, &["bake", "m21.bvh", "--out", out]);
+        let said = refused(folder, &["bake", "m21.bvh", "--rig", "arm.toml", "--out", out]);
         assert!(said.contains("is the clip, which would be lost"), "{said}");
         let said = refused(folder, &["blend", "m21.bvh", "m21.bvh", "--out", out]);
         assert!(said.contains("is the clip A, which would be lost"), "{said}");
@@ -105,14 +106,14 @@ fn a_command_keeps_what_it_reads() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_the_old_file() {
-    let folder = folder_with(&["m21.bvh"]);
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    fs::write(folder.join("k.show"), "old").expect("the folder can be written");
-    // The largest file that the shell allows: 1 kB, which is no whole show.
-    let words = format!("ulimit -f 1; '{}' bake m21.bvh --out k.show", env!("CARGO_BIN_EXE_sinew"));
+    fs::write(folder.join("k.toml"), "old").expect("the folder can be written");
+    // The largest file that the shell allows: 1 kB, which is no whole rig.
+    let words = format!("ulimit -f 1; '{}' rig new --arm 6 -o k.toml", env!("CARGO_BIN_EXE_sinew"));
     let shell = Command::new("sh").current_dir(folder).args(["-c", &words]).output();
     assert!(!shell.expect("a shell").status.success());
-    assert_eq!(fs::read(folder.join("k.show")).expect("the file"), b"old");
+    assert_eq!(fs::read(folder.join("k.toml")).expect("the file"), b"old");
 }
 
 #[test]
@@ -258,6 +259,24 @@ fn two_runs_into_one_folder_are_refused() {
     assert!(said.contains("another run writes into this folder"), "{said}");
 }
 
+/// How a show of version 1 begins.
+const SHOW_OF_VERSION_1: [u8; 32] = *b"SNWS\x01\0\x12\0\x02\0\0\0\x0a\xd7\x23\x3c0123456789abcdef";
+
+#[test]
+fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("old.show"), SHOW_OF_VERSION_1).expect("a file");
+    done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
+    let said = refused(folder, &["play", "old.show", "--rig", "arm.toml"]);
+    let why = "old.show: the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake \
+               CLIP --rig RIG`";
+    assert!(said.contains(why), "{said}");
+    // Nor is one made: the figure's poses were what `bake` wrote without a rig.
+    let said = refused(folder, &["bake", "kicks_01", "--out", "new.show"]);
+    assert!(said.contains("--rig: expected the rig that performs the show"), "{said}");
+}
+
 /// What a file is and who takes it, where a command does not.
 #[test]
 fn a_file_of_another_kind_is_named() {
@@ -265,7 +284,7 @@ fn a_file_of_another_kind_is_named() {
     let folder = folder.path();
     fs::write(folder.join("rig.urdf"), "<robot name='a'><link name='b'/></robot>").expect("a file");
     fs::write(folder.join("map.toml"), "name = 'a'\n[body]\n").expect("a file");
-    done(folder, &["bake", "m21.bvh", "--seconds", "0.2", "--out", "a.show"]);
+    fs::write(folder.join("a.show"), SHOW_OF_VERSION_1).expect("a file");
     let files = [
         ("m21.bvh", "a BVH motion, which `sinew inspect`, `map`, `bake`"),
         ("esc.glb", "a glTF character, which `sinew weights`"),

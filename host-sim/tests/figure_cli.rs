@@ -67,7 +67,8 @@ fn json_holds_the_same_and_scales() {
 
 #[test]
 fn a_subject_of_ones_own() {
-    let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("subjects/reference.toml");
+    let reference =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/figure/subjects/reference.toml");
     let reference = std::fs::read_to_string(reference).expect("the built-in subject");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("anna.toml");

@@ -47,21 +47,22 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The commands that a file is tried with, and what is given with it.
-fn tried<'a>(file: &'a str, out: &'a str) -> [(&'static str, Vec<&'a str>); 5] {
-    let query = |words: &[&'a str]| words.to_vec();
+/// The commands that a file is tried with, with what is given beside it.
+fn tried(file: &str) -> [(&'static str, Vec<&str>); 5] {
+    let query = |words: &[_]| words.to_vec();
     [
         ("weights", query(&["weights", file, "--method", "lengths"])),
         ("map", query(&["map", file])),
-        ("evaluate", query(&["bake", file, "--seconds", "0.2", "--out", out])),
+        (
+            "evaluate",
+            query(&["evaluate", "--clips", file, "--methods", "local", "--seconds", "0.2"]),
+        ),
         ("find", query(&["find", file, "--like", file])),
         ("rig", query(&["rig", "import", file])),
     ]
 }
 
 fn page(folder: &Path) -> String {
-    let scratch = tempfile::tempdir().expect("a folder");
-    let out = scratch.path().join("a.show").display().to_string();
     let mut page = String::from(
         "# Files of many makers\n\n\
          What `sinew inspect` says of each, and which commands read it as it is: without `--mapping`, `--up` or\n\
@@ -80,7 +81,7 @@ fn page(folder: &Path) -> String {
         let it = inspected(&path);
         let mut readers = vec![];
         let mut refused: Vec<(String, Vec<&str>)> = Vec::new();
-        for (command, words) in tried(&file, &out) {
+        for (command, words) in tried(&file) {
             let (code, said) = said(&words);
             if code == Some(0) {
                 readers.push(command);
@@ -228,12 +229,13 @@ fn a_known_skeleton_in_another_unit_keeps_its_height() {
         fs::write(&file, scaled(&text, factor)).expect("a file");
         let it = inspected(&file);
         let (code, told) = said(&[
-            "bake",
+            "evaluate",
+            "--clips",
             &file.display().to_string(),
+            "--methods",
+            "local",
             "--seconds",
             "0.2",
-            "--out",
-            &folder.path().join("a.show").display().to_string(),
         ]);
         assert_eq!(code, Some(0), "{told}");
         it["height_m"].as_f64().expect("a height")

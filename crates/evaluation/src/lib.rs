@@ -1,5 +1,16 @@
 //! The paper's evaluation: every motion, tracked by a rig (the figure at every scale) with every method of measuring
 //! its state error, and how far off it was.
+//!
+//! - `setup` holds all that a run can vary; `controller` holds the core's settings, with bodies by name.
+//! - `track` runs one clip with the core's tracker; `evaluation` runs all clips with all methods.
+//! - `levers` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed order: by body, by
+//!   size and over time, in bounded memory.
+//! - `disturbance`, `friction` and `supply` add what the controller does not know of a rig.
+//! - [`exercise`] makes motions of a user's rig; [`robustness`] varies rigs as built, and latencies.
+//! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`; [`mod@pareto`]
+//!   finds Pareto fronts.
+//! - [`paper`] holds the paper's numbers; [`mod@report`] writes tables, JSON and CSV.
+//! - [`mod@sweep`] runs grids of setups and resumes what was interrupted.
 
 mod controller;
 pub mod detail;

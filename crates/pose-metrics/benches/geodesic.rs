@@ -1,4 +1,5 @@
-//! What a geodesic costs, against an optimiser that knows nothing of it: `cargo bench -p sinew-sim --bench geodesic`.
+//! What a geodesic costs, against an optimiser that knows nothing of it: `cargo bench -p sinew-pose-metrics --bench
+//! geodesic`.
 //!
 //! Pairs of poses of the built-in clips, far apart in time and in different clips, curves of ten steps. All start
 //! from the same straight line, and all take turns on each pair, so that what slows the machine down slows all. Ours

@@ -1,4 +1,11 @@
 //! An evaluation as one page that needs nothing but a browser, and its pictures as files.
+//!
+//! - `page` and `tables` write the page of an evaluation; [`chart`] and [`scene`] draw; script and style are in
+//!   `assets/`.
+//! - [`rig`], [`feasibility`] and [`recording`] are pages of a rig to move, of what a show asks of it, and of how it
+//!   was played. `course` packs their traces.
+//! - [`weights`], [`moments`] and [`blend`] draw joints' weights, poses in a row, and the map of two clips.
+//! - `comparison` is the paper's Figure 4; `words` holds what a page says of the figure and of other rigs.
 
 mod animation;
 pub mod blend;

@@ -2,6 +2,9 @@
 //!
 //! Each kind of file has a module here. What error each number may have follows from [`rounding`], case by case; the
 //! few promises of another kind are in `tolerance`.
+//!
+//! A module for each schema recomputes its cases with `core` and the exact plant. [`rounding`] derives the limits, case
+//! by case, from the core's formulas in numbers that carry their rounding.
 
 #![expect(
     clippy::large_types_passed_by_value,

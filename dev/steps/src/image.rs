@@ -60,9 +60,11 @@ impl Image {
     }
 }
 
-/// Where the show is that is baked for a board.
-pub fn baked_show(board: Board) -> PathBuf {
-    step::root().join("target/shows").join(board.name).with_extension("snws")
+/// The files that are built into the image of an emulated board, by the environment variables that name them: the human
+/// figure in a rig's compact form, and a show of it.
+pub fn built_in() -> [(&'static str, PathBuf); 2] {
+    let file = |extension| step::root().join("target/shows/figure").with_extension(extension);
+    [("SINEW_RIG", file("snwr")), ("SINEW_SHOW", file("show"))]
 }
 
 /// Where the image of a name comes to lie.
@@ -75,6 +77,6 @@ const FIRMWARE: &str = "firmware";
 
 /// Boards that run the node have a profile of their own: what is small.
 fn profile_of(name: &str) -> &'static str {
-    let is_node = |board: &Board| board.name == name && board.baked.is_none();
+    let is_node = |board: &Board| board.name == name && board.qemu_machine.is_none();
     if BOARDS.iter().any(is_node) { "node" } else { FIRMWARE }
 }

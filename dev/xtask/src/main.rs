@@ -71,7 +71,6 @@ Environment:
   SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
   SINEW_REFERENCE
               A folder with the script, robots and results that `retargeting` needs
-  SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
 fn main() -> ExitCode {

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::Result;
 use sinew_image::{BOARDS, EMULATED};
-use sinew_steps::image::{Image, baked_show};
+use sinew_steps::image::{Image, built_in};
 use sinew_steps::{arm, step};
 
 use crate::{
@@ -23,8 +23,8 @@ pub(crate) enum Scope {
     All,
 }
 
-/// Core, firmware and parity with `defmt`, too, which nothing else has.
-const WITH_DEFMT: &str = "--features=sinew-bit-parity/defmt";
+/// Core and firmware with `defmt`, too, which nothing else has.
+const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
 /// Runs checks and tests, and prints what each step took.
 pub(crate) fn run(scope: Scope) -> Result<()> {
@@ -79,7 +79,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     }
     docs::commands()?;
     for &board in BOARDS.iter().filter(|board| scope == Scope::All || is_in_gate(board.name)) {
-        firmware::build(board, None)?;
+        firmware::build(board)?;
     }
     lint_images(scope)?;
     step::run(
@@ -185,7 +185,7 @@ fn lint_images(scope: Scope) -> Result<()> {
     let images = |title: &str, arguments: &[&str]| {
         let mut command = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
         command.args(arguments).args(["--bins", "--profile", "node"]).args(DENY);
-        step::run(title, command.env("SINEW_SHOW", baked_show(EMULATED)))
+        step::run(title, command.envs(built_in()))
     };
     let mut common = vec!["--package", "nucleo_f446re", "--package", "sinew-audit"];
     if scope == Scope::All {

@@ -9,7 +9,6 @@ mod gravity;
 mod guard;
 mod link_states;
 mod node;
-mod show;
 mod slow_motion;
 mod supervisor;
 mod supervisor_model;

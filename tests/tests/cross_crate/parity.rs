@@ -4,23 +4,26 @@
 //! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other
 //! machines' programs. Emulators are slow: the former gives that with an FPU a sixth of the runs, the latter all.
 //!
-//! And recorded shows of ten minutes, decoded.
+//! And a show of the figure, performed by a stand-in for servos, and recorded shows of ten minutes, decoded.
 
 #[path = "../../../crates/show/examples/size/performance.rs"]
 mod performance;
 
 use std::env;
 use std::path::Path;
+use std::process::Command;
 
 use rayon::prelude::*;
 use sinew_bit_parity::DECODE;
+use sinew_bit_parity::replay::METHODS;
 use sinew_bit_parity::run::NUMBERS;
 use sinew_evaluation::MethodName;
 use sinew_figure::builtin;
 use sinew_figure::pipeline::{Settings, prepare};
 use sinew_figure::{BODIES, FigureMotion};
 use sinew_show::write::{Settings as ShowSettings, write};
-use sinew_tests::parity::{Difference, Machine, Run, here};
+use sinew_tests::figure::figure_show;
+use sinew_tests::parity::{Difference, Machine, Run, here, to_play};
 
 const SCALES: [f64; 2] = [1.0, 1.1];
 
@@ -36,6 +39,11 @@ const ALL: &str = "SINEW_PARITY_ALL";
 
 /// Ticks a second at which recorded shows are decoded: not their samples, so that all of a span is come by.
 const DECODE_HZ: u32 = 125;
+
+/// How long a show is performed, s, and its ticks; on emulated machines, one of which has no FPU.
+const PLAYED_S: f64 = 21.0;
+const TICKS: u32 = 2_100;
+const EMULATED_TICKS: u32 = 200;
 
 /// The most differences that are shown.
 const MESSAGES: usize = 12;
@@ -135,6 +143,22 @@ fn every_machine_computes_the_same_bits() {
     );
 }
 
+/// The show of the image for QEMU's board, from its compact rig and its splines to torques. Emulated machines perform a
+/// part of it: `cargo xtask firmware mps2_an386` has a board perform all of it.
+#[test]
+#[ignore = "needs programs that `cargo xtask parity` builds"]
+fn every_machine_plays_a_show_with_the_same_torques() {
+    let show = figure_show(PLAYED_S);
+    let soft_float = machine("Cortex-M4 without FPU", "SINEW_PARITY_M4", true);
+    machines().into_par_iter().chain(soft_float).for_each(|machine| {
+        let ticks = if machine.emulated { EMULATED_TICKS } else { TICKS };
+        let request = to_play(&show, ticks);
+        let found = machine.answer(&request);
+        let found = found.unwrap_or_else(|problem| panic!("{machine}: {problem}"));
+        assert_eq!(found, here(&request), "{machine}: hashes of {METHODS:?}");
+    });
+}
+
 /// 10 minutes of the 20 joint angles that move most in recorded fights, and in walks: bytes and largest error are those
 /// of the page, and every bit that each machine decodes is the same.
 #[test]
@@ -165,6 +189,16 @@ fn recorded_shows_are_decoded_to_the_same_bits() {
             assert_eq!(second, None, "{machine}, {class}: the first second with other bits");
         });
     });
+}
+
+#[test]
+fn a_show_is_played_the_same_every_time_and_differs_by_method() {
+    let request = to_play(&figure_show(2.0), 100);
+    let answer = here(&request);
+    assert_eq!(answer, here(&request));
+    let hashes = answer.as_chunks::<8>().0;
+    assert_eq!(hashes.len(), METHODS.len());
+    assert!(hashes.iter().enumerate().all(|(method, hash)| !hashes[..method].contains(hash)));
 }
 
 #[test]
@@ -200,4 +234,27 @@ fn a_flipped_bit_is_found_and_named() {
         (difference.frame, difference.body, difference.quantity, difference.component),
         (7, "pelvis", "desired pose", "rotation x")
     );
+}
+
+#[test]
+#[ignore = "needs the image that `cargo xtask firmware` builds"]
+fn the_emulated_board_is_the_host() {
+    let image = env::var_os("SINEW_BOARD_IMAGE").expect("`cargo xtask test` sets it");
+    let lines = |command: &mut Command| -> Vec<String> {
+        let output = command.output().expect("`cargo xtask setup` installs QEMU");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+        text.lines().map(str::to_owned).collect()
+    };
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-machine", "mps2-an386", "-nographic"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    // Instructions of a tick follow on the board's lines.
+    let torques = |line: String| line.split(" tick=").next().map(str::to_owned);
+    let on_board: Vec<_> = lines(&mut qemu).into_iter().filter_map(torques).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let mut host = Command::new(env!("CARGO_BIN_EXE_figure_show"));
+    host.args([folder.path().join("figure.snwr"), folder.path().join("figure.show")]);
+    assert_eq!(on_board, lines(&mut host));
+    assert_eq!(on_board.len(), METHODS.len());
 }

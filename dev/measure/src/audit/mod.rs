@@ -22,8 +22,7 @@ const FAULTY: Image = Image { name: "faults", ..IMAGE };
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 47] = [
-    "audit::image::decode::show",
+const PARTS: [&str; 46] = [
     "audit::image::decode::coordinates",
     "audit::image::construct::trees",
     "audit::image::construct::controllers",

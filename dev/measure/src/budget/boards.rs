@@ -1,11 +1,10 @@
 //! The boards' own images: what they take of flash and RAM, and what QEMU counts of the one that it can run.
 
 use std::fs;
-use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use sinew_image::{BOARDS, Board, EMULATED};
-use sinew_steps::image::{Image, baked_show};
+use sinew_steps::image::{Image, built_in};
 
 use super::figures::{Figures, Place};
 use super::images;
@@ -22,7 +21,7 @@ pub(crate) fn sizes(names: &[&str]) -> Result<()> {
     let is_meant = |board: &Board| names.is_empty() || names.contains(&board.name);
     let boards: Vec<Board> = BOARDS.iter().copied().filter(is_meant).collect();
     ensure!(names.len() <= boards.len(), "{}: no such board", names.join(", "));
-    let figures = of(&boards, std::env::var_os("SINEW_SHOW").map(PathBuf::from))?;
+    let figures = of(&boards)?;
     for section in figures.names(|place| Some(&place.section)) {
         println!("{}", tables::section(&figures, None, section));
     }
@@ -31,18 +30,19 @@ pub(crate) fn sizes(names: &[&str]) -> Result<()> {
 
 /// Returns what the images of all boards take.
 pub(super) fn all() -> Result<Figures> {
-    of(BOARDS, None)
+    of(BOARDS)
 }
 
-/// Returns what the images of boards take, with the caller's show in place of ours.
-fn of(boards: &[Board], given: Option<PathBuf>) -> Result<Figures> {
+/// Returns what the images of boards take, without the files that are built into that of an emulated board.
+fn of(boards: &[Board]) -> Result<Figures> {
     let mut figures = Figures::default();
     for &board in boards {
         let image = Image::of(board).path();
-        let show = board.baked.map(|_| given.clone().unwrap_or_else(|| baked_show(board)));
-        let show_bytes = show.map_or(Ok(0), |show| fs::metadata(show).map(|it| it.len()))?;
+        let files = if board.qemu_machine.is_some() { built_in().to_vec() } else { Vec::new() };
+        let lengths = files.iter().map(|(_, file)| fs::metadata(file).map(|it| it.len()));
+        let show_bytes = lengths.sum::<std::io::Result<u64>>()?;
         figures.extend(images::size(board.name, &image, show_bytes)?);
-        if board.baked.is_none() {
+        if board.qemu_machine.is_none() {
             figures.extend(images::node(board.name, &image)?);
         }
     }

@@ -6,7 +6,7 @@ use std::num::NonZeroU16;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
-use sinew_bit_parity::replay::{METHODS, Replay, settings};
+use sinew_bit_parity::replay::{METHODS, Replay, ReplayError, settings};
 use sinew_core::control::{ControlLaw, Gains, GainsError, LimitReason, Limited, TorqueLimit};
 use sinew_core::coordinates::{DofCommand, nearest_turn};
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
@@ -26,15 +26,17 @@ use sinew_core::state_error::{
     compensate_all,
 };
 use sinew_core::supply::TorqueSupply;
-use sinew_core::tracker::{Frame, FrameSource, Measured, MethodName, Timing, Tracker};
+use sinew_core::tracker::{
+    Frame, FrameSource, Measured, MethodName, Timing, Tracker, before_the_first,
+};
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
     Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
     JointKind, JointState, JointStates, JointTargets, RotationalInertia, Trajectory, Transform,
     Tree, Twist, Workspace, Wrench, math,
 };
-use sinew_firmware::frames::ShowFrames;
-use sinew_firmware::show::{self, Show};
+use sinew_show::write::{Motion, Settings as ShowSettings, write};
+use sinew_show::{Joint, Rate, Show};
 use sinew_tests::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,
@@ -479,58 +481,102 @@ proptest! {
     }
 }
 
+/// Frames of one list of poses after the other. Before the first they move on as in their first step.
+struct AsPoses<'a> {
+    frames: &'a [&'a [Transform]],
+    before: Vec<Transform>,
+}
+
+impl FrameSource for AsPoses<'_> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        let Ok(frame) = usize::try_from(index) else {
+            let steps = self.frames[0].iter().zip(self.frames[1]);
+            self.before.clear();
+            self.before.extend(
+                steps.map(|(first, second)| before_the_first(first, second, index.unsigned_abs())),
+            );
+            return Frame::Poses(&self.before);
+        };
+        Frame::Poses(self.frames[frame.min(self.frames.len() - 1)])
+    }
+}
+
 proptest! {
     #![proptest_config(property(500))]
 
-    /// A show from the ends of f32, as a board performs it; and with sensors that say anything.
+    /// Frames from the ends of f32 and beyond, with sensors that say anything.
     #[test]
-    fn shows(
+    fn frames_of_poses(
         scene in scenes::<N>(),
         poses in prop_oneof![vec(extreme::pose(5), 5 * N), vec(any_pose(), 5 * N)],
         sensed in vec(any_pose(), 5 * N),
         dt_s in prop_oneof![2 => Just(0.01), 1 => any_number()],
-        first in any::<u32>(),
     ) {
-        let bodies = scene.tree.bodies();
-        let frames: Vec<_> = poses.chunks_exact(N).map(|frame| &frame[..bodies.len()]).collect();
-        let mut bytes = Vec::new();
-        let sink = |piece: &[u8]| {
-            bytes.extend_from_slice(piece);
-            Ok::<(), std::convert::Infallible>(())
-        };
-        let Ok(()) = show::write(bodies, dt_s, frames.iter().copied(), sink);
-        let Ok(show) = Show::parse(&bytes) else { return Ok(()) };
-        prop_assert!(dt_s > 0.0 && dt_s.is_finite());
-        let mut frame = [Transform::IDENTITY; N];
-        for index in [0, 4, usize::MAX] {
-            show.frame(index, &mut frame);
-            // As it was baked: a thousandth off unit is let in, and made unit by the tracker.
-            let baked = |q: Quat| (q.dot(q) - 1.0).abs() <= 1e-3;
-            prop_assert!(frame.iter().all(|p| p.is_finite() && baked(p.rotation)));
-        }
-        for method in METHODS {
-            let Ok(mut replay) = Replay::<N>::new(show, method) else { continue };
-            for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
-                // A show that was parsed is performed.
-                let asked = replay.step(tick);
-                prop_assert!(asked.is_ok(), "{method} {tick}: {:?}", asked.err());
-                if let Ok(asked) = asked {
+        let bodies = scene.tree.len();
+        let frames: Vec<_> = poses.chunks_exact(N).map(|frame| &frame[..bodies]).collect();
+        for method in MethodName::ALL {
+            // Spelled out: any period will do.
+            let settings = settings(method).effective(dt_s);
+            let timing = Timing { dt_s, latency_ticks: 1 };
+            let (tree, workspace) = (scene.tree.clone(), Workspace::<N, N>::resolving());
+            let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
+            let Ok(mut tracker) = tracker else { continue };
+            let mut frames = AsPoses { frames: &frames, before: Vec::new() };
+            for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
+                // A refused frame or reading has no torques.
+                if let Ok(asked) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
                     prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
                 }
             }
         }
-        for method in MethodName::ALL {
-            let tree = show.tree::<N>().expect("what was a tree is one");
-            // Spelled out: any period will do.
-            let settings = settings(method).effective(dt_s);
-            let timing = Timing { dt_s, latency_ticks: 1 };
-            let workspace = Workspace::<N, N>::resolving();
-            let tracker = Tracker::<N, 2, N>::with_workspace(tree, &settings, timing, workspace);
-            let Ok(mut tracker) = tracker else { continue };
-            let (mut frames, bodies) = (ShowFrames::<N>::new(show), show.body_count());
-            for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
-                // A refused reading has no torques.
-                if let Ok(asked) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
+    }
+
+    /// A show of large motions at any rate, as a board performs it.
+    #[test]
+    fn shows(
+        scene in scenes::<N>(),
+        turns in vec(extreme::rotation(50), 8 * N),
+        numbers in vec(prop::array::uniform3(-1.5f32..1.5), 8 * N),
+        centres in vec(prop_oneof![Just([0.0; 3]), prop::array::uniform3(-1e3f32..1e3)], N),
+        samples in prop_oneof![2 => Just(100), 1 => 1u32..=1 << 20],
+        seconds in prop_oneof![2 => Just(1), 1 => 1u32..=4095],
+        first in any::<u32>(),
+    ) {
+        let joints: Vec<Joint> =
+            scene.tree.bodies().iter().map(|body| Joint::from(body.joint)).collect();
+        let mut q = Vec::new();
+        for (turns, numbers) in turns.chunks_exact(N).zip(numbers.chunks_exact(N)) {
+            for (index, joint) in joints.iter().enumerate() {
+                let turn = if joint.turns_freely() { &turns[index].to_array()[..] } else { &[] };
+                let along = numbers[index].iter().zip(&centres[index]).map(|(x, at)| x + at);
+                let all = turn.iter().copied().chain(along).map(f64::from);
+                q.extend(all.take(joint.coordinate_count()));
+            }
+        }
+        let motion = Motion {
+            joints: &joints,
+            q: &q,
+            rate: Rate { samples, seconds },
+            is_loop: false,
+            rig: 0,
+            cues: &[],
+            time_code: None,
+            course: &[],
+        };
+        // Joints that are all fixed have none.
+        let Ok(written) = write(&motion, &ShowSettings::default()) else { return Ok(()) };
+        let show = Show::open(&written.bytes).expect("what was written");
+        for method in METHODS {
+            let replay = Replay::<N, { 7 * N }>::new(&scene.tree, show, method);
+            let mut replay = match replay {
+                Ok(replay) => replay,
+                Err(ReplayError::Show(error)) => panic!("{method}: {error}"),
+                Err(_) => continue,
+            };
+            for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
+                replay.sense(tick);
+                // Accelerations beyond what a tracker takes are refused: a show at a high rate has such.
+                if let Ok(asked) = replay.step(tick) {
                     prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
                 }
             }

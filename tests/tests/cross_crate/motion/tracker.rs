@@ -142,6 +142,25 @@ fn differences_of_poses_come_near_to_exact_derivatives() {
     }
 }
 
+/// One pose for ever.
+struct Still;
+
+impl FrameSource for Still {
+    fn frame(&mut self, _index: i32) -> Frame<'_> {
+        Frame::Coordinates { q: &[0.3, -0.2, 0.1], qd: &[0.0; JOINTS], qdd: &[0.0; JOINTS] }
+    }
+}
+
+#[test]
+fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
+    // An observer, as `recommended` has one, expects a rig that follows its torques: this one does not.
+    for method in [MethodName::Local, MethodName::World, MethodName::LinearCompensation] {
+        let mut tracker = tracker(Settings { method, ..Settings::default() }, 0);
+        let first = tracker.step(&mut Still, 0, &rest()).unwrap().torques().to_vec();
+        assert_eq!(tracker.step(&mut Still, 1, &rest()).unwrap().torques(), first, "{method}");
+    }
+}
+
 #[test]
 fn a_refused_reading_has_no_torques_and_the_next_one_goes_on() {
     for settings in [world(), Settings::recommended()] {
