@@ -1,7 +1,7 @@
 //! Gravity on servos in position mode: how far arms are from their pose at rest, with and without the offset.
 //!
-//! `cargo test --release -p sinew-firmware --test firmware gravity -- --nocapture --include-ignored` prints the table of
-//! `docs/drives.md`; Poppy's arms need `SINEW_DATA`.
+//! `cargo test --release -p sinew-firmware --test firmware gravity -- --nocapture --include-ignored` prints the table
+//! of `docs/drives.md`; Poppy's arms need `SINEW_DATA`.
 
 #![expect(clippy::cast_possible_truncation, reason = "the drives' side is f32, the servos' f64")]
 
