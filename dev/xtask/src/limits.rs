@@ -1,4 +1,4 @@
-//! The limits of `sinew evaluate verify` on many rigs: `tests/tests/limits`.
+//! The limits of `sinew evaluate verify` on many rigs: `tests/tests/cross_crate/limits`.
 
 use anyhow::Result;
 

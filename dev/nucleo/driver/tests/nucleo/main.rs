@@ -1,5 +1,6 @@
 //! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
 
+mod chip;
 mod faults;
 mod hang;
 mod in_process;
