@@ -58,6 +58,7 @@ struct Cli {
 
 /// The commands at the top, in the order of a newcomer's work.
 #[derive(Debug, Subcommand)]
+#[expect(clippy::large_enum_variant, reason = "a program makes one, of its command line")]
 enum Command {
     Rig(rig::RigArgs),
     Clip(clip::ClipCommands),
