@@ -1,8 +1,6 @@
 //! The hardware-free part of the firmware: it builds, runs and is tested on the host, and the host's
 //! simulator uses the same code.
 //!
-//! - [`show`]: a performance and its rig, baked into flash and read in place;
-//! - [`frames`]: where frames come from, for a [`Tracker`](sinew_core::tracker::Tracker);
 //! - [`drives`]: from what a tracker asks of joints to what servos are commanded, and back;
 //! - [`supervisor`]: may anything move, how fast, and what happens on a fault;
 //! - [`controller`]: the loop that joins all of it, one tick a call;
@@ -13,8 +11,8 @@
 //! # Features
 //! - `defmt`: `defmt::Format` for all public types, here and in the core.
 //!
-//! There is no `serde` here: what is stored is a [`show`], which has its own format, and all else is running state
-//! or an error. Settings are the core's, which has that feature.
+//! There is no `serde` here: what is stored has formats of its own ([`sinew_rig::board`], [`sinew_show`],
+//! [`sinew_storage`]), and all else is running state or an error. Settings are the core's, which has that feature.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -22,13 +20,9 @@
 
 pub mod controller;
 pub mod drives;
-#[cfg(feature = "defmt")]
-mod format;
-pub mod frames;
 pub mod indicator;
 pub mod node;
 mod setting;
-pub mod show;
 pub mod supervisor;
 pub mod watchdog;
 

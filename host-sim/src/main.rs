@@ -1,6 +1,7 @@
 //! The command `sinew`.
 
 mod cli;
+mod inspect;
 
 use std::process::ExitCode;
 

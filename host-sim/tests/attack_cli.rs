@@ -48,7 +48,7 @@ fn done(folder: &Path, words: &[&str]) -> String {
 fn golden_numbers_that_are_all_zero_are_held_against_what_comes_out() {
     for name in ["verify_zero.json", "verify_zero_control.json"] {
         let folder = folder_with(&[name]);
-        let output = sinew(folder.path(), &["verify", "."]);
+        let output = sinew(folder.path(), &["evaluate", "verify", "."]);
         let printed = String::from_utf8_lossy(&output.stdout);
         assert_eq!(output.status.code(), Some(1), "{name}: {printed}");
         assert!(printed.contains("FAIL"), "{printed}");
@@ -60,7 +60,7 @@ fn a_failed_verification_fails_though_its_reader_is_gone() {
     let folder = folder_with(&["verify_zero.json"]);
     let mut child = command()
         .current_dir(folder.path())
-        .args(["verify", "."])
+        .args(["evaluate", "verify", "."])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -73,11 +73,11 @@ fn a_failed_verification_fails_though_its_reader_is_gone() {
 fn damaged_geometry_is_refused_or_filled_and_told() {
     let folder = folder_with(&["thigh_404m.bvh", "root_spike_1e9.bvh", "root_spike_10m.bvh"]);
     let folder = folder.path();
-    let said = refused(folder, &["bake", "thigh_404m.bvh", "--out", "k.show"]);
+    let evaluate = |clip| ["evaluate", "--clips", clip, "--methods", "local", "--seconds", "0.2"];
+    let said = refused(folder, &evaluate("thigh_404m.bvh"));
     assert!(said.contains("thigh_404m: the bone to joint `RightLeg` is 403.649 m long"), "{said}");
-    assert!(!folder.join("k.show").exists());
     for spike in ["root_spike_1e9.bvh", "root_spike_10m.bvh"] {
-        let said = done(folder, &["bake", spike, "--out", "k.show"]);
+        let said = done(folder, &evaluate(spike));
         assert!(said.contains("no body jumps faster than 50 m/s: Hips in 1 frame"), "{said}");
         assert!(said.contains("filled 1 gap"), "{said}");
     }
@@ -89,13 +89,14 @@ fn a_command_keeps_what_it_reads() {
     let folder = folder.path();
     let clip = fs::read(folder.join("m21.bvh")).expect("the clip");
     fs::hard_link(folder.join("m21.bvh"), folder.join("linked.bvh")).expect("a link");
+    done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
     for out in ["m21.bvh", "./m21.bvh", "linked.bvh"] {
-        let said = refused(folder, &["bake", "m21.bvh", "--out", out]);
+        let said = refused(folder, &["bake", "m21.bvh", "--rig", "arm.toml", "--output", out]);
         assert!(said.contains("is the clip, which would be lost"), "{said}");
-        let said = refused(folder, &["blend", "m21.bvh", "m21.bvh", "--out", out]);
+        let said = refused(folder, &["clip", "blend", "m21.bvh", "m21.bvh", "--output", out]);
         assert!(said.contains("is the clip A, which would be lost"), "{said}");
     }
-    let sweep = ["--clips", "m21.bvh", "--out", "."];
+    let sweep = ["--clips", "m21.bvh", "--output", "."];
     fs::write(folder.join("result.csv"), "a sweep").expect("a file");
     let said = refused(folder, &[&["evaluate", "--sweep", "result.csv"], &sweep[..]].concat());
     assert!(said.contains("is the sweep, which would be lost"), "{said}");
@@ -105,30 +106,33 @@ fn a_command_keeps_what_it_reads() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_the_old_file() {
-    let folder = folder_with(&["m21.bvh"]);
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    fs::write(folder.join("k.show"), "old").expect("the folder can be written");
-    // The largest file that the shell allows: 1 kB, which is no whole show.
-    let words = format!("ulimit -f 1; '{}' bake m21.bvh --out k.show", env!("CARGO_BIN_EXE_sinew"));
+    fs::write(folder.join("k.toml"), "old").expect("the folder can be written");
+    // The largest file that the shell allows: 1 kB, which is no whole rig.
+    let words = format!("ulimit -f 1; '{}' rig new --arm 6 -o k.toml", env!("CARGO_BIN_EXE_sinew"));
     let shell = Command::new("sh").current_dir(folder).args(["-c", &words]).output();
     assert!(!shell.expect("a shell").status.success());
-    assert_eq!(fs::read(folder.join("k.show")).expect("the file"), b"old");
+    assert_eq!(fs::read(folder.join("k.toml")).expect("the file"), b"old");
 }
 
 #[test]
 fn names_cannot_break_pictures_or_command_the_terminal() {
     let folder = folder_with(&["png_ctrl.bvh", "esc.glb"]);
     let folder = folder.path();
-    done(folder, &["weights", "png_ctrl.bvh", "--metres-per-unit", "0.01", "--picture", "p.png"]);
+    done(
+        folder,
+        &["clip", "weights", "png_ctrl.bvh", "--metres-per-unit", "0.01", "--picture", "p.png"],
+    );
     assert!(fs::read(folder.join("p.png")).expect("the picture").starts_with(b"\x89PNG"));
-    let output = sinew(folder, &["weights", "esc.glb"]);
+    let output = sinew(folder, &["clip", "weights", "esc.glb"]);
     assert!(output.status.success());
     assert!(!output.stdout.contains(&0x1b), "{}", String::from_utf8_lossy(&output.stdout));
 
     let long = fs::read_to_string(attack("png_ctrl.bvh")).expect("the file");
     let long = long.replacen("ROOT ", &format!("ROOT {}", "X".repeat(22_000)), 1);
     fs::write(folder.join("long.bvh"), long).expect("the folder can be written");
-    let said = refused(folder, &["weights", "long.bvh", "--metres-per-unit", "0.01"]);
+    let said = refused(folder, &["clip", "weights", "long.bvh", "--metres-per-unit", "0.01"]);
     assert!(said.contains("a name of at most 256 bytes"), "{said}");
 }
 
@@ -147,7 +151,7 @@ fn words_that_are_not_text_are_words() {
         "1",
         "--methods",
         "local",
-        "--out",
+        "--output",
     ];
     let out = std::ffi::OsStr::from_bytes(b"o\xff");
     let output = command().current_dir(folder.path()).args(words).arg(out).output();
@@ -163,7 +167,7 @@ fn keys_without_end_are_refused_in_a_line() {
     let dots = "a.".repeat(15_000);
     fs::write(folder.join("dots.toml"), format!("[[grid]]\n{dots}a = [1]\n")).expect("a file");
     let said = [
-        refused(folder, &["sweep", "dots.toml", "--out", "out", "--dry-run"]),
+        refused(folder, &["evaluate", "sweep", "dots.toml", "--output", "out", "--dry-run"]),
         refused(folder, &["evaluate", "--clips", "m21.bvh", "--set", &format!("{dots}a=1")]),
     ];
     for said in said {
@@ -187,29 +191,30 @@ fn small_files_cannot_ask_for_much() {
     let amp = format!("{head}\nMOTION\nFrames: 90000\nFrame Time: 0.01\n{}", "0\n".repeat(90_000));
     let frames = 2 * amp.len() / 1024;
     write("amp.bvh", amp);
-    let said = refused(folder, &["weights", "amp.bvh", "--metres-per-unit", "1"]);
+    let said = refused(folder, &["clip", "weights", "amp.bvh", "--metres-per-unit", "1"]);
     assert!(said.contains(&format!("expected at most {frames} frames")), "{said}");
 
     let links: Vec<_> = (0..20_000).map(|link| format!("<link name='l{link}'/>")).collect();
     let links = links.concat();
     write("links.urdf", format!("<robot name='r'>{links}</robot>"));
-    let said = refused(folder, &["weights", "links.urdf"]);
+    let said = refused(folder, &["clip", "weights", "links.urdf"]);
     assert!(said.contains("expected one link that no joint moves"), "{said}");
 
     // A buffer for each of 10,000 names of the file itself.
     let buffers = vec![r#"{"byteLength": 1, "uri": "self.gltf"}"#; 10_000].join(",");
     let nodes = vec!["{}"; 10_001].join(",");
     write("self.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{buffers}]}}"#));
-    let said = refused(folder, &["weights", "self.gltf"]);
+    let said = refused(folder, &["clip", "weights", "self.gltf"]);
     assert!(said.contains("a node with a mesh and a skin"), "{said}");
     write("nodes.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}]}}"#));
-    let said = refused(folder, &["weights", "nodes.gltf"]);
+    let said = refused(folder, &["clip", "weights", "nodes.gltf"]);
     assert!(said.contains("at most 10000 nodes"), "{said}");
 
     let list: Vec<String> = (1..=400).map(|value| value.to_string()).collect();
     let list = list.join(",");
     write("cells.toml", format!("[[grid]]\ncontroller.kp = [{list}]\ncontroller.kv = [{list}]\n"));
-    let said = refused(folder, &["sweep", "cells.toml", "--out", "out", "--dry-run"]);
+    let said =
+        refused(folder, &["evaluate", "sweep", "cells.toml", "--output", "out", "--dry-run"]);
     assert!(said.contains("at most 100000 cells"), "{said}");
 }
 
@@ -228,7 +233,7 @@ fn what_may_never_end_is_no_file() {
         let said = refused(folder, &words);
         assert!(said.contains("found a pipe or a device"), "{said}");
     }
-    let said = refused(folder, &["weights", "/dev/zero"]);
+    let said = refused(folder, &["clip", "weights", "/dev/zero"]);
     assert!(said.contains("found a pipe or a device"), "{said}");
 }
 
@@ -243,7 +248,7 @@ fn buffers_are_in_the_folder_of_their_file() {
     let text =
         r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 6, "uri": "data.bin"}]}"#;
     fs::write(folder.join("model/a.gltf"), text).expect("a file");
-    let said = refused(folder, &["weights", "model/a.gltf"]);
+    let said = refused(folder, &["clip", "weights", "model/a.gltf"]);
     assert!(said.contains("a link to elsewhere"), "{said}");
 }
 
@@ -254,8 +259,26 @@ fn two_runs_into_one_folder_are_refused() {
     fs::create_dir(folder.join("out")).expect("a folder");
     let lock = fs::File::create(folder.join("out/.sinew")).expect("a file");
     lock.lock().expect("nobody else has it");
-    let said = refused(folder, &["evaluate", "--clips", "m21.bvh", "--out", "out"]);
+    let said = refused(folder, &["evaluate", "--clips", "m21.bvh", "--output", "out"]);
     assert!(said.contains("another run writes into this folder"), "{said}");
+}
+
+/// How a show of version 1 begins.
+const SHOW_OF_VERSION_1: [u8; 32] = *b"SNWS\x01\0\x12\0\x02\0\0\0\x0a\xd7\x23\x3c0123456789abcdef";
+
+#[test]
+fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("old.show"), SHOW_OF_VERSION_1).expect("a file");
+    done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
+    let said = refused(folder, &["play", "old.show", "--rig", "arm.toml"]);
+    let why = "old.show: the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake \
+               CLIP --rig RIG`";
+    assert!(said.contains(why), "{said}");
+    // Nor is one made: the figure's poses were what `bake` wrote without a rig.
+    let said = refused(folder, &["bake", "kicks_01", "--output", "new.show"]);
+    assert!(said.contains("--rig: expected the rig that performs the show"), "{said}");
 }
 
 /// What a file is and who takes it, where a command does not.
@@ -265,10 +288,10 @@ fn a_file_of_another_kind_is_named() {
     let folder = folder.path();
     fs::write(folder.join("rig.urdf"), "<robot name='a'><link name='b'/></robot>").expect("a file");
     fs::write(folder.join("map.toml"), "name = 'a'\n[body]\n").expect("a file");
-    done(folder, &["bake", "m21.bvh", "--seconds", "0.2", "--out", "a.show"]);
+    fs::write(folder.join("a.show"), SHOW_OF_VERSION_1).expect("a file");
     let files = [
-        ("m21.bvh", "a BVH motion, which `sinew inspect`, `map`, `bake`"),
-        ("esc.glb", "a glTF character, which `sinew weights`"),
+        ("m21.bvh", "a BVH motion, which `sinew clip`, `bake`"),
+        ("esc.glb", "a glTF character, which `sinew clip inspect`"),
         ("rig.urdf", "a URDF rig, which `sinew rig`"),
         ("map.toml", "a mapping on the human figure, which `--mapping` takes"),
         ("a.show", "a show, which `sinew play`"),
@@ -277,8 +300,8 @@ fn a_file_of_another_kind_is_named() {
         (&["rig", "import"], &["rig.urdf"]),
         (&["evaluate", "--clips"], &["m21.bvh"]),
         (&["evaluate", "--setup"], &[]),
-        (&["sweep", "--out", "out"], &[]),
-        (&["figure"], &[]),
+        (&["evaluate", "sweep", "--output", "out"], &[]),
+        (&["evaluate", "figure"], &[]),
         (&["report"], &[]),
     ];
     for (command, takes) in commands {

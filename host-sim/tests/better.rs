@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use sinew_core::tracker::Differences;
-use sinew_sim::evaluate::robustness::{as_built, median, trial};
-use sinew_sim::evaluate::{Errors, MethodName, Protocol, Setup, evaluate};
-use sinew_sim::figure::{Dimensions, FigureMotion};
-use sinew_sim::pipeline::{self, Settings, prepare};
-use sinew_sim::plant::PlantKind;
+use sinew_evaluation::robustness::{as_built, median, trial};
+use sinew_evaluation::{Errors, MethodName, Protocol, Setup, evaluate};
+use sinew_figure::pipeline::{self, Settings, prepare};
+use sinew_figure::plant::PlantKind;
+use sinew_figure::{Dimensions, FigureMotion};
 
 fn fight(settings: &Settings) -> Vec<FigureMotion> {
     let data = std::env::var_os("SINEW_DATA").expect("SINEW_DATA is set");

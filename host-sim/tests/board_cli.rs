@@ -57,25 +57,26 @@ fn a_board_is_looked_over_set_up_and_asked() {
     let simulate = ["board", "simulate", "--rig", &rig, "--pty", &port, "--flash", &flash];
     {
         let _blank = Served::start(&[&simulate[..], &["--blank"]].concat());
-        let none = says(&["monitor", "--board", &port, "--lines", "1"], 2);
+        let none = says(&["board", "monitor", "--port", &port, "--samples", "1"], 2);
         assert!(none.contains("the board has no rig"), "{none}");
-        let stored = says(&["upload", "rig", &rig, "--board", &port], 0);
+        let stored = says(&["board", "upload", "rig", &rig, "--port", &port], 0);
         assert!(stored.contains("the board has rig"), "{stored}");
     }
     // The file has kept it.
     let _board = Served::start(&[&simulate[..], &["--blank"]].concat());
-    let line = says(&["monitor", "--board", &port, "--lines", "3", "--every", "0.2"], 0);
+    let line =
+        says(&["board", "monitor", "--port", &port, "--samples", "3", "--interval-ms", "200"], 0);
     assert_spreads(&line);
-    let set = says(&["settings", "--board", &port, "set", "stop_s", "3"], 0);
+    let set = says(&["board", "settings", "--port", &port, "set", "stop_s", "3"], 0);
     assert!(set.contains("stop_s is 3 now"), "{set}");
-    assert_eq!(says(&["settings", "--board", &port, "get", "stop_s"], 0), "3\n");
-    let wrong = says(&["settings", "--board", &port, "get", "stop"], 2);
+    assert_eq!(says(&["board", "settings", "--port", &port, "get", "stop_s"], 0), "3\n");
+    let wrong = says(&["board", "settings", "--port", &port, "get", "stop"], 2);
     assert!(wrong.contains("link_hold_s"), "{wrong}");
-    let refused = says(&["settings", "--board", &port, "set", "stop_s", "1e9"], 2);
+    let refused = says(&["board", "settings", "--port", &port, "set", "stop_s", "1e9"], 2);
     assert!(refused.contains("must be a number from"), "{refused}");
     let model = says(&["servo", "ping", "1", "--board", &port, "--baud", "3000000"], 0);
     assert!(model.contains("servo 1: XL330"), "{model}");
-    let looked = sinew(&["doctor", "--board", &port, "--rig", &rig, "-o", &report]);
+    let looked = sinew(&["board", "doctor", "--port", &port, "--rig", &rig, "-o", &report]);
     let looked = { looked }.output().unwrap();
     let looked = text(&looked);
     let kept = std::fs::read_to_string(&report).unwrap();
@@ -87,7 +88,7 @@ fn a_board_is_looked_over_set_up_and_asked() {
 
 /// Lets the board wait for its host: a machine with other work may keep this one from its line for 0.2 s.
 fn be_patient(port: &str) {
-    says(&["settings", "--board", port, "set", "link_hold_s", "1.9"], 0);
+    says(&["board", "settings", "--port", port, "set", "link_hold_s", "1.9"], 0);
 }
 
 /// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A
@@ -116,20 +117,20 @@ fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, board, bus] = ["arm.toml", "board", "bus"].map(|name| path(folder.path(), name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
-    let _servos = Served::start(&["servos", "--rig", &rig, "--pty", &bus]);
+    let _servos = Served::start(&["servo", "simulate", "--rig", &rig, "--pty", &bus]);
     let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &board]);
-    let no_board = says(&["faults", "--board", &bus], 2);
-    assert!(no_board.contains("servos answer here") && no_board.contains("--bus"), "{no_board}");
-    let no_bus = says(&["servo", "ping", "1", "--bus", &board, "--baud", "1000000"], 2);
+    let no_board = says(&["board", "faults", "--port", &bus], 2);
+    assert!(no_board.contains("servos answer here") && no_board.contains("--port"), "{no_board}");
+    let no_bus = says(&["servo", "ping", "1", "--port", &board, "--baud", "1000000"], 2);
     assert!(no_bus.contains("a controller answers here") && no_bus.contains("--board"), "{no_bus}");
-    let mut monitor = sinew(&["monitor", "--board", &board])
+    let mut monitor = sinew(&["board", "monitor", "--port", &board])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
     let mut line = String::new();
     BufReader::new(monitor.stdout.take().unwrap()).read_line(&mut line).unwrap();
-    let second = says(&["faults", "--board", &board], 2);
+    let second = says(&["board", "faults", "--port", &board], 2);
     monitor.kill().unwrap();
     monitor.wait().unwrap();
     assert!(second.contains("another program has it"), "{second}");
@@ -152,7 +153,7 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
     says(&[&bake[..], &["-o", &show]].concat(), 0);
     let board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port]);
     be_patient(&port);
-    let play = ["play", &show, "--rig", &rig, "--board", &port];
+    let play = ["play", &show, "--rig", &rig, "--target", &port];
     let first = says(&play, 0);
     for state in ["arming", "playing", "lowering", "limp"] {
         assert!(first.contains(state), "{first}");
@@ -171,9 +172,9 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
 fn firmware_is_refused_with_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
     let elf = path(folder.path(), "image");
-    let chip = says(&["flash", &elf], 2);
+    let chip = says(&["board", "flash", &elf], 2);
     assert!(chip.contains("nucleo_f446re"), "{chip}");
-    let flash = ["flash", &elf, "--chip", "STM32F446RETx"];
+    let flash = ["board", "flash", &elf, "--chip", "STM32F446RETx"];
     std::fs::write(&elf, "no image").unwrap();
     assert!(says(&flash, 2).contains("no ELF file"));
     std::fs::write(&elf, b"\x7fELF sinew-link:\x09\x04").unwrap();
@@ -187,10 +188,11 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     let [rig, port, csv, show] =
         ["arm.toml", "board", "led.csv", "led.show"].map(|name| path(folder.path(), name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
-    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port, "--hand"]);
+    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port, "--guide"]);
     be_patient(&port);
     let record = |how: &str, seconds: &str, file: &str| {
-        let of = ["record", "--board", &port, "--rig", &rig, how, "--seconds", seconds, "-o", file];
+        let of =
+            ["record", "--target", &port, "--rig", &rig, how, "--seconds", seconds, "-o", file];
         says(&of, 0)
     };
     let limp = record("--limp", "8.5", &csv);
@@ -203,7 +205,8 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     let floating = record("--float", "4", &show);
     assert!(floating.contains("floating") && floating.contains("limp"), "{floating}");
     assert!(std::fs::metadata(&show).unwrap().len() > 100);
-    let hand = sinew(&["record", "--board", &port, "--rig", &rig, "--masses", "2", "-o", &csv]);
+    let hand =
+        sinew(&["record", "--target", &port, "--rig", &rig, "--mass-scale", "2", "-o", &csv]);
     let hand = text(&{ hand }.output().unwrap());
     assert!(hand.contains("cannot be used with"), "{hand}");
 }

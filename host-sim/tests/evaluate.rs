@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use sinew_sim::builtin;
-use sinew_sim::evaluate::{Errors, Evaluation, MethodName, Protocol, evaluate};
-use sinew_sim::pipeline::{Settings, load_paths, prepare};
+use sinew_evaluation::{Errors, Evaluation, MethodName, Protocol, evaluate};
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, load_paths, prepare};
 
 fn evaluation(clips: Vec<sinew_mocap::Recording>) -> Evaluation {
     let settings = Settings::default();

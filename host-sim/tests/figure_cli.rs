@@ -1,4 +1,4 @@
-//! `sinew figure` as a command: what it prints, and its exit codes.
+//! `sinew evaluate figure` as a command: what it prints, and its exit codes.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 fn figure(more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
-    command.arg("figure").args(more).output().expect("the command runs")
+    command.args(["evaluate", "figure"]).args(more).output().expect("the command runs")
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -67,7 +67,8 @@ fn json_holds_the_same_and_scales() {
 
 #[test]
 fn a_subject_of_ones_own() {
-    let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("subjects/reference.toml");
+    let reference =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/figure/subjects/reference.toml");
     let reference = std::fs::read_to_string(reference).expect("the built-in subject");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("anna.toml");

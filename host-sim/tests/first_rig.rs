@@ -41,7 +41,7 @@ fn run(folder: &Path, lines: &[String]) -> f64 {
     let bin = Path::new(env!("CARGO_BIN_EXE_sinew")).parent().unwrap();
     let path = std::env::var("PATH").unwrap();
     // A busy machine is no servo line in real time.
-    let script = lines.join("\n").replace("--bus ", "--wait 300 --bus ");
+    let script = lines.join("\n").replace("--port ", "--timeout-ms 300 --port ");
     // What a failed line leaves running would keep the output open.
     let script = format!("trap 'kill $! 2>/dev/null || true' EXIT\n{script}");
     let start = Instant::now();

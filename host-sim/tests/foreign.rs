@@ -23,7 +23,7 @@ fn said(words: &[&str]) -> (Option<i32>, String) {
 }
 
 fn inspected(file: &Path) -> Value {
-    let output = sinew(&["inspect", &file.display().to_string(), "--format", "json"]);
+    let output = sinew(&["clip", "inspect", &file.display().to_string(), "--format", "json"]);
     let list: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     list[0].clone()
 }
@@ -47,24 +47,25 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The commands that a file is tried with, and what is given with it.
-fn tried<'a>(file: &'a str, out: &'a str) -> [(&'static str, Vec<&'a str>); 5] {
-    let query = |words: &[&'a str]| words.to_vec();
+/// The commands that a file is tried with, with what is given beside it.
+fn tried(file: &str) -> [(&'static str, Vec<&str>); 5] {
+    let query = |words: &[_]| words.to_vec();
     [
-        ("weights", query(&["weights", file, "--method", "lengths"])),
-        ("map", query(&["map", file])),
-        ("evaluate", query(&["bake", file, "--seconds", "0.2", "--out", out])),
-        ("find", query(&["find", file, "--like", file])),
+        ("weights", query(&["clip", "weights", file, "--method", "lengths"])),
+        ("map", query(&["clip", "map", file])),
+        (
+            "evaluate",
+            query(&["evaluate", "--clips", file, "--methods", "local", "--seconds", "0.2"]),
+        ),
+        ("find", query(&["clip", "find", file, "--like", file])),
         ("rig", query(&["rig", "import", file])),
     ]
 }
 
 fn page(folder: &Path) -> String {
-    let scratch = tempfile::tempdir().expect("a folder");
-    let out = scratch.path().join("a.show").display().to_string();
     let mut page = String::from(
         "# Files of many makers\n\n\
-         What `sinew inspect` says of each, and which commands read it as it is: without `--mapping`, `--up` or\n\
+         What `sinew clip inspect` says of each, and which commands read it as it is: without `--mapping`, `--up` or\n\
          `--metres-per-unit`. `evaluate` stands for `bake` and `sweep` too, which read clips in the same way. Below the\n\
          table is why others refuse a file. The files are not part of this repository; a test with `SINEW_DATA` makes this\n\
          page, and compares it (`INSTA_UPDATE=always` writes it).\n\n\
@@ -80,7 +81,7 @@ fn page(folder: &Path) -> String {
         let it = inspected(&path);
         let mut readers = vec![];
         let mut refused: Vec<(String, Vec<&str>)> = Vec::new();
-        for (command, words) in tried(&file, &out) {
+        for (command, words) in tried(&file) {
             let (code, said) = said(&words);
             if code == Some(0) {
                 readers.push(command);
@@ -181,7 +182,7 @@ fn a_clip_with_z_up_stands() {
     let file = data().join("foreign/bvh/ad_fair1_dab.bvh");
     let it = inspected(&file);
     assert_eq!(it["up"], "z", "{it}");
-    let told = said(&["map", &file.display().to_string()]).1;
+    let told = said(&["clip", "map", &file.display().to_string()]).1;
     assert!(told.contains("z is up"), "{told}");
 }
 
@@ -210,10 +211,10 @@ fn a_robot_arm_has_no_persons_height() {
 #[ignore = "needs SINEW_DATA"]
 fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {
     let fox = data().join("foreign/gltf/Fox.glb").display().to_string();
-    let (code, told) = said(&["weights", &fox]);
+    let (code, told) = said(&["clip", "weights", &fox]);
     assert_eq!(code, Some(2), "{told}");
     assert!(told.contains("--metres-per-unit 0.01 for centimetres"), "{told}");
-    let (code, told) = said(&["weights", &fox, "--metres-per-unit", "0.01"]);
+    let (code, told) = said(&["clip", "weights", &fox, "--metres-per-unit", "0.01"]);
     assert_eq!(code, Some(0), "{told}");
 }
 
@@ -228,12 +229,13 @@ fn a_known_skeleton_in_another_unit_keeps_its_height() {
         fs::write(&file, scaled(&text, factor)).expect("a file");
         let it = inspected(&file);
         let (code, told) = said(&[
-            "bake",
+            "evaluate",
+            "--clips",
             &file.display().to_string(),
+            "--methods",
+            "local",
             "--seconds",
             "0.2",
-            "--out",
-            &folder.path().join("a.show").display().to_string(),
         ]);
         assert_eq!(code, Some(0), "{told}");
         it["height_m"].as_f64().expect("a height")

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use glam::{DQuat, DVec3, EulerRot};
+use sinew_figure::mapping::{self, Binding};
+use sinew_figure::pipeline::{Notice, Settings, load_paths, prepare, tpose};
+use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_mocap::deepmimic::skeleton;
 use sinew_mocap::flips::Flips;
 use sinew_mocap::gaps::Filled;
 use sinew_mocap::{Clip, Recording, bvh, gaps};
-use sinew_sim::figure::mapping::{self, Binding};
-use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
-use sinew_sim::pipeline::{Notice, Settings, load_paths, prepare, tpose};
 
 /// One line of an `index.csv`.
 struct Entry {

@@ -10,7 +10,7 @@ fn files(threads: &str) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
         .args(["evaluate", "--seconds", "2", "--playback", "kicks_02", "--threads", threads])
-        .args([Path::new("--out"), folder.path()])
+        .args([Path::new("--output"), folder.path()])
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -64,7 +64,7 @@ fn an_unknown_clip_to_play_is_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
         .args(["evaluate", "--playback", "kicks_99"])
-        .args([Path::new("--out"), folder.path()])
+        .args([Path::new("--output"), folder.path()])
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));

@@ -153,7 +153,7 @@ fn what_cannot_be_is_refused_by_line_and_name() {
         ),
         (&["dynamics", "lamp.urdf"], "q.nod,q.nod\n0,0\n", "column `q.nod` stands twice"),
         (&["check", "none.toml"], "", "none.toml"),
-        (&["check", "lamp.urdf", "--rate", "nan"], "", "expected a number from 1 to 100000"),
+        (&["check", "lamp.urdf", "--rate-hz", "nan"], "", "expected a number from 1 to 100000"),
         (&["new"], "", "--arm"),
         (&["new", "--arm", "41"], "", "1..=40"),
     ] {

@@ -62,17 +62,18 @@ fn all_commands_take_a_rig_and_say_so() {
     let accumulated =
         printed(&["evaluate", "--rig", &rig, "--seconds", "2", "--methods", "accumulated"]);
     assert!(accumulated.contains("Accumulated"), "its reference is the base by default");
-    let robust = printed(&["robustness", "--rig", &rig, "--seconds", "1", "--seeds", "2"]);
+    let robust =
+        printed(&["evaluate", "robustness", "--rig", &rig, "--seconds", "1", "--rigs", "2"]);
     assert!(robust.starts_with("rig arm") && !robust.contains("times the dim"), "{robust}");
     let late = ["--seconds", "1", "--rates", "500", "--methods", "world"];
-    let late = printed(&[&["latency", "--rig", &rig][..], &late].concat());
+    let late = printed(&[&["evaluate", "latency", "--rig", &rig][..], &late].concat());
     assert!(late.starts_with("rig arm"), "{late}");
 
     let sweep = folder.path().join("sweep.toml");
     std::fs::write(&sweep, "[[grid]]\ncontroller.method = ['local', 'recommended']\n").unwrap();
     let out = folder.path().join("out");
     let [file, out] = [&sweep, &out].map(|path| path.to_str().unwrap());
-    let again = ["sweep", file, "--rig", &rig, "--seconds", "1", "--out", out];
+    let again = ["evaluate", "sweep", file, "--rig", &rig, "--seconds", "1", "--output", out];
     assert!(printed(&again).contains("2 cells; 4 runs made"));
     assert!(printed(&again).contains("0 runs made, 4 taken over"));
 }
@@ -89,13 +90,19 @@ fn what_a_rig_has_by_itself_is_refused() {
         (&["evaluate", "--rig", &rig, "--clips", "a.bvh"], "a.bvh"),
         (&["evaluate", "--rig", &rig, "--set", "root=fixed"], "the rig has its own"),
         (&["evaluate", "--rig", &rig, "--set", "controller.reference=pelvi"], "a body of the rig"),
-        (&["evaluate", "--rig", &rig, "--shares", "0"], "shares: expected shares from 0.01 to 1"),
-        (&["evaluate", "--rig", &rig, "--shares", "0.5,0.5"], "shares: expected each share once"),
-        (&["evaluate", "--shares", "0.5"], "--rig"),
+        (
+            &["evaluate", "--rig", &rig, "--speed-shares", "0"],
+            "shares: expected shares from 0.01 to 1",
+        ),
+        (
+            &["evaluate", "--rig", &rig, "--speed-shares", "0.5,0.5"],
+            "shares: expected each share once",
+        ),
+        (&["evaluate", "--speed-shares", "0.5"], "--rig"),
         // Not lost rigs, but rigs that this plant does not simulate.
         (&["evaluate", "--rig", &rig, "--plant", "rapier"], "a rotor has inertia"),
         (
-            &["robustness", "--rig", &rig, "--plant", "rapier", "--seconds", "1"],
+            &["evaluate", "robustness", "--rig", &rig, "--plant", "rapier", "--seconds", "1"],
             "a rotor has inertia",
         ),
         (&["evaluate", "--rig", face], "sinew rig view"),

@@ -1,4 +1,4 @@
-//! `sinew robustness` and `sinew latency` as commands.
+//! `sinew evaluate robustness` and `sinew evaluate latency` as commands.
 
 use std::process::{Command, Output};
 
@@ -16,7 +16,16 @@ fn printed(arguments: &[&str]) -> String {
 #[test]
 fn every_rig_has_a_row_and_the_threads_do_not_matter() {
     let rigs = |threads: &str| {
-        printed(&["robustness", "--seconds", "0.2", "--seeds", "3", "--threads", threads])
+        printed(&[
+            "evaluate",
+            "robustness",
+            "--seconds",
+            "0.2",
+            "--rigs",
+            "3",
+            "--threads",
+            threads,
+        ])
     };
     let text = rigs("1");
     assert_eq!(text, rigs("2"));
@@ -32,14 +41,15 @@ fn every_rig_has_a_row_and_the_threads_do_not_matter() {
 #[test]
 fn the_front_trades_angle_for_distance() {
     let text = printed(&[
+        "evaluate",
         "robustness",
         "--seconds",
         "0.5",
-        "--seeds",
+        "--rigs",
         "2",
         "--methods",
         "local,recommended",
-        "--front",
+        "--projection-weights",
         "1,0.5",
     ]);
     let (_, front) = text.split_once("medians over the rigs").expect("a second table");
@@ -58,7 +68,16 @@ fn the_front_trades_angle_for_distance() {
 
 #[test]
 fn looking_ahead_lets_a_drive_come_later() {
-    let text = printed(&["latency", "--seconds", "1", "--rates", "500", "--methods", "world"]);
+    let text = printed(&[
+        "evaluate",
+        "latency",
+        "--seconds",
+        "1",
+        "--rates-hz",
+        "500",
+        "--methods",
+        "world",
+    ]);
     let steps = |looks_ahead: &str| -> usize {
         let row = text.lines().find(|line| line.contains(&format!("{looks_ahead} |")));
         let cell = row.and_then(|row| row.split('|').nth(3)).expect("a row of three cells");
@@ -70,14 +89,17 @@ fn looking_ahead_lets_a_drive_come_later() {
 #[test]
 fn what_cannot_be_is_refused_with_what_could() {
     for (arguments, part) in [
-        (&["robustness", "--seeds", "0"][..], "1..=1000"),
-        (&["robustness", "--front", "0.5,0"], "rotation_m"),
-        (&["robustness", "--front", "nan"], "rotation_m"),
-        (&["robustness", "--rate", "500", "--frames", "300"], "a whole number of times"),
-        (&["robustness", "--set", "controller.law=pd"], "inverse_dynamics"),
-        (&["robustness", "--set", "disturbance.sensor_bits=40"], "0 to 24 bits"),
-        (&["latency", "--rates", "nan"], "a number of Hz from 10 to 10000"),
-        (&["latency", "--set", "controller.observer.cancel=true"], "nothing to cancel"),
+        (&["evaluate", "robustness", "--rigs", "0"][..], "1..=1000"),
+        (&["evaluate", "robustness", "--projection-weights", "0.5,0"], "rotation_m"),
+        (&["evaluate", "robustness", "--projection-weights", "nan"], "rotation_m"),
+        (
+            &["evaluate", "robustness", "--rate-hz", "500", "--frame-rate-hz", "300"],
+            "a whole number of times",
+        ),
+        (&["evaluate", "robustness", "--set", "controller.law=pd"], "inverse_dynamics"),
+        (&["evaluate", "robustness", "--set", "disturbance.sensor_bits=40"], "0 to 24 bits"),
+        (&["evaluate", "latency", "--rates-hz", "nan"], "a number of Hz from 10 to 10000"),
+        (&["evaluate", "latency", "--set", "controller.observer.cancel=true"], "nothing to cancel"),
     ] {
         let output = sinew(arguments);
         let told = String::from_utf8_lossy(&output.stderr);

@@ -139,7 +139,7 @@ impl Calibrate {
     fn start(rig: &Path, link: &Path) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
             .args(["servo", "calibrate", "--rig", rig.to_str().unwrap()])
-            .args(["--baud", "1000000", "--bus", link.to_str().unwrap()])
+            .args(["--baud", "1000000", "--port", link.to_str().unwrap()])
             .stdin(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

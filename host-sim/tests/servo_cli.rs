@@ -18,14 +18,14 @@ fn refused(args: &[&str], code: i32) -> String {
 #[test]
 fn a_port_that_is_not_named_or_not_there_says_so() {
     let none = refused(&["scan"], 2);
-    assert!(none.contains("--bus PORT") && none.contains("/dev/ttyUSB0"), "{none}");
-    let missing = refused(&["ping", "1", "--bus", "/dev/no-such-port"], 2);
+    assert!(none.contains("--port PORT") && none.contains("/dev/ttyUSB0"), "{none}");
+    let missing = refused(&["ping", "1", "--port", "/dev/no-such-port"], 2);
     assert!(missing.contains("/dev/no-such-port: there is no such port"), "{missing}");
     // Options of the line go before and behind the command.
-    let missing = refused(&["--bus", "/dev/no-such-port", "--baud", "57600", "watch", "1"], 2);
+    let missing = refused(&["--port", "/dev/no-such-port", "--baud", "57600", "watch", "1"], 2);
     assert!(missing.contains("no such port"), "{missing}");
     let file = tempfile::NamedTempFile::new().unwrap();
-    let text = refused(&["scan", "--bus", file.path().to_str().unwrap()], 2);
+    let text = refused(&["scan", "--port", file.path().to_str().unwrap()], 2);
     assert!(text.contains("it is no serial port"), "{text}");
 }
 
@@ -35,9 +35,9 @@ fn numbers_that_cannot_be_are_refused_before_the_port_is_opened() {
         &["ping", "253"][..],
         &["set-id", "1", "254"],
         &["scan", "--baud", "0"],
-        &["scan", "--wait", "0"],
-        &["watch", "1", "--count", "0"],
-        &["calibrate", "--rig", "rig.toml", "--margin", "nan"],
+        &["scan", "--timeout-ms", "0"],
+        &["watch", "1", "--samples", "0"],
+        &["calibrate", "--rig", "rig.toml", "--margin-deg", "nan"],
         &["diff", "--rig", "rig.toml", "--mode", "torque"],
     ] {
         let text = refused(args, 2);
@@ -58,7 +58,7 @@ fn a_rig_that_has_no_servos_on_the_bus_is_refused_before_the_port_is_opened() {
     std::fs::write(&path, "name = \"stone\"\n[[body]]\nname = \"base\"\n").unwrap();
     let path = path.to_str().unwrap();
     for command in ["diff", "apply", "calibrate", "watch"] {
-        let text = refused(&[command, "--rig", path, "--bus", "/dev/no-such-port"], 2);
+        let text = refused(&[command, "--rig", path, "--port", "/dev/no-such-port"], 2);
         assert!(text.contains("stone: none of its servos has an id"), "{command}: {text}");
     }
 }

@@ -1,4 +1,4 @@
-//! `sinew servo` at the port of `sinew servos`, both as processes.
+//! `sinew servo` at the port of `sinew servo simulate`, both as processes.
 #![cfg(unix)]
 
 mod servos;
@@ -46,12 +46,12 @@ impl Bus {
         self.folder.path().join("rig.toml")
     }
 
-    /// Exit code, standard output and standard error of `sinew servo ARGS --bus LINK`.
+    /// Exit code, standard output and standard error of `sinew servo ARGS --port LINK`.
     fn servo(&self, args: &[&str]) -> (i32, String, String) {
         let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
             .arg("servo")
             .args(args)
-            .args(["--bus", &Self::link(self.folder.path())])
+            .args(["--port", &Self::link(self.folder.path())])
             .output()
             .unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
@@ -62,7 +62,7 @@ impl Bus {
     #[track_caller]
     fn done(&self, args: &[&str]) -> String {
         let args: Vec<&str> =
-            args.iter().chain(&["--baud", "1000000", "--wait", "300"]).copied().collect();
+            args.iter().chain(&["--baud", "1000000", "--timeout-ms", "300"]).copied().collect();
         let (code, said, errors) = self.servo(&args);
         assert_eq!(code, 0, "{args:?}: {said}{errors}");
         said
@@ -72,7 +72,7 @@ impl Bus {
     #[track_caller]
     fn not_done(&self, args: &[&str], expected: i32) -> String {
         let args: Vec<&str> =
-            args.iter().chain(&["--baud", "1000000", "--wait", "300"]).copied().collect();
+            args.iter().chain(&["--baud", "1000000", "--timeout-ms", "300"]).copied().collect();
         let (code, said, errors) = self.servo(&args);
         assert_eq!(code, expected, "{args:?}: {said}{errors}");
         said + &errors
@@ -99,7 +99,7 @@ impl Drop for Bus {
 #[test]
 fn servos_are_found_asked_and_given_another_id() {
     let bus = Bus::of_kind("xl330", "1,2,3");
-    let found = bus.done(&["scan", "--up-to", "4", "--format", "json"]);
+    let found = bus.done(&["scan", "--max-id", "4", "--format", "json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     let servos: Vec<_> = found["servos"]
         .as_array()
@@ -108,7 +108,7 @@ fn servos_are_found_asked_and_given_another_id() {
         .map(|servo| (servo["id"].as_u64().unwrap(), servo["model"].as_str().unwrap()))
         .collect();
     assert_eq!(servos, [(1, "XL330-M288"), (2, "XL330-M288"), (3, "XL330-M288")]);
-    assert!(bus.done(&["scan", "--up-to", "4"]).lines().nth(1).unwrap().contains("XL330-M288"));
+    assert!(bus.done(&["scan", "--max-id", "4"]).lines().nth(1).unwrap().contains("XL330-M288"));
     // Without protocol and rate it looks for both, and says where it was found.
     let (code, said, errors) = bus.servo(&["ping", "2"]);
     assert_eq!((code, said.as_str()), (0, "servo 2: XL330-M288, firmware 52, at 1000000 baud\n"));
@@ -165,7 +165,7 @@ fn a_rig_s_settings_are_compared_written_and_compared_again() {
     bus.done(&["write", "2", "return-delay-time", "100", "--raw"]);
     bus.done(&["write", "2", "torque-enable", "1", "--raw"]);
     let left = bus.not_done(&["apply", "--rig", rig], 2);
-    assert!(left.contains("`apply --release`"), "{left}");
+    assert!(left.contains("`apply --torque-off`"), "{left}");
     assert_eq!(bus.raw("2", "torque-enable"), 1);
     let released = bus.done(&["apply", "--rig", rig, "--release"]);
     assert!(released.contains("its torque is off now"), "{released}");
@@ -182,7 +182,7 @@ fn help_says_that_a_servo_with_torque_is_left_alone() {
     let help = String::from_utf8(output.stdout).unwrap();
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        words.contains("a servo whose torque is on is left alone, unless `--release`"),
+        words.contains("a servo whose torque is on is left alone, unless `--torque-off`"),
         "{words}"
     );
 }

@@ -1,4 +1,4 @@
-//! `sinew servos`, as a person calls it.
+//! `sinew servo simulate`, as a person calls it.
 #![cfg(unix)]
 
 mod servos;

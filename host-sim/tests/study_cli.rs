@@ -10,7 +10,7 @@ fn who_asks_for_a_study_is_told_the_command() {
         .expect("the command starts");
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    let command = "`cargo run --release -p sinew-studies -- mds --quick --help`";
+    let command = "`cargo run --release --manifest-path dev/studies/Cargo.toml --`";
     assert!(told.contains(command), "{told}");
     let help = Command::new(env!("CARGO_BIN_EXE_sinew")).arg("--help").output().expect("it starts");
     assert!(!String::from_utf8_lossy(&help.stdout).contains("study"));

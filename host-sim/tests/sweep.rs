@@ -1,4 +1,4 @@
-//! `sinew sweep`: killed, resumed, shared out and put together, it comes to the same bytes.
+//! `sinew evaluate sweep`: killed, resumed, shared out and put together, it comes to the same bytes.
 
 use std::fs;
 use std::path::Path;
@@ -34,7 +34,7 @@ fn command(folder: &Path, out: &str, options: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
     command
         .current_dir(folder)
-        .args(["sweep", "sweep.toml", "--seconds", "0.4", "--out", out])
+        .args(["evaluate", "sweep", "sweep.toml", "--seconds", "0.4", "--output", out])
         .args(options);
     command
 }

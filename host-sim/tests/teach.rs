@@ -3,11 +3,11 @@
 use sinew_rig::new::arm;
 use sinew_servo_sim::device::MEMORY_LEN;
 
+use sinew_performance::play::{Memory, Options, Parts, Stand};
+use sinew_performance::teach::{Leads, Lesson, LessonError, Mode, Taken, Taught, beside};
+use sinew_performance::{Baker, Marks, Played};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_show::write::Settings;
-use sinew_sim::performance::{Baker, Marks, Played};
-use sinew_sim::play::{Memory, Options, Parts, Stand};
-use sinew_sim::teach::{Leads, Lesson, LessonError, Mode, Taken, Taught, beside};
 
 const DEG: f64 = std::f64::consts::PI / 180.0;
 

@@ -1,4 +1,4 @@
-//! `sinew verify` as a command: what it prints, and its exit codes.
+//! `sinew evaluate verify` as a command: what it prints, and its exit codes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ fn oracles() -> PathBuf {
 
 fn verify(folder: &Path, more: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_sinew"))
-        .arg("verify")
+        .args(["evaluate", "verify"])
         .arg(folder)
         .args(more)
         .output()

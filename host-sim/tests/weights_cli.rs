@@ -1,4 +1,4 @@
-//! `sinew weights` as a command: what it prints and draws, and its exit codes.
+//! `sinew clip weights` as a command: what it prints and draws, and its exit codes.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ const RIG: &str = r#"<robot name="arm"><link name="base"/><link name="upper"/><l
 fn weights(folder: &Path, more: &[&str]) -> Output {
     fs::write(folder.join("arm.urdf"), RIG).expect("a folder to write to");
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
-    command.current_dir(folder).args(["weights", "arm.urdf"]).args(more);
+    command.current_dir(folder).args(["clip", "weights", "arm.urdf"]).args(more);
     command.output().expect("the command runs")
 }
 
@@ -75,7 +75,13 @@ fn a_mesh_without_surface_is_left_out() {
     fs::write(folder.path().join("flat.gltf"), file.to_string()).expect("a file");
     let weights = |method: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
-        command.current_dir(folder.path()).args(["weights", "flat.gltf", "--method", method]);
+        command.current_dir(folder.path()).args([
+            "clip",
+            "weights",
+            "flat.gltf",
+            "--method",
+            method,
+        ]);
         command.output().expect("the command runs")
     };
     let all = weights("all");

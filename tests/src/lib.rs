@@ -2,6 +2,7 @@
 //!
 //! - [`cylinders`]: surface integrals in f64, another way than the core's;
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;
+//! - [`figure`]: the human figure as boards have a rig, and a show of it;
 //! - [`nearest_pose`]: what the projection looks for, by dense least squares in f64;
 //! - [`newton_euler`]: inverse dynamics of given states in f64;
 //! - [`parity`]: runs of the evaluation for other machines, and where their numbers differ;
@@ -12,6 +13,7 @@
 
 pub mod cylinders;
 pub mod extreme;
+pub mod figure;
 pub mod nearest_pose;
 pub mod newton_euler;
 pub mod parity;

@@ -1,5 +1,5 @@
-//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers differ;
-//! what any machine answers.
+//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers
+//! differ; what any machine answers.
 
 use std::fmt;
 use std::fs::File;
@@ -8,13 +8,11 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use sinew_bit_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
-use sinew_bit_parity::{RUN, answer};
-use sinew_sim::evaluate::{CAPACITY, MethodName, Protocol, track};
-use sinew_sim::figure::{BODIES, BODY_COUNT, FigureMotion};
-use sinew_sim::show;
+use sinew_bit_parity::{PLAY, RUN, answer};
+use sinew_evaluation::{CAPACITY, MethodName, Protocol, track};
+use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
-/// Coordinates of the largest show that is decoded.
-const COORDINATES: usize = 20;
+use crate::figure::{COORDINATES, FREEDOMS, FigureShow, rig};
 
 /// A run of the evaluation: a clip, tracked by a figure of a scale with a method.
 #[derive(Debug, Clone)]
@@ -33,8 +31,8 @@ pub struct Run {
 }
 
 impl Run {
-    /// Makes the evaluation's run and records it: the clip as a show, the joints' poses as the tracker got them, and
-    /// every number that it computed in each tick.
+    /// Makes the evaluation's run and records it: the rig, the joints' poses as the clip has them and as the tracker
+    /// got them, and every number that it computed in each tick.
     pub fn record(motion: &FigureMotion, scale: f64, method: MethodName) -> Self {
         let index = MethodName::ALL.iter().position(|one| *one == method);
         let setup = Protocol::default().setup_of(scale, method);
@@ -50,13 +48,18 @@ impl Run {
         })
         .unwrap();
 
-        let show = show::bake(motion, &model, usize::MAX).unwrap();
+        let (rig, frames) = (rig(&model.mechanism(setup.root)), motion.rotation.len());
         let mut bytes = Vec::new();
         bytes.extend(RUN.to_le_bytes());
-        for count in [index.expect("a method to compare"), ticks, show.len()] {
+        for count in [index.expect("a method to compare"), ticks, frames, rig.len()] {
             bytes.extend(u32::try_from(count).unwrap().to_le_bytes());
         }
-        bytes.extend(show);
+        #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+        bytes.extend((motion.dt_s as f32).to_le_bytes());
+        bytes.extend(rig);
+        for frame in 0..frames {
+            bytes.extend(motion.joint_poses(frame).iter().flat_map(pose_bytes));
+        }
         bytes.extend(measured.iter().flat_map(pose_bytes));
         Self { clip: motion.name.clone(), scale, method, bytes, evaluation, ticks }
     }
@@ -82,6 +85,16 @@ impl Run {
     }
 }
 
+/// The request to play the first ticks of a show.
+///
+/// # Panics
+/// If the show is longer than a request can say.
+pub fn to_play(FigureShow { rig, show }: &FigureShow, ticks: u32) -> Vec<u8> {
+    let length = |bytes: &[u8]| u32::try_from(bytes.len()).unwrap();
+    let numbers = [PLAY, ticks, length(rig), length(show)].map(u32::to_le_bytes);
+    [&numbers.concat(), rig, show].map(|part| &part[..]).concat()
+}
+
 /// What this very program answers to a request.
 ///
 /// # Panics
@@ -97,7 +110,7 @@ pub fn here(mut request: &[u8]) -> Vec<u8> {
         out.extend_from_slice(bytes);
         Ok(())
     };
-    answer::<BODY_COUNT, COORDINATES>(&mut buffer, read, write).unwrap();
+    answer::<BODY_COUNT, FREEDOMS, COORDINATES>(&mut buffer, read, write).unwrap();
     out
 }
 

@@ -2,7 +2,7 @@
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointKind, JointState, Twist};
-use sinew_sim::verify::rounding::{
+use sinew_verification::rounding::{
     self, Difference, Joint, Link, Motion, Number, Rotation, State, Vector, body_states,
 };
 

@@ -21,13 +21,13 @@ pub enum ClientError {
     Line(io::Error),
     /// Nothing answers a greeting.
     #[error(
-        "no controller answers. Has the board power, and is it flashed (`sinew flash`)? `sinew board simulate` is one \
+        "no controller answers. Has the board power, and is it flashed (`sinew board flash`)? `sinew board simulate` is one \
          to try without hardware"
     )]
     NoController,
     /// Servos answer, and no controller.
     #[error(
-        "{}: {} servos answer here at {baud} baud, no controller. This is an adapter at the servos: name it with --bus",
+        "{}: {} servos answer here at {baud} baud, no controller. This is an adapter at the servos: `sinew servo --port` takes it",
         path.display(),
         protocol.name()
     )]
@@ -40,10 +40,10 @@ pub enum ClientError {
         baud: u32,
     },
     /// No port is given, and not one has a controller.
-    #[error("no controller was found at {0}: name its port, `--board PORT`")]
+    #[error("no controller was found at {0}")]
     NoneFound(String),
     /// No port is given, and several have a controller.
-    #[error("several controllers were found: {0}. Say which one, `--board PORT`")]
+    #[error("several controllers were found: {0}")]
     Several(String),
     /// The controller takes no session.
     #[error("{0}")]
@@ -59,7 +59,7 @@ pub enum ClientError {
     SessionOver,
     /// The firmware is too old for something.
     #[error(
-        "this takes version {needs} of the link, the board's firmware speaks {has}: `sinew flash` brings a newer one"
+        "this takes version {needs} of the link, the board's firmware speaks {has}: `sinew board flash` brings a newer one"
     )]
     Old {
         /// What it takes.

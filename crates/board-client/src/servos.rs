@@ -129,7 +129,8 @@ fn explained(error: ClientError) -> io::Error {
         ),
         ClientError::Refused(Refusal::Fault(_)) => (
             io::ErrorKind::ResourceBusy,
-            "the board has no rig, and so no line of servos: `sinew upload rig` first".to_owned(),
+            "the board has no rig, and so no line of servos: `sinew board upload rig` first"
+                .to_owned(),
         ),
         other => (io::ErrorKind::ResourceBusy, other.to_string()),
     };

@@ -157,22 +157,22 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Bvh => {
-                "a BVH motion, which `sinew inspect`, `map`, `bake` and `evaluate --clips` take"
+                "a BVH motion, which `sinew clip`, `bake` and `evaluate --clips` take"
             }
             Self::Asf => {
-                "an ASF skeleton: `sinew inspect`, `map`, `bake` and `evaluate --clips` take the AMC motion beside it"
+                "an ASF skeleton: `sinew clip`, `bake` and `evaluate --clips` take the AMC motion beside it"
             }
             Self::Amc => {
-                "an AMC motion, which `sinew inspect`, `map`, `bake` and `evaluate --clips` take"
+                "an AMC motion, which `sinew clip`, `bake` and `evaluate --clips` take"
             }
             Self::DeepMimic => {
-                "a DeepMimic motion, which `sinew inspect`, `map`, `bake` and `evaluate --clips` take"
+                "a DeepMimic motion, which `sinew clip`, `bake` and `evaluate --clips` take"
             }
             Self::Gltf => {
-                "a glTF character, which `sinew weights` and `sinew inspect` take; its animations are not read: \
+                "a glTF character, which `sinew clip inspect` and `weights` take; its animations are not read: \
                  export them as BVH (Blender does)"
             }
-            Self::Geno => "a binary character, which `sinew weights` and `sinew inspect` take",
+            Self::Geno => "a binary character, which `sinew clip inspect` and `weights` take",
             Self::Fbx => "FBX, which is not read: export it as BVH (Blender does)",
             Self::C3d => {
                 "C3D, which holds markers and is not read: export the solved skeleton as BVH"
@@ -187,9 +187,9 @@ impl fmt::Display for Kind {
             Self::FigureMapping => {
                 "a mapping on the human figure, which `--mapping` takes where no `--rig` is given"
             }
-            Self::Sweep => "a sweep, which `sinew sweep` takes",
+            Self::Sweep => "a sweep, which `sinew evaluate sweep` takes",
             Self::Toml => "TOML of another kind",
-            Self::Show => "a show, which `sinew play` and `sinew upload show` take",
+            Self::Show => "a show, which `sinew play` and `sinew board upload show` take",
             Self::Parquet => "a Parquet table: recordings of `sinew play` are for `sinew report`",
             Self::Picture => "a picture, which no command reads",
             Self::Csv => {
@@ -197,7 +197,7 @@ impl fmt::Display for Kind {
             }
             Self::Json => {
                 "JSON of another kind: positions of a rig's servos are for `sinew bake --rig` and `sinew play`, golden \
-                 files for `sinew verify`"
+                 files for `sinew evaluate verify`"
             }
         })
     }

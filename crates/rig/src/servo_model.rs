@@ -1,4 +1,5 @@
-//! The built-in kinds of servo: data files of `crates/rig/models`, where every value names its source or is marked as a guess.
+//! The built-in kinds of servo: data files of `crates/rig/models`, where every value names its source or is marked as a
+//! guess.
 
 use crate::description::ServoModel;
 

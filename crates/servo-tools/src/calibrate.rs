@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use sinew_servo_bus::table::Item;
 use sinew_rig::Description;
 use sinew_rig::description::{Joint, JointType};
+use sinew_servo_bus::table::Item;
 
 use crate::rig_file::ServoChange;
 use crate::rig_servo::{RigServo, own_rad};

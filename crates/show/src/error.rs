@@ -96,7 +96,8 @@ impl fmt::Display for ShowError {
                 write!(f, "not a show: it begins with {found:02x?} instead of `SNWS`")
             }
             Self::Version { found: 1 } => f.write_str(
-                "the show is of version 1, poses of one figure; version 2 is asked for: bake it again for this rig",
+                "the show is of version 1, which is no longer read: make it anew from its clip, \
+                 with `sinew bake CLIP --rig RIG`",
             ),
             Self::Version { found } => {
                 write!(f, "the show is of version {found}; this program performs version 2")

@@ -11,6 +11,7 @@ pub mod servo;
 pub mod show;
 
 use sinew_core::glam::{Quat, Vec3};
+use sinew_core::tracker::{Frame, FrameSource, before_the_first};
 use sinew_core::{
     Body, Inertia, JointKind, JointState, RotationalInertia, Transform, Tree, TreeError, Twist,
     math,
@@ -73,6 +74,35 @@ pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
             pose.translation_m += numbers.vector() * phase;
         }
         pose.rotation = math::unit(pose.rotation);
+    }
+}
+
+/// Frames in memory, one list of poses after the other. Before the first they move on as in their first step, after the
+/// last it is held.
+#[derive(Debug)]
+pub struct Frames<'a, const N: usize> {
+    frames: &'a [[Transform; N]],
+    before: [Transform; N],
+}
+
+impl<'a, const N: usize> Frames<'a, N> {
+    /// The frames of a list.
+    pub fn new(frames: &'a [[Transform; N]]) -> Self {
+        Self { frames, before: [Transform::IDENTITY; N] }
+    }
+}
+
+impl<const N: usize> FrameSource for Frames<'_, N> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        let last = self.frames.len().saturating_sub(1);
+        let at = |index: usize| self.frames.get(index.min(last)).map_or(&[][..], |frame| frame);
+        if let Ok(index) = usize::try_from(index) {
+            return Frame::Poses(at(index));
+        }
+        for (pose, (first, second)) in self.before.iter_mut().zip(at(0).iter().zip(at(1))) {
+            *pose = before_the_first(first, second, index.unsigned_abs());
+        }
+        Frame::Poses(&self.before)
     }
 }
 

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use sinew_bit_parity::answer;
 
-use crate::{CAPACITY, COORDINATES, LONGEST_SHOW};
+use crate::{BODIES, BUFFER_LEN, COORDINATES, FREEDOMS};
 
 pub(crate) fn main() -> ExitCode {
     let (mut input, mut output) = (stdin().lock(), BufWriter::new(stdout().lock()));
-    let mut buffer = vec![0; LONGEST_SHOW];
-    let result = answer::<CAPACITY, COORDINATES>(
+    let mut buffer = vec![0; BUFFER_LEN];
+    let result = answer::<BODIES, FREEDOMS, COORDINATES>(
         &mut buffer,
         |bytes| input.read_exact(bytes).map_err(|_| "the request ends too early"),
         |bytes| output.write_all(bytes).map_err(|_| "the answer cannot be written"),

@@ -6,7 +6,7 @@ use cortex_m_semihosting::{debug, heprintln};
 use sinew_bit_parity::answer;
 use static_cell::ConstStaticCell;
 
-use crate::{CAPACITY, COORDINATES, LONGEST_SHOW, files};
+use crate::{BODIES, BUFFER_LEN, COORDINATES, FREEDOMS, files};
 
 #[entry]
 fn main() -> ! {
@@ -23,11 +23,11 @@ fn main() -> ! {
 }
 
 fn perform() -> Result<(), &'static str> {
-    static SHOW: ConstStaticCell<[u8; LONGEST_SHOW]> = ConstStaticCell::new([0; LONGEST_SHOW]);
+    static BUFFER: ConstStaticCell<[u8; BUFFER_LEN]> = ConstStaticCell::new([0; BUFFER_LEN]);
     let input = files::open(c"/dev/stdin", files::READ)?;
     let output = files::open(c"/dev/stdout", files::WRITE)?;
-    answer::<CAPACITY, COORDINATES>(
-        SHOW.take(),
+    answer::<BODIES, FREEDOMS, COORDINATES>(
+        BUFFER.take(),
         |bytes| files::read(input, bytes),
         |bytes| files::write(output, bytes),
     )

@@ -1,15 +1,16 @@
 //! What exists only to compare machines, bit by bit. It is no part of a product.
 //!
 //! - [`run`]: a run that any machine can make, and every number that comes of it;
+//! - [`replay`]: a stand-in for servos, so that any machine can perform a show without any, and a hash of its torques;
 //! - [`decode`]: a show that any machine can decode, and a hash of each second;
-//! - [`answer`]: either, as the program `parity` does on a host and as an image for an emulated board;
-//! - [`replay`]: a stand-in for servos, so that a board can perform a show without any.
+//! - [`answer`]: each of them, as the program `parity` does on a host and as an image for an emulated board.
 
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
 pub mod decode;
+pub mod play;
 pub mod replay;
 pub mod run;
 
@@ -17,13 +18,15 @@ pub mod run;
 pub const RUN: u32 = 0;
 /// The first word of a request to [`decode`].
 pub const DECODE: u32 = 1;
+/// The first word of a request to [`play`].
+pub const PLAY: u32 = 2;
 
 /// Answers a request: its first word says which; what follows, and the answer, say the modules. Of rigs of at most `N`
-/// bodies, of shows of at most `C` coordinates.
+/// bodies and `V` degrees of freedom, of shows of at most `C` coordinates.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the request.
-pub fn answer<const N: usize, const C: usize>(
+pub fn answer<const N: usize, const V: usize, const C: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -31,8 +34,9 @@ pub fn answer<const N: usize, const C: usize>(
     let mut word = [0; 4];
     read(&mut word)?;
     match u32::from_le_bytes(word) {
-        RUN => run::perform::<N>(buffer, read, write),
+        RUN => run::perform::<N, V>(buffer, read, write),
         DECODE => decode::perform::<C>(buffer, read, write),
-        _ => Err("neither a run nor a show to decode is asked for"),
+        PLAY => play::perform::<N, V, C>(buffer, read, write),
+        _ => Err("no run, and no show to decode or to play, is asked for"),
     }
 }

@@ -10,14 +10,17 @@ mod host;
 #[cfg(target_os = "none")]
 mod image;
 
-/// Bodies of the figure.
-const CAPACITY: usize = 18;
+/// Bodies of the human figure.
+const BODIES: usize = 18;
 
-/// Coordinates of the largest show that is decoded.
-const COORDINATES: usize = 20;
+/// Its degrees of freedom: a free root, and ball joints.
+const FREEDOMS: usize = 6 + 3 * (BODIES - 1);
 
-/// Bytes of the longest show.
-const LONGEST_SHOW: usize = 3 << 20;
+/// Coordinates of the largest show, which is the figure's: quaternions have four numbers.
+const COORDINATES: usize = 7 + 4 * (BODIES - 1);
+
+/// Bytes of the longest show, and of the frames of the longest run.
+const BUFFER_LEN: usize = 3 << 20;
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {

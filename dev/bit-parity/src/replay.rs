@@ -1,45 +1,69 @@
 //! A stand-in for servos: a rig that performs the show a little late.
 //!
-//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit
-//! by bit.
+//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit by bit. Rig
+//! and show are the bytes that boards read: the rig's compact form ([`sinew_rig::board`]), and a show of its
+//! coordinates ([`sinew_show`]).
 
 use sinew_core::control::Limited;
-use sinew_core::tracker::{MethodName, Settings, StepError, Tick, Timing, Tracker, TrackerError};
-use sinew_core::{Transform, Wrench};
-use sinew_firmware::frames::ShowFrames;
-use sinew_firmware::show::{Show, ShowError};
+use sinew_core::tracker::{
+    Frame, FrameSource as _, Measured, MethodName, Settings, StepError, Tick, Timing, Tracker,
+    TrackerError,
+};
+use sinew_core::{Tree, Wrench};
+use sinew_rig::board::{BoardRig, BoardRigError};
+use sinew_show::{Show, ShowError, ShowFrames};
 
 /// How many frames the stand-in is late: enough for errors of a few degrees.
-pub const LAG_FRAMES: usize = 3;
+pub const LAG_FRAMES: i32 = 3;
 
 /// The three methods of the paper, and the setting for real rigs.
 pub const METHODS: [MethodName; 4] =
     [MethodName::Local, MethodName::World, MethodName::LinearCompensation, MethodName::Recommended];
+
+/// Nothing but the stand-in moves the rig.
+const SERVOS: usize = 0;
 
 /// The settings of a run with a method: the paper's gains.
 pub fn settings(method: MethodName) -> Settings {
     Settings { method, ..Settings::default() }
 }
 
-/// A run of one method over a show, whose torques count as not late at all.
+/// Reads a rig of at most `N` bodies and `V` degrees of freedom, without servos, from its compact form.
+///
+/// # Errors
+/// [`BoardRigError`] if the bytes are none.
+pub fn tree<const N: usize, const V: usize>(rig: &[u8]) -> Result<Tree<N>, BoardRigError> {
+    BoardRig::<N, V, SERVOS>::decode(rig).map(|rig| rig.tree().clone())
+}
+
+/// A rig that performs a show, one tick for each of its samples, whose torques count as not late at all.
 ///
 /// ```
+/// use sinew_bit_parity::replay::{Replay, TorqueHash, ticks};
 /// use sinew_core::tracker::MethodName;
-/// use sinew_firmware::show::Show;
-/// use sinew_bit_parity::replay::{Replay, TorqueHash};
-/// # let flash = {
-/// #     use sinew_core::{Body, Inertia, JointKind, Transform};
-/// #     let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
-/// #     let head = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
-/// #     let (mut flash, frames) = (Vec::new(), [[Transform::IDENTITY]; 3]);
-/// #     let sink = |piece: &[u8]| Ok::<(), std::fmt::Error>(flash.extend_from_slice(piece));
-/// #     sinew_firmware::show::write(&[head], 0.01, frames.iter().map(|f| &f[..]), sink)?;
-/// #     flash
-/// # };
-/// let show = Show::parse(&flash)?;
-/// let mut run = Replay::<1>::new(show, MethodName::World)?;
+/// use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
+/// use sinew_show::write::{Motion, Settings, write};
+/// use sinew_show::{Joint, Rate, Show};
+///
+/// let (parent, joint, placement) = (None, JointKind::Spherical, Transform::IDENTITY);
+/// let head = Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 };
+/// let motion = Motion {
+///     joints: &[Joint::Spherical],
+///     q: &[0.0, 0.0, 0.0, 1.0].repeat(30),
+///     rate: Rate { samples: 100, seconds: 1 },
+///     is_loop: false,
+///     rig: 0,
+///     cues: &[],
+///     time_code: None,
+///     course: &[],
+/// };
+/// let written = write(&motion, &Settings::default())?;
+/// let (tree, show) = (Tree::<1>::from_bodies(&[head])?, Show::open(&written.bytes)?);
+/// assert_eq!(ticks(&show), 30);
+/// let mut run = Replay::<1, 4>::new(&tree, show, MethodName::World)?;
 /// let mut hash = TorqueHash::default();
-/// for tick in 0..3 {
+/// for tick in 0..ticks(&show) {
+///     run.sense(tick);
 ///     hash.update(run.step(tick)?.torques());
 /// }
 /// // Every machine must come to the same number.
@@ -47,56 +71,87 @@ pub fn settings(method: MethodName) -> Settings {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Replay<'a, const N: usize> {
+pub struct Replay<'a, const N: usize, const C: usize> {
     tracker: Tracker<N>,
-    frames: ShowFrames<'a, N>,
-    late: [Transform; N],
+    frames: ShowFrames<'a, C>,
+    /// The same show for the sensors: a player is quick from tick to tick, and not to and fro.
+    late: ShowFrames<'a, C>,
+    measured: [f32; C],
+    coordinates: usize,
 }
 
-impl<'a, const N: usize> Replay<'a, N> {
-    /// A run from the show's first frame, where the stand-in is at rest.
+impl<'a, const N: usize, const C: usize> Replay<'a, N, C> {
+    /// A run from the show's first frame, where the stand-in is at rest. The show has at most `C` coordinates.
     ///
     /// # Errors
-    /// [`ReplayError`] if the show's rig is not usable or the method does not go with it.
-    pub fn new(show: Show<'a>, method: MethodName) -> Result<Self, ReplayError> {
-        let tree = show.tree::<N>().map_err(ReplayError::Show)?;
-        let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+    /// [`ReplayError`] if the show is not one of the rig or damaged, or the method does not go with the rig.
+    pub fn new(tree: &Tree<N>, show: Show<'a>, method: MethodName) -> Result<Self, ReplayError> {
+        let kinds = tree.bodies().iter().map(|body| body.joint);
+        show.check_joints(kinds).map_err(ReplayError::Show)?;
+        let dt_s = show.rate().hz().recip();
+        let timing = Timing { dt_s, latency_ticks: 0 };
         let tracker =
-            Tracker::new(tree, &settings(method), timing).map_err(ReplayError::Tracker)?;
-        let frames = ShowFrames::new(show);
-        let mut run = Self { tracker, frames, late: [Transform::IDENTITY; N] };
-        run.read_sensors(0);
-        let count = run.tracker.controller().tree().len();
-        let measured = run.late.get(..count).unwrap_or_default();
-        run.tracker.begin(&mut run.frames, 0, measured).map_err(ReplayError::Begin)?;
+            Tracker::new(tree.clone(), &settings(method), timing).map_err(ReplayError::Tracker)?;
+        let frames = ShowFrames::new(show, dt_s).map_err(ReplayError::Show)?;
+        let (late, measured, coordinates) = (frames.clone(), [0.0; C], show.channel_count());
+        let mut run = Self { tracker, frames, late, measured, coordinates };
+        run.sense(0);
+        let measured =
+            Measured::Positions { q: run.measured.get(..coordinates).unwrap_or_default() };
+        run.tracker.begin(&mut run.frames, 0, measured).map_err(ReplayError::Step)?;
         Ok(run)
     }
 
-    /// One tick; its frame is that of the same number. After the show's end its last frame is held.
-    ///
-    /// # Errors
-    /// Never for a show that was parsed; [`StepError`] as [`Tracker::step`].
-    pub fn step(&mut self, tick: u32) -> Result<Tick<'_, N>, StepError> {
-        self.read_sensors(usize::try_from(tick).unwrap_or(usize::MAX));
-        let count = self.tracker.controller().tree().len();
-        let measured = self.late.get(..count).unwrap_or_default();
-        self.tracker.step(&mut self.frames, i32::try_from(tick).unwrap_or(i32::MAX), measured)
-    }
-
-    /// The sensors of the stand-in at a tick: the show's pose of [`LAG_FRAMES`] ago, with the rig's own link lengths.
-    fn read_sensors(&mut self, tick: usize) {
-        self.frames.show().frame(tick.saturating_sub(LAG_FRAMES), &mut self.late);
-        let bodies = self.tracker.controller().tree().bodies();
-        for (pose, body) in self.late.iter_mut().zip(bodies).skip(1) {
-            pose.translation_m = body.placement.translation_m;
+    /// Reads the sensors of the stand-in at a tick: the positions that the show had [`LAG_FRAMES`] ago.
+    pub fn sense(&mut self, tick: u32) {
+        let tick = i32::try_from(tick).unwrap_or(i32::MAX);
+        if let Frame::Coordinates { q, .. } =
+            self.late.frame(tick.saturating_sub(LAG_FRAMES).max(0))
+        {
+            for (measured, q) in self.measured.iter_mut().zip(q) {
+                *measured = *q;
+            }
         }
     }
+
+    /// One tick with what was [sensed](Self::sense) last; its frame is that of the same number. After the show's end
+    /// its last frame is held.
+    ///
+    /// # Errors
+    /// [`StepError`] if the show asks for more than a tracker takes: as [`Tracker::step`].
+    pub fn step(&mut self, tick: u32) -> Result<Tick<'_, N>, StepError> {
+        let q = self.measured.get(..self.coordinates).unwrap_or_default();
+        let tick = i32::try_from(tick).unwrap_or(i32::MAX);
+        self.tracker.step(&mut self.frames, tick, Measured::Positions { q })
+    }
+}
+
+/// The ticks of a show: one for each sample.
+pub fn ticks(show: &Show<'_>) -> u32 {
+    show.length().saturating_add(1)
+}
+
+/// The hash of the torques of a method over the first ticks of a show.
+///
+/// # Errors
+/// [`ReplayError`] if there is no such run.
+pub fn hash<const N: usize, const C: usize>(
+    tree: &Tree<N>,
+    show: Show<'_>,
+    method: MethodName,
+    ticks: u32,
+) -> Result<u64, ReplayError> {
+    let mut replay = Replay::<N, C>::new(tree, show, method)?;
+    let mut hash = TorqueHash::default();
+    for tick in 0..ticks {
+        replay.sense(tick);
+        hash.update(replay.step(tick).map_err(ReplayError::Step)?.torques());
+    }
+    Ok(hash.value())
 }
 
 /// FNV-1a, 64 bit, over the bits of all torques in order: moment then force, x y z, body by body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueHash(u64);
 
 impl Default for TorqueHash {
@@ -127,17 +182,16 @@ pub fn components(wrench: &Wrench) -> [f32; 6] {
     [m.x, m.y, m.z, f.x, f.y, f.z]
 }
 
-/// Why a run cannot begin.
+/// Why there is no run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// The show's rig is not usable.
+    /// The show is damaged, or not one of the rig.
     Show(ShowError),
     /// There is no such tracker.
     Tracker(TrackerError),
-    /// The show's first frames were refused.
-    Begin(StepError),
+    /// A tick was refused.
+    Step(StepError),
 }
 
 impl core::fmt::Display for ReplayError {
@@ -145,7 +199,7 @@ impl core::fmt::Display for ReplayError {
         match self {
             Self::Show(error) => error.fmt(f),
             Self::Tracker(error) => error.fmt(f),
-            Self::Begin(error) => error.fmt(f),
+            Self::Step(error) => error.fmt(f),
         }
     }
 }

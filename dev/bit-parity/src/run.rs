@@ -1,7 +1,9 @@
 //! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
 //!
-//! A run is a show, a method, and the joints' poses as they were measured in each tick; the machine answers with what
-//! it computed on the way to its torques. The evaluation writes down both as it goes.
+//! A run is a rig, a method, the joints' poses as they should be in each frame and as they were measured in each tick;
+//! the machine answers with what it computed on the way to its torques. The evaluation writes down all of it as it
+//! goes. The frames are poses and no show, since the dimensions of the evaluation's performer are not the rig's: so
+//! projection and differences are compared, too, which the coordinates of a show do not need.
 //!
 //! # Format of a run
 //! All numbers little-endian; `f32` as IEEE 754.
@@ -10,22 +12,25 @@
 //! | --- | --- |
 //! | u32 | method, an index of [`MethodName::ALL`] |
 //! | u32 | ticks t |
-//! | u32 | length s of the show in bytes |
-//! | s | the show, see [`sinew_firmware::show`] |
-//! | n x 28 | by body its joint's pose as it was measured a tick before the first: rotation xyzw, then translation in m
-//! |
+//! | u32 | frames f, at least 1 |
+//! | u32 | length r of the rig in bytes |
+//! | f32 | time from frame to frame, s |
+//! | r | the rig, of n bodies and without servos, see [`sinew_rig::board`] |
+//! | f x n x 28 | by frame and body the pose that its joint should have: rotation xyzw, then translation in m |
+//! | n x 28 | by body its joint's pose as it was measured a tick before the first |
 //! | t x n x 28 | the same for each tick |
 //!
 //! The answer is per tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
-use sinew_core::tracker::{MethodName, Timing, Tracker};
+use sinew_core::tracker::{Frame, FrameSource, MethodName, Timing, Tracker, before_the_first};
 use sinew_core::{Transform, Twist, Workspace};
-use sinew_firmware::frames::ShowFrames;
-use sinew_firmware::show::Show;
 
-use crate::replay::{components, settings};
+use crate::replay::{components, settings, tree};
+
+/// Bytes of a pose.
+const POSE_LEN: usize = 28;
 
 const POSE: [&str; 7] = [
     "rotation x",
@@ -77,12 +82,12 @@ pub const NUMBERS: usize = {
     sum
 };
 
-/// Makes a run of a rig of at most `N` bodies: `read` fills its slice with the run's next bytes, `write` takes the
-/// answer's next. The show is kept in `buffer`.
+/// Makes a run of a rig of at most `N` bodies and `V` degrees of freedom: `read` fills its slice with the run's next
+/// bytes, `write` takes the answer's next. Rig and frames are kept in `buffer`.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the run.
-pub fn perform<const N: usize>(
+pub fn perform<const N: usize, const V: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     mut write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -92,21 +97,26 @@ pub fn perform<const N: usize>(
         read(&mut bytes)?;
         usize::try_from(u32::from_le_bytes(bytes)).map_err(|_| "a count is too large")
     };
-    let (method, ticks, length) = (count()?, count()?, count()?);
+    let (method, ticks, frames, length) = (count()?, count()?, count()?, count()?);
+    let mut dt_s = [0; 4];
+    read(&mut dt_s)?;
+    let dt_s = f32::from_le_bytes(dt_s);
     let method = *MethodName::ALL.get(method).ok_or("there is no such method")?;
-    let show = buffer.get_mut(..length).ok_or("the show is longer than the buffer")?;
-    read(show)?;
-    let show = Show::parse(show).map_err(|_| "the show is not valid")?;
-    let tree = show.tree::<N>().map_err(|_| "the show's rig is not usable")?;
-    let timing = Timing { dt_s: show.dt_s(), latency_ticks: 0 };
+    let rig = buffer.get_mut(..length).ok_or("the rig is longer than the buffer")?;
+    read(rig)?;
+    let tree = tree::<N, V>(rig).map_err(|_| "the rig is not usable")?;
+    let bodies = tree.len();
+    let length = frames.saturating_mul(bodies).saturating_mul(POSE_LEN);
+    let frames = buffer.get_mut(..length).ok_or("the frames are longer than the buffer")?;
+    read(frames)?;
+    let mut frames = RecordedFrames::<N>::new(frames, bodies);
+    let timing = Timing { dt_s, latency_ticks: 0 };
     let (settings, workspace) = (settings(method), Workspace::<N, N>::resolving());
     let mut tracker = Tracker::<N, 1, N>::with_workspace(tree, &settings, timing, workspace)
         .map_err(|_| "there is no such tracker")?;
-    let mut frames = ShowFrames::<N>::new(show);
-    let bodies = show.body_count();
     let mut reading = |measured: &mut [Transform; N]| {
         for pose in measured.iter_mut().take(bodies) {
-            let mut bytes = [0; 28];
+            let mut bytes = [0; POSE_LEN];
             read(&mut bytes)?;
             *pose = pose_of(&bytes);
         }
@@ -124,6 +134,47 @@ pub fn perform<const N: usize>(
         write(tick_bytes(&mut tracker, &mut answer))?;
     }
     Ok(())
+}
+
+/// The frames of a run, read from where they are kept. Before the first they move on as in their first step.
+struct RecordedFrames<'a, const N: usize> {
+    recorded: &'a [[u8; POSE_LEN]],
+    bodies: usize,
+    poses: [Transform; N],
+}
+
+impl<'a, const N: usize> RecordedFrames<'a, N> {
+    fn new(bytes: &'a [u8], bodies: usize) -> Self {
+        Self { recorded: bytes.as_chunks().0, bodies, poses: [Transform::IDENTITY; N] }
+    }
+
+    /// Reads a frame, or the last one if there are fewer.
+    fn read(&self, index: usize, poses: &mut [Transform; N]) {
+        let last = self.recorded.len().saturating_sub(self.bodies);
+        let start = index.saturating_mul(self.bodies).min(last);
+        let recorded = self.recorded.get(start..).unwrap_or_default();
+        for (pose, bytes) in poses.iter_mut().zip(recorded).take(self.bodies) {
+            *pose = pose_of(bytes);
+        }
+    }
+}
+
+impl<const N: usize> FrameSource for RecordedFrames<'_, N> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        let mut poses = self.poses;
+        if let Ok(index) = usize::try_from(index) {
+            self.read(index, &mut poses);
+        } else {
+            let mut second = poses;
+            self.read(1, &mut second);
+            self.read(0, &mut poses);
+            for (pose, second) in poses.iter_mut().zip(&second) {
+                *pose = before_the_first(pose, second, index.unsigned_abs());
+            }
+        }
+        self.poses = poses;
+        Frame::Poses(self.poses.get(..self.bodies).unwrap_or_default())
+    }
 }
 
 /// Bytes of one body in the answer of a tick.
@@ -145,15 +196,15 @@ pub fn tick_bytes<'a, const N: usize, const D: usize, const R: usize>(
 }
 
 /// A pose as a run has it.
-pub fn pose_bytes(pose: &Transform) -> [u8; 28] {
-    let mut bytes = [0; 28];
+pub fn pose_bytes(pose: &Transform) -> [u8; POSE_LEN] {
+    let mut bytes = [0; POSE_LEN];
     for (slot, number) in bytes.chunks_exact_mut(4).zip(pose_numbers(pose)) {
         slot.copy_from_slice(&number.to_le_bytes());
     }
     bytes
 }
 
-fn pose_of(bytes: &[u8; 28]) -> Transform {
+fn pose_of(bytes: &[u8; POSE_LEN]) -> Transform {
     let mut n = [0.0; 7];
     for (number, bytes) in n.iter_mut().zip(bytes.as_chunks().0) {
         *number = f32::from_le_bytes(*bytes);

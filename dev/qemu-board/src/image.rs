@@ -1,4 +1,7 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): performs the baked show with each method and reports.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): performs a show of the human figure with each method and reports.
+//!
+//! `SINEW_RIG` and `SINEW_SHOW` name the files that are built in, by whole paths: the figure in a rig's compact form,
+//! and a show of its coordinates. `cargo xtask firmware` makes both.
 //!
 //! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz
 //! `SysTick` counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction
@@ -11,11 +14,17 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use sinew_firmware::show::Show;
-use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash};
+use sinew_bit_parity::replay::{METHODS, Replay, TorqueHash, ticks, tree};
+use sinew_show::Show;
 
-// `SHOW` and `CAPACITY`.
-include!(concat!(env!("OUT_DIR"), "/baked.rs"));
+static RIG: &[u8] = include_bytes!(env!("SINEW_RIG", "`cargo xtask firmware mps2_an386` sets it"));
+static SHOW: &[u8] =
+    include_bytes!(env!("SINEW_SHOW", "`cargo xtask firmware mps2_an386` sets it"));
+
+/// Bodies of the figure: a free root, and ball joints.
+const BODIES: usize = 18;
+const FREEDOMS: usize = 6 + 3 * (BODIES - 1);
+const COORDINATES: usize = 7 + 4 * (BODIES - 1);
 
 const INSTRUCTIONS_PER_COUNT: u64 = 40;
 const COUNTER_MASK: u32 = 0x00ff_ffff;
@@ -41,14 +50,16 @@ fn perform() -> Result<(), &'static str> {
     peripherals.SYST.clear_current();
     peripherals.SYST.enable_counter();
 
-    let show = Show::parse(SHOW).map_err(|_| "the baked show is not valid")?;
+    let tree = tree::<BODIES, FREEDOMS>(RIG).map_err(|_| "the rig is not usable")?;
+    let show = Show::open(SHOW).map_err(|_| "the show is not valid")?;
+    let ticks = ticks(&show);
     for method in METHODS {
-        let mut replay =
-            Replay::<CAPACITY>::new(show, method).map_err(|_| "the show's rig is not usable")?;
+        let mut replay = Replay::<BODIES, COORDINATES>::new(&tree, show, method)
+            .map_err(|_| "the show cannot be performed by the rig")?;
         let mut hash = TorqueHash::default();
-        let ticks = u32::try_from(show.frame_count()).map_err(|_| "the show is too long")?;
         let (mut counts, mut most_counts) = (0, 0);
         for tick in 0..ticks {
+            replay.sense(tick);
             let start = SYST::get_current();
             let asked = replay.step(tick).map_err(|_| "a tick was refused")?;
             // The counter runs down and wraps at 24 bits.

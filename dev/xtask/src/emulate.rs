@@ -7,11 +7,13 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result};
 
-use crate::arm;
-use crate::image::Image;
-use crate::parity::Variable;
-use crate::step::Beside;
-use crate::{setup, step};
+use crate::firmware::Variable;
+use sinew_steps::arm;
+use sinew_steps::image::Image;
+use sinew_steps::step;
+use sinew_steps::step::Beside;
+
+use crate::{nextest, setup};
 
 /// What the tool is built with: that of `dev/nucleo/emulator/rust-toolchain.toml`.
 const RUST: &str = "1.98.0";
@@ -19,8 +21,7 @@ const MANIFEST: &str = "dev/nucleo/emulator/Cargo.toml";
 const TITLE: &str = "build the emulator";
 
 /// Tries the chip's peripherals.
-pub(crate) const CHIP: Image =
-    Image { package: "sinew-nucleo-image", name: "chip", feature: None };
+const CHIP: Image = Image { package: "sinew-nucleo-image", name: "chip", feature: None };
 /// The node, as it is flashed.
 const NUCLEO: Image = Image { package: "nucleo_f446re", name: "nucleo_f446re", feature: None };
 /// Leaves out what keeps packets whole: the tests of the bus must notice.
@@ -30,21 +31,16 @@ const STALE: Option<&str> = Some("stale-tc");
 pub(crate) fn run() -> Result<()> {
     let Some(mut tool) = tool(step::command("rustup")) else { return Ok(()) };
     step::run(TITLE, &mut tool)?;
-    step::run("the emulated NUCLEO", test().envs(variables()?))
+    step::run("the emulated NUCLEO", test()?.envs(variables()?))
 }
 
-/// The tests, which need what [`build`] returns in their environment; the walk's needs `SINEW_DATA`, too.
-pub(crate) fn test() -> Command {
-    let mut test = step::cargo();
-    // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace"]);
-    // Those of `sinew play --emulate` are among the shows.
-    test.args(["chip", "nucleo", "shows"].iter().flat_map(|of| ["--test", of]));
-    test.args(["--", "emulated", "--include-ignored"]);
-    if std::env::var_os("SINEW_DATA").is_none() {
-        test.args(["--skip", "walks"]);
-    }
-    test
+/// Returns the tests, which need the variables of [`build`]; the walk's needs `SINEW_DATA`, too.
+fn test() -> Result<Command> {
+    let on_data = std::env::var_os("SINEW_DATA").is_some();
+    let without = if on_data { "none()" } else { "test(walks)" };
+    let mut test = nextest::run()?;
+    test.args(["--run-ignored", "all", "--filterset", &format!("test(emulated_) - {without}")]);
+    Ok(test)
 }
 
 /// Begins to build the tool, beside other steps; none where its compiler cannot be had.

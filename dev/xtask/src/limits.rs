@@ -1,17 +1,17 @@
-//! The limits of `sinew verify` on many rigs: `tests/tests/limits`.
+//! The limits of `sinew evaluate verify` on many rigs: `tests/tests/cross_crate/limits`.
 
 use anyhow::Result;
 
-use crate::step;
+use sinew_steps::step;
+
+use crate::nextest;
 
 /// How many rigs, and as many figures.
 const CASES: &str = "10000";
 
 pub(crate) fn run() -> Result<()> {
-    let mut test = step::cargo();
-    // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "limits", "--", "--nocapture"]);
+    let mut test = nextest::run()?;
     // One table after the other; each takes all processors.
-    test.arg("--test-threads=1").env("SINEW_CASES", CASES);
+    test.args(["--no-capture", "--filterset", "test(/^limits::/)"]).env("SINEW_CASES", CASES);
     step::run("limits of 10,000 rigs and figures", &mut test)
 }

@@ -1,16 +1,12 @@
 //! Developer commands of Sinew: `cargo xtask COMMAND`.
 
-mod arm;
-mod audit;
-mod budget;
 mod clients;
 mod deny;
 mod docs;
-mod elf;
 mod emulate;
 mod firmware;
-mod image;
 mod limits;
+mod measure;
 mod nextest;
 mod node;
 mod package;
@@ -20,14 +16,15 @@ mod python;
 mod retargeting;
 mod semver;
 mod setup;
-mod step;
+mod studies;
 mod test;
 
 use std::env;
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Result;
+
+use test::Scope;
 
 const HELP: &str = "\
 Developer commands of Sinew
@@ -36,18 +33,21 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   setup     Installs what is missing: the Arm target, QEMU, Chromium, Python's venv, rustfmt and clippy
-  test      Sets up, then runs all checks and tests; of what QEMU can run, a part: `parity` and `node` run more
+  test      Sets up, then runs the gate: the checks and tests that every change must pass. With --all: all checks and
+            tests, before an issue is called resolved; of what QEMU can run, a part: `parity` and `node` run more
+  soak      Runs what takes an hour: each property on 4,096 new random cases, `limits`, `parity`, `node`, `emulate`, and
+            with SINEW_DATA and SINEW_REFERENCE `retargeting`
   firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's;
             with a board's name, only that board's
-  budget    Does the same and measures instructions, stack, flash and RAM, and compares them with budget.toml; with
-            --accept, puts them there
+  budget    Builds the images and measures instructions, stack, flash and RAM, holds them to the promises of
+            budget.toml, and prints what has changed; with --accept, puts them there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
   node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes
             of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
             `sinew play`: an arm, and with SINEW_DATA two robots
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
-            an image, the NUCLEO's own one, and `sinew play --emulate`; says `ignored` where there is none
+            an image, the NUCLEO's own one, and `sinew play --target nucleo`; says `ignored` where there is none
   limits    Compares the core with its formulas in f64 on 10,000 random rigs, each number by the limit that follows from
             its rounding, and prints the smallest mistakes that are noticed: 10 minutes on two cores
   clients   Lets programs from PyPI talk to simulated servos, 1,000 random exchanges each, and our side to servos of
@@ -71,7 +71,6 @@ Environment:
   SINEW_DATA  A folder of mocap, for tests on it. Default: these tests are left out
   SINEW_REFERENCE
               A folder with the script, robots and results that `retargeting` needs
-  SINEW_SHOW  A whole path to a show, for `firmware`. Default: one is baked
 ";
 
 fn main() -> ExitCode {
@@ -98,9 +97,13 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
             Ok(())
         }),
         ["setup"] => Box::new(setup::run),
-        ["budget"] => Box::new(|| budget::run(false, firmware::run)),
-        ["budget", "--accept"] => Box::new(|| budget::run(true, firmware::run)),
-        ["test"] => Box::new(test::run),
+        ["budget"] => Box::new(|| firmware::all().and_then(|()| measure::run(&["budget"]))),
+        ["budget", "--accept"] => {
+            Box::new(|| firmware::all().and_then(|()| measure::run(&["budget", "--accept"])))
+        }
+        ["test"] => Box::new(|| test::run(Scope::Gate)),
+        ["test", "--all"] => Box::new(|| test::run(Scope::All)),
+        ["soak"] => Box::new(test::soak),
         ["parity"] => Box::new(parity::run),
         ["node"] => Box::new(node::run),
         ["emulate"] => Box::new(emulate::run),
@@ -114,15 +117,12 @@ fn action(words: &[&str]) -> Option<Box<dyn FnOnce() -> Result<()>>> {
             let revision = (*revision).to_owned();
             Box::new(move || semver::run(&revision))
         }
-        ["audit"] => Box::new(audit::run),
-        ["audit", "--self-test"] => Box::new(audit::self_test),
+        ["audit"] => Box::new(|| measure::run(&["audit"])),
+        ["audit", "--self-test"] => Box::new(|| measure::run(&["audit", "--self-test"])),
         ["docs"] => Box::new(docs::run),
         ["firmware", name @ ..] if name.len() <= 1 => {
             let name = name.first().map(|name| (*name).to_owned());
-            Box::new(move || {
-                let show = env::var_os("SINEW_SHOW");
-                firmware::show(name.as_deref(), show.as_deref().map(Path::new))
-            })
+            Box::new(move || firmware::run(name.as_deref()))
         }
         _ => return None,
     })

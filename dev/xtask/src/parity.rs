@@ -5,8 +5,11 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::image::Image;
-use crate::{arm, step};
+use sinew_steps::image::Image;
+use sinew_steps::{arm, step};
+
+use crate::firmware::Variable;
+use crate::nextest;
 
 /// 32-bit x86 with a C library of its own, where this machine can run it: it needs no linker but Rust's.
 pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
@@ -16,30 +19,26 @@ pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", targ
 };
 
 /// The program for emulated boards; hosts' is of the same name.
-pub(crate) const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };
-
-/// Where `tests/tests/parity.rs` finds a machine's program; empty for one that cannot be built here.
-pub(crate) type Variable = (&'static str, PathBuf);
+const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };
 
 /// Builds the programs and runs the test.
 pub(crate) fn run() -> Result<()> {
     let programs = build()?;
-    step::run("bit parity", test().envs(programs).env("SINEW_PARITY_ALL", "1"))
+    step::run("bit parity", test()?.envs(programs).env("SINEW_PARITY_ALL", "1"))
 }
 
-/// The test, which needs what [`build`] returns in its environment.
-pub(crate) fn test() -> Command {
-    let mut test = step::cargo();
-    // Of the whole workspace's features: nothing is built twice.
-    test.args(["test", "--locked", "--workspace", "--test", "parity", "--", "--include-ignored"])
-        .arg("--nocapture");
-    if std::env::var_os("SINEW_DATA").is_none() {
-        test.args(["--skip", "recorded"]);
-    }
-    test
+/// Returns the test, which needs the variables of [`build`].
+fn test() -> Result<Command> {
+    let recorded =
+        std::env::var_os("SINEW_DATA").map_or("", |_| " + test(recorded_shows_are_decoded)");
+    let mut test = nextest::run()?;
+    test.args(["--run-ignored", "all", "--no-capture", "--filterset"]);
+    test.arg(format!("test(every_machine_computes){recorded}"));
+    Ok(test)
 }
 
-/// Builds a program for every machine.
+/// Builds a program for every machine, and returns where tests find it; an empty path for one that cannot be built
+/// here.
 pub(crate) fn build() -> Result<Vec<Variable>> {
     let mut programs = Vec::new();
     for (variable, target) in

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// They bring C++ headers and libraries. The versions that were tried.
 const PACKAGES: [&str; 3] = ["pin==4.1.0", "cmeel-eigen==3.4.1", "mujoco==4.0.0"];

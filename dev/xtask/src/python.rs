@@ -5,7 +5,9 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result};
 
-use crate::{setup, step};
+use sinew_steps::step;
+
+use crate::setup;
 
 /// A virtual environment under `target`.
 pub(crate) struct Venv {

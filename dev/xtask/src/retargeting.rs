@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
 
+use crate::nextest;
 use crate::python::Venv;
-use crate::step;
+use sinew_steps::step;
 
 /// What the scoring script imports. The versions that were tried.
 const PACKAGES: [&str; 3] = ["numpy==2.4.6", "scipy==1.17.1", "mujoco==4.0.0"];
@@ -24,12 +25,8 @@ pub(crate) fn run(accept: bool) -> Result<()> {
     let reference = PathBuf::from(folder(REFERENCE)?).join("retargeting");
     let data = folder("SINEW_DATA")?;
     let venv = Venv::install("retargeting", &PACKAGES, &PACKAGES.join("\n"), |_| Ok(()))?;
-    // With a test beside it, it is built of the very crates that the tests are: nothing is built twice.
-    let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "parity", "--bin", "sinew"]);
-    step::run("build what is scored", &mut build)?;
-    // Where cargo has put this program, it puts the other.
-    let sinew = std::env::current_exe()?.with_file_name("sinew");
+    nextest::build()?;
+    let sinew = nextest::program("sinew")?;
     let made = venv.folder.join("made");
     let _ = std::fs::remove_dir_all(&made);
     std::fs::create_dir_all(&made)?;

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use crate::step;
+use sinew_steps::step;
 
 /// How to get the tool. It is not installed unasked: building it takes minutes.
 const INSTALL: &str = "cargo install cargo-semver-checks --locked --version 0.51.0";

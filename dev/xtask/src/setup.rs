@@ -4,9 +4,9 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
 use crate::parity::X86_32;
-use crate::step;
+use sinew_steps::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
+use sinew_steps::step;
 
 pub(crate) fn run() -> Result<()> {
     eprintln!("== set-up");

@@ -1,47 +1,220 @@
-//! Everything that must hold.
+//! The checks and tests: a gate for every change, all of them before an issue is called resolved, and what takes an
+//! hour.
 
+use std::env;
 use std::process::Command;
 
 use anyhow::Result;
-use sinew_image::BOARDS;
+use sinew_image::{BOARDS, EMULATED};
+use sinew_steps::image::{Image, built_in};
+use sinew_steps::{arm, step};
 
-use crate::image::Image;
 use crate::{
-    arm, audit, budget, clients, deny, docs, emulate, firmware, nextest, node, package, parity,
-    setup, step,
+    clients, deny, docs, emulate, firmware, limits, measure, nextest, node, package, parity,
+    retargeting, setup, studies,
 };
 
-/// Core, firmware and parity with `defmt`, too, which nothing else has.
-const WITH_DEFMT: &str = "--features=sinew-bit-parity/defmt";
+/// How much is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// What every change must pass.
+    Gate,
+    /// Everything but what takes an hour.
+    All,
+}
 
-pub(crate) fn run() -> Result<()> {
+/// Core and firmware with `defmt`, too, which nothing else has.
+const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
+
+/// Runs checks and tests, and prints what each step took.
+pub(crate) fn run(scope: Scope) -> Result<()> {
+    let mut slowest = None;
+    let result = checks(scope, &mut slowest);
+    if let Some(slowest) = slowest {
+        eprintln!("\n   the slowest tests, in seconds\n{slowest}");
+    }
+    eprintln!("\n   all steps, in seconds, without the build of xtask itself\n{}", step::table());
+    result
+}
+
+/// Runs what takes an hour: random cases by the ten thousand, whole plays in QEMU, and all runs on all machines.
+pub(crate) fn soak() -> Result<()> {
     setup::run()?;
+    let result = soaking();
+    eprintln!("\n   all steps, in seconds\n{}", step::table());
+    result
+}
+
+fn soaking() -> Result<()> {
+    let mut random = nextest::run()?;
+    // New random cases in every run.
+    random.env("INSTA_UPDATE", "no").env("PROPTEST_CASES", "4096");
+    step::run("tests with 4,096 new random cases each", &mut random)?;
+    limits::run()?;
+    parity::run()?;
+    node::run()?;
+    emulate::run()?;
+    let has = |variable| env::var_os(variable).is_some();
+    if has("SINEW_DATA") && has(retargeting::REFERENCE) {
+        retargeting::run(false)?;
+    }
+    Ok(())
+}
+
+fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
+    step::of("set-up", setup::run)?;
     step::run("format", step::cargo().args(["fmt", "--all", "--check"]))?;
     docs::text()?;
-    let deny = ["--", "--deny", "warnings"];
+    deny::run()?;
+    step::run("clippy", &mut clippy(scope))?;
+    if scope == Scope::All {
+        more_lints()?;
+    }
+
+    // Of its own compiler and folder: it is built while images are linked, each by one core.
+    let emulator = if scope == Scope::All { emulate::begin()? } else { None };
+    nextest::build()?;
+    if scope == Scope::All {
+        studies::build()?;
+    }
+    docs::commands()?;
+    for &board in BOARDS.iter().filter(|board| scope == Scope::All || is_in_gate(board.name)) {
+        firmware::build(board)?;
+    }
+    lint_images(scope)?;
     step::run(
-        "clippy",
-        step::cargo()
-            .args(["clippy", "--locked", "--workspace", "--all-targets", WITH_DEFMT])
+        "link what boards may call without a panic handler",
+        &mut Image::AUDIT.cargo("rustc")?,
+    )?;
+
+    let mut tests = nextest::run()?;
+    tests
+        .env("INSTA_UPDATE", "no")
+        // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
+        // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
+        .env("PROPTEST_RNG_SEED", "20261121")
+        .envs(firmware::variables());
+    let data = env::var_os("SINEW_DATA").is_some();
+    if !data {
+        eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
+    }
+    if scope == Scope::Gate {
+        tests.args(["--profile", "gate"]);
+        if data {
+            tests.args(["--run-ignored", "all"]);
+        } else {
+            // Two runs: the other ignored tests shall be counted as such.
+            step::run("torques in QEMU and on the host", &mut firmware::test()?)?;
+        }
+        let result = step::run("tests", &mut tests);
+        *slowest = nextest::slowest("gate");
+        result?;
+        return examples(&["sinew-core", "sinew-fpu", "sinew-mocap"]);
+    }
+
+    let mut of_measure = step::cargo();
+    of_measure.args(["test", "--locked", "--package", "sinew-measure"]);
+    step::run("tests of what measures", &mut of_measure)?;
+    measure::run(&["budget"])?;
+    measure::run(&["audit", "--self-test"])?;
+    measure::run(&["audit"])?;
+    clients::run()?;
+    let machines = parity::build()?;
+    let image = node::build()?;
+    let emulator = emulate::build(emulator)?;
+    if data {
+        tests.args(["--run-ignored", "all"]);
+    } else {
+        let result = step::run("tests that need nothing but the workspace", &mut tests);
+        *slowest = nextest::slowest("default");
+        result?;
+        tests.args(["--run-ignored", "only"]);
+    }
+    tests
+        .envs(machines.into_iter().chain([image]))
+        .envs(emulator.iter().flatten().cloned())
+        .env("SINEW_CHROMIUM", setup::chromium().unwrap_or_default());
+    let without = if emulator.is_none() { "test(emulated_)" } else { "none()" };
+    let tested = if data { "all()" } else { nextest::WITHOUT_DATA };
+    tests.args(["--filterset", &format!("({tested}) - {without}")]);
+    let result = step::run("tests", &mut tests);
+    if data {
+        *slowest = nextest::slowest("default");
+    }
+    result?;
+    studies::test()?;
+    step::run("examples", step::cargo().args(["test", "--locked", "--workspace", "--doc"]))
+}
+
+/// Whether the image of a board is a part of the gate: one that is flashed, and the one that QEMU runs.
+fn is_in_gate(board: &str) -> bool {
+    ["nucleo_f446re", EMULATED.name].contains(&board)
+}
+
+/// What follows clippy's options.
+const DENY: [&str; 3] = ["--", "--deny", "warnings"];
+
+/// Returns what lints the host's crates.
+fn clippy(scope: Scope) -> Command {
+    let mut clippy = step::cargo();
+    clippy.args(["clippy", "--locked", "--workspace"]);
+    match scope {
+        Scope::Gate => {
+            clippy.args(["--exclude", "sinew-measure", "--exclude", "sinew-bench"]);
+            clippy.args(["--lib", "--bins", "--tests", "--examples"]);
+        }
+        Scope::All => {
+            clippy.args(["--all-targets", WITH_DEFMT]);
             // Fuzz targets as a fuzzer builds them.
-            .args(
+            clippy.args(
                 ["bus", "link", "firmware", "sim"]
                     .map(|of| format!("--features=sinew-{of}-fuzz/bolero")),
-            )
-            .args(deny),
-    )?;
-    deny::run()?;
+            );
+        }
+    }
+    clippy.args(DENY);
+    clippy
+}
+
+/// Lints the images: those of one run share their features.
+fn lint_images(scope: Scope) -> Result<()> {
+    if arm::toolchain()? == arm::Toolchain::Debian {
+        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
+        return Ok(());
+    }
+    let images = |title: &str, arguments: &[&str]| {
+        let mut command = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
+        command.args(arguments).args(["--bins", "--profile", "node"]).args(DENY);
+        step::run(title, command.envs(built_in()))
+    };
+    let mut common = vec!["--package", "nucleo_f446re", "--package", "sinew-audit"];
+    if scope == Scope::All {
+        common.extend(["--package", "sinew-nucleo-image", "--package", "sinew-bit-parity"]);
+        common.extend(["--package", "sinew-bench", "--features", "sinew-bench/mps2_an386"]);
+        common.extend(["--package", "sinew-qemu-node"]);
+    }
+    common.extend(["--package", EMULATED.name]);
+    images("clippy of the images", &common)?;
+    if scope == Scope::All {
+        images("clippy of the STM32G474's image", &["--package", "nucleo_g474re"])?;
+    }
+    // What needs `std` does not build for a board.
+    let mut core = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
+    core.args(["--package", "sinew-core", "--package", "sinew-firmware", "--lib"]);
+    core.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
+    core.args(["--profile", "node"]).args(DENY);
+    step::run("core and firmware with all features, for Arm", &mut core)
+}
+
+/// Checks what is published and documented, and lints the studies.
+fn more_lints() -> Result<()> {
     // The workspace's tests have the core as hosts do, with `large`; boards have it without.
     step::run(
         "tests of the core as boards have it",
         step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
     )?;
-    // What needs `std` does not build for a board.
-    let mut board = arm::toolchain()?.cargo_for(arm::TARGET, "check");
-    board.args(["--package", "sinew-core", "--package", "sinew-firmware"]);
-    board.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
-    step::run("core and firmware with all features, for Arm", &mut board)?;
     package::run()?;
+    studies::lint()?;
     step::run(
         "documentation",
         step::cargo()
@@ -54,72 +227,15 @@ pub(crate) fn run() -> Result<()> {
             .args(["--exclude", "sinew-stm32"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
-    docs::with_programs()?;
-
-    // Of its own compiler and folder: it is built while images are linked, each by one core.
-    let emulator = emulate::begin()?;
-    budget::run(false, firmware::run)?;
-    lint_images()?;
-    audit::self_test()?;
-    audit::run()?;
-    clients::run()?;
-    let machines = parity::build()?;
-    let image = node::build()?;
-    let emulator = emulate::build(emulator)?;
-    let mut tests = nextest::run()?;
-    tests
-        .env("INSTA_UPDATE", "no")
-        // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
-        // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
-        .env("PROPTEST_RNG_SEED", "20261121")
-        .envs(machines.iter().cloned().chain([image.clone()]))
-        .envs(emulator.iter().flatten().cloned());
-    let browser = setup::chromium().unwrap_or_default();
-    tests.env("SINEW_CHROMIUM", &browser);
-    if std::env::var_os("SINEW_DATA").is_some() {
-        tests.args(["--run-ignored", "all"]);
-        if emulator.is_none() {
-            tests.args(["--filterset", "not test(emulated_)"]);
-        }
-        step::run("tests, those on real mocap too", &mut tests)?;
-    } else {
-        eprintln!("\nSINEW_DATA is not set: tests on real mocap report as ignored.");
-        step::run("tests", &mut tests)?;
-        step::run("bit parity", parity::test().envs(machines))?;
-        step::run("the node in QEMU", node::test().envs([image]))?;
-        if let Some(emulator) = emulator {
-            step::run("the emulated NUCLEO", emulate::test().envs(emulator))?;
-        }
-        let mut report = step::cargo();
-        report
-            .args(["test", "--locked", "--workspace", "--test", "browser"])
-            .args(["--", "--ignored"])
-            .env("SINEW_CHROMIUM", browser);
-        step::run("pages in a browser", &mut report)?;
-    }
-    step::run("examples", step::cargo().args(["test", "--locked", "--workspace", "--doc"]))
+    docs::book()
 }
 
-/// Lints all images as the host's crates are.
-fn lint_images() -> Result<()> {
-    if arm::toolchain()? == arm::Toolchain::Debian {
-        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
-        return Ok(());
+/// Runs the documentation's examples of crates.
+fn examples(packages: &[&str]) -> Result<()> {
+    let mut command = step::cargo();
+    command.args(["test", "--locked", "--doc"]);
+    for package in packages {
+        command.args(["--package", package]);
     }
-    let clippy = |image: Image, mut command: Command| {
-        let title = format!("clippy of {}", image.name);
-        step::run(&title, command.args(["--", "--deny", "warnings"]))
-    };
-    for &board in BOARDS {
-        let image = Image::of(board);
-        let mut command = image.cargo("clippy")?;
-        command.env("SINEW_SHOW", firmware::baked(board));
-        clippy(image, command)?;
-    }
-    for image in
-        budget::IMAGES.into_iter().chain([audit::FAULTY, parity::IMAGE, node::IMAGE, emulate::CHIP])
-    {
-        clippy(image, image.cargo("clippy")?)?;
-    }
-    Ok(())
+    step::run("examples", &mut command)
 }

@@ -4,33 +4,33 @@
 #![cfg(feature = "bolero")]
 #![expect(dead_code, reason = "tests of the node use the rest")]
 
-#[path = "../../tests/node/decoders.rs"]
+#[path = "../../tests/firmware/node/decoders.rs"]
 mod decoders;
-#[path = "../../tests/node/emulated.rs"]
+#[path = "../../tests/firmware/node/emulated.rs"]
 mod emulated;
-#[path = "../../../crates/storage/tests/common/flash.rs"]
+#[path = "../../../crates/storage/tests/storage/common/flash.rs"]
 mod flash;
-#[path = "../../tests/node/hardware.rs"]
+#[path = "../../tests/firmware/node/hardware.rs"]
 mod hardware;
-#[path = "../../tests/node/host.rs"]
+#[path = "../../tests/firmware/node/host.rs"]
 mod host;
-#[path = "../../tests/node/hostile.rs"]
+#[path = "../../tests/firmware/node/hostile.rs"]
 mod hostile;
-#[path = "../../tests/node/ideal.rs"]
+#[path = "../../tests/firmware/node/ideal.rs"]
 mod ideal;
-#[path = "../../tests/node/inputs.rs"]
+#[path = "../../tests/firmware/node/inputs.rs"]
 mod inputs;
-#[path = "../../tests/node/line.rs"]
+#[path = "../../tests/firmware/node/line.rs"]
 mod line;
-#[path = "../../tests/controller/stand.rs"]
+#[path = "../../tests/firmware/controller/stand.rs"]
 mod stand;
-#[path = "../../tests/node/stored.rs"]
+#[path = "../../tests/firmware/node/stored.rs"]
 mod stored;
-#[path = "../../tests/controller/swing.rs"]
+#[path = "../../tests/firmware/controller/swing.rs"]
 mod swing;
-#[path = "../../tests/node/told.rs"]
+#[path = "../../tests/firmware/node/told.rs"]
 mod told;
-#[path = "../../tests/node/world.rs"]
+#[path = "../../tests/firmware/node/world.rs"]
 mod world;
 
 #[test]

@@ -7,41 +7,16 @@ pub struct Board {
     pub name: &'static str,
     /// The folder of its crate, from the top of the repository.
     pub folder: &'static str,
-    /// The show that its image performs by itself; none of a board that runs the node, and gets its shows from a host.
-    pub baked: Option<Baked>,
-    /// QEMU's machine that is this board.
+    /// QEMU's machine that is this board: its image performs a show by itself. Other boards run the node, and get their
+    /// shows from a host.
     pub qemu_machine: Option<&'static str>,
-}
-
-/// A show of the human figure that is part of an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Baked {
-    /// Bodies that the image holds.
-    pub bodies: usize,
-    /// How long a show its flash holds.
-    pub seconds: u32,
 }
 
 /// All boards, a line each.
 pub const BOARDS: &[Board] = &[
-    Board {
-        name: "mps2_an386",
-        folder: "dev/qemu-board",
-        baked: Some(Baked { bodies: 18, seconds: 21 }),
-        qemu_machine: Some("mps2-an386"),
-    },
-    Board {
-        name: "nucleo_f446re",
-        folder: "firmware/boards/nucleo_f446re",
-        baked: None,
-        qemu_machine: None,
-    },
-    Board {
-        name: "nucleo_g474re",
-        folder: "firmware/boards/nucleo_g474re",
-        baked: None,
-        qemu_machine: None,
-    },
+    Board { name: "mps2_an386", folder: "dev/qemu-board", qemu_machine: Some("mps2-an386") },
+    Board { name: "nucleo_f446re", folder: "firmware/boards/nucleo_f446re", qemu_machine: None },
+    Board { name: "nucleo_g474re", folder: "firmware/boards/nucleo_g474re", qemu_machine: None },
 ];
 
 /// The board that all images for measuring and comparing are linked for: QEMU's Cortex-M4.

@@ -1,5 +1,4 @@
-//! What all images share, for their build scripts and for `cargo xtask`: the list of boards, the link arguments, and
-//! the show that is baked in.
+//! What all images share, for their build scripts and for `cargo xtask`: the list of boards, and the link arguments.
 //!
 //! A board's build script is one line:
 //!
@@ -10,26 +9,17 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod bake;
 mod boards;
 mod link;
 
-pub use boards::{BOARDS, Baked, Board, EMULATED};
+pub use boards::{BOARDS, Board, EMULATED};
 pub use link::link;
 
 /// The build script of the board whose crate this is called for: links the board's image, with `scripts` beside
-/// `link.x`, and bakes the show in that `SINEW_SHOW` names, if the board performs one by itself.
-///
-/// The image takes both with `include!(concat!(env!("OUT_DIR"), "/baked.rs"))`: `SHOW`, and `CAPACITY`, the bodies
-/// that the board holds.
+/// `link.x`.
 ///
 /// # Panics
-/// If the board is not in [`BOARDS`], has no memory, or has no show that it could perform.
+/// If the board is not in [`BOARDS`], or has no memory.
 pub fn board(scripts: &[&str]) {
-    let board = Board::named(&link::variable("CARGO_PKG_NAME"));
-    if link(board, scripts)
-        && let Some(baked) = board.baked
-    {
-        bake::bake(board.name, baked.bodies);
-    }
+    link(Board::named(&link::variable("CARGO_PKG_NAME")), scripts);
 }

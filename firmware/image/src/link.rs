@@ -16,14 +16,14 @@ const REFERENCE: &str = "nucleo_f446re";
 
 /// Passes what the images of the crate that is built need to be linked for a board, with `scripts` beside `link.x`.
 ///
-/// `false` for a host: there is nothing to do for it.
+/// For a host there is nothing to do.
 ///
 /// # Panics
 /// If the board has no memory.
-pub fn link(board: Board, scripts: &[&str]) -> bool {
+pub fn link(board: Board, scripts: &[&str]) {
     println!("cargo:rerun-if-changed=build.rs");
     if variable("CARGO_CFG_TARGET_OS") != "none" {
-        return false;
+        return;
     }
     println!("cargo:rustc-link-search={ROOT}");
     println!("cargo:rerun-if-changed={ROOT}/memory.x");
@@ -37,7 +37,6 @@ pub fn link(board: Board, scripts: &[&str]) -> bool {
     for script in scripts.iter().chain(&["link.x"]) {
         println!("cargo:rustc-link-arg-bins=-T{script}");
     }
-    true
 }
 
 /// What cargo tells a build script.

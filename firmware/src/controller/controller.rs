@@ -1,9 +1,9 @@
 //! The controller: one tick in two halves, with the board's wire between them.
 
 use heapless::Vec;
-use sinew_servo_bus::{EncodeError, Health, Schedule, ServoBus};
 use sinew_core::tracker::Timing;
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{EncodeError, Health, Schedule, ServoBus};
 use sinew_show::{ShowError, ShowFrames};
 
 use super::error::{ControllerError, Incomplete};

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use sinew_servo_bus::{CommandError, EncodeError};
 use sinew_core::tracker::TrackerError;
+use sinew_servo_bus::{CommandError, EncodeError};
 
 use crate::SettingError;
 use crate::drives::SetupError;

@@ -193,7 +193,8 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         let Self { drives, commands, out, .. } = self;
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
         for (index, servo) in out.iter_mut().enumerate() {
-            if let Some(ServoCommand { command: sinew_servo_bus::Command::Current(a), .. }) = servo {
+            if let Some(ServoCommand { command: sinew_servo_bus::Command::Current(a), .. }) = servo
+            {
                 *a *= share(index);
             }
         }

@@ -1,9 +1,9 @@
 //! What servos hold in their registers, against what the rig asks: before it is armed.
 
 use heapless::Vec;
+use sinew_rig::board::BoardServo;
 use sinew_servo_bus::settings::Demand;
 use sinew_servo_bus::{Compared, Difference, ServoBus};
-use sinew_rig::board::BoardServo;
 
 use super::settings::ServoSetup;
 use crate::supervisor::{RegisterDiffers, Registers};

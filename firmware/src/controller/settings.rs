@@ -1,8 +1,8 @@
 //! What a controller is made of.
 
+use sinew_rig::servo::Servo;
 use sinew_servo_bus::Schedule;
 use sinew_servo_bus::settings::{Demand, Mode};
-use sinew_rig::servo::Servo;
 
 use crate::SettingError;
 use crate::drives::DriveSettings;

@@ -1,8 +1,8 @@
 //! All detectors of a rig.
 
 use heapless::Vec;
-use sinew_servo_bus::{Effort, Health};
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{Effort, Health};
 
 use super::error::ControllerError;
 use super::part::number;

@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use sinew_servo_bus::{dynamixel, feetech};
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::{Address, Servo};
+use sinew_servo_bus::{dynamixel, feetech};
 
 use super::{
     Condition, CurrentDrive, CurrentSettings, Encoder, PositionDrive, PositionSettings, Refused,

@@ -1,9 +1,9 @@
 //! Servos in current mode: the whole effort.
 
-use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::limited::Limited;
 use sinew_rig::servo::Servo;
+use sinew_servo_bus::Command;
 
 use super::{Class, Condition, CutOff, Encoder, Limit, Refused, ServoCommand, ShaftTarget};
 use crate::SettingError;

@@ -1,8 +1,8 @@
 //! From what servos measure to joints, by the same drives.
 
-use sinew_servo_bus::Effort;
 use sinew_rig::board::BoardDrive;
 use sinew_rig::drive::{DriveInputError, MOST, Numbers};
+use sinew_servo_bus::Effort;
 
 use super::{Condition, Drives, InputError};
 

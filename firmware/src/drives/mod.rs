@@ -87,8 +87,8 @@ pub use position::{PositionDrive, PositionSettings};
 pub use rig::Drives;
 pub use target::{TargetDrive, TargetSettings};
 
-use sinew_servo_bus::Command;
 use sinew_rig::limited::LimitReason;
+use sinew_servo_bus::Command;
 
 /// What the shaft of a servo has to do, as its drive sees it: before gear, offset and direction of the servo.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

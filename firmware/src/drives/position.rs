@@ -1,8 +1,8 @@
 //! Servos in position mode: the target, and what gravity makes it sag taken off in advance.
 
-use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
+use sinew_servo_bus::Command;
 
 use super::follower::Follower;
 use super::{Class, Condition, CutOff, Encoder, Limit, Refused, ServoCommand, ShaftTarget};

@@ -1,8 +1,8 @@
 //! Servos that take a target and tell nothing: hobby servos.
 
-use sinew_servo_bus::Command;
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
+use sinew_servo_bus::Command;
 
 use super::follower::Follower;
 use super::{Class, Encoder, Refused, ServoCommand, ShaftTarget};

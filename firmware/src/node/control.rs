@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use sinew_servo_bus::{Schedule, ServoBus};
 use sinew_link::{LiveSettings, LiveSetupError};
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{Schedule, ServoBus};
 use sinew_storage::Disarmed;
 
 use super::board::Safety;

@@ -1,8 +1,8 @@
 //! What a host does with a rig that is limp, behind a tick of the loop: packets to its servos, and what was measured.
 
 use heapless::Vec;
-use sinew_servo_bus::ServoBus;
 use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
+use sinew_servo_bus::ServoBus;
 
 use super::board::Safety;
 use super::control::Control;

@@ -1,8 +1,8 @@
 //! Settings of a node: numbers with a key each, which never changes.
 
 use heapless::Vec;
-use sinew_servo_bus::Schedule;
 use sinew_link::LiveSettings;
+use sinew_servo_bus::Schedule;
 
 use crate::SettingError;
 use crate::controller::ControllerSettings;

@@ -2,9 +2,9 @@
 
 use core::cell::RefCell;
 
+use sinew_firmware::controller::Wire;
 use sinew_servo_bus::Request;
 use sinew_servo_bus::pca9685::Prescale;
-use sinew_firmware::controller::Wire;
 use sinew_wiring::{Line, Protocol};
 use static_cell::ConstStaticCell;
 

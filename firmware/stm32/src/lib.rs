@@ -6,8 +6,9 @@
 //! main ── link, storage ── Serial (USART2, DMA), Chip (flash), the status light (TIM2)
 //! both read the clock: TIM5, 32 bits
 //! ```
-//! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]. There is no executor: each half of a
-//! node waits for nothing but its own step, so an interrupt and a loop are all that it needs.
+//! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]; a NUCLEO gives them as [`Nucleo`].
+//! There is no executor: each half of a node waits for nothing but its own step, so an interrupt and a loop are all
+//! that it needs.
 //!
 //! - [`clock`]: microseconds that no erase of flash loses;
 //! - [`Serial`]: the line to the host; [`ServoLine`]: the half-duplex line of the servos;
@@ -30,6 +31,7 @@ pub mod dog;
 mod flash;
 mod light;
 mod node;
+mod nucleo;
 mod pulses;
 mod registers;
 pub mod reset;
@@ -40,5 +42,6 @@ pub mod stop;
 pub use flash::Chip;
 pub use light::Light;
 pub use node::{BODIES, CAPACITY, COORDINATES, FREEDOMS, Hardware, LINES, SERVOS, run};
+pub use nucleo::Nucleo;
 pub use serial::{Dma, Serial};
 pub use servo_line::ServoLine;

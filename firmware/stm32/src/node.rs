@@ -10,7 +10,6 @@ use critical_section::Mutex;
 use embassy_stm32::gpio::{Input, Output};
 use embassy_stm32::{interrupt, pac, peripherals, rcc};
 use heapless::Vec;
-use sinew_servo_bus::{Schedule, Timing, dynamixel};
 use sinew_firmware::controller::{
     ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
 };
@@ -21,6 +20,7 @@ use sinew_firmware::supervisor::Fault;
 use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{Schedule, Timing, dynamixel};
 use sinew_storage::{BoardTable, Capacity, Store};
 use sinew_wiring::{AllLines, Wiring};
 use static_cell::StaticCell;

@@ -1,9 +1,13 @@
 //! The line to the host: a UART whose bytes DMA fetches and brings.
 
-use embassy_stm32::dma::{Channel, ReadableRingBuffer, Request, Transfer, TransferOptions};
+use embassy_stm32::Peri;
+use embassy_stm32::dma::{
+    Channel, InterruptHandler, ReadableRingBuffer, Request, Transfer, TransferOptions,
+};
+use embassy_stm32::interrupt::typelevel::Binding;
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::pac::usart::Usart;
-use embassy_stm32::usart::Uart;
+use embassy_stm32::usart::{self, RxDma, TxDma, Uart};
 
 use crate::registers;
 
@@ -16,8 +20,30 @@ const AT_ONCE: usize = 512;
 pub struct Dma {
     /// The channel.
     pub channel: Channel<'static>,
-    /// The request of [`TxDma`](embassy_stm32::usart::TxDma) or [`RxDma`](embassy_stm32::usart::RxDma).
+    /// The request of [`TxDma`] or [`RxDma`].
     pub request: Request,
+}
+
+impl Dma {
+    /// A channel for the bytes that arrive at a UART.
+    #[inline]
+    pub fn arriving<U: usart::Instance, C: RxDma<U>>(
+        channel: Peri<'static, C>,
+        irqs: impl Binding<C::Interrupt, InterruptHandler<C>> + 'static,
+    ) -> Self {
+        let request = channel.request();
+        Self { channel: Channel::new(channel, irqs), request }
+    }
+
+    /// A channel for the bytes that leave a UART.
+    #[inline]
+    pub fn leaving<U: usart::Instance, C: TxDma<U>>(
+        channel: Peri<'static, C>,
+        irqs: impl Binding<C::Interrupt, InterruptHandler<C>> + 'static,
+    ) -> Self {
+        let request = channel.request();
+        Self { channel: Channel::new(channel, irqs), request }
+    }
 }
 
 /// What comes: a ring that DMA writes round and round. No error of the line stops it: what is damaged, codecs find.

@@ -2,10 +2,10 @@
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use sinew_firmware::controller::ServoSetup;
 use sinew_servo_bus::dynamixel::table::MODELS;
 use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
 use sinew_servo_bus::{Schedule, Timing, Traffic, dynamixel, feetech, pca9685};
-use sinew_firmware::controller::ServoSetup;
 
 use crate::remote::{
     ChannelOf, DynamixelModeOf, DynamixelOf, FeetechOf, FeetechServoOf, ServoSetupOf, TimingOf,

@@ -1,13 +1,13 @@
 //! Numbers of other crates as messages carry them: all of them, so that a new one does not build before it is here.
 
 use serde::{Deserialize, Serialize};
-use sinew_servo_bus::pca9685::ChannelSetup;
-use sinew_servo_bus::{Cost, Timing, Traffic, dynamixel, feetech};
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
     CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
 };
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+use sinew_servo_bus::pca9685::ChannelSetup;
+use sinew_servo_bus::{Cost, Timing, Traffic, dynamixel, feetech};
 
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Timing")]

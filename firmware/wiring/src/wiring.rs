@@ -1,10 +1,10 @@
 //! All of a rig's wiring, as bytes and as what a controller is made of.
 
 use heapless::Vec;
-use sinew_servo_bus::{Schedule, ScheduleError, SetupError};
 use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::join_rig;
+use sinew_servo_bus::{Schedule, ScheduleError, SetupError};
 use thiserror::Error;
 
 use crate::{Bus, Line, Lines, OnLine, Servo};

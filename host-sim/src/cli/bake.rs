@@ -4,47 +4,38 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context as _, ensure};
-use sinew_mocap::files::ClipFile;
+use anyhow::bail;
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
+use sinew_performance::rig::Loaded;
+use sinew_performance::{
+    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
+};
+use sinew_report::feasibility::Page;
 use sinew_retarget::feasibility::{check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
-use sinew_sim::command::{note, print};
-use sinew_sim::figure::{BodyModel, mapping};
-use sinew_sim::output;
-use sinew_sim::performance::{
-    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
-};
-use sinew_sim::pipeline::{self, Settings};
-use sinew_sim::report::feasibility::Page;
-use sinew_sim::rig::Loaded;
-use sinew_sim::{builtin, show};
 
 use super::clips::seconds;
-use super::evaluate::scale;
 use super::performance::{ON_STAND, OnRig, Performed};
 use super::told::ToldArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// With `--rig`, the show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint
-/// cannot follow, when, and by how much.
-///
-/// If no rig is given, the show holds poses of the human figure: today's board images play these. The environment
-/// variable `SINEW_SHOW` names the file that is built into an image.
+/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint cannot follow,
+/// when, and by how much.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; with --rig also a motion of its own: a CSV of
-    /// joint coordinates (`sinew record`, `sinew export`), or positions of servos (JSON).
+    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; or a motion of the rig's own: a CSV of joint
+    /// coordinates (`sinew record`, `sinew clip export`), or positions of servos (JSON).
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
-    /// The rig: rig.toml, URDF or MJCF.
+    /// The rig that performs it, which must be given: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry; of the figure one of the
-    /// known maps.
+    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -55,30 +46,26 @@ pub(super) struct Args {
     told: ToldArgs,
 
     /// The largest error of the show's angles, deg.
-    #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error, requires = "rig")]
-    error: f64,
+    #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error)]
+    tolerance_deg: f64,
 
     /// A cue: a name, and when in the clip, s. Of a fitted show it stands where the motion is then.
-    #[arg(long, value_name = "NAME@S", value_parser = cue, requires = "rig")]
+    #[arg(long, value_name = "NAME@S", value_parser = cue)]
     cue: Vec<(String, f64)>,
 
     /// Time code of the beginning: hours, minutes, seconds, frames, and frames a second (24, 25, 30, 50, 60).
-    #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code, requires = "rig")]
+    #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
 
     /// Make a loop, which a board plays round after round: the end of the motion is led to its beginning, so that
     /// position, speed and acceleration go on. Refused where that exceeds a limit, and where a base that travels would
     /// have to hurry back.
-    #[arg(long = "loop", requires = "rig")]
+    #[arg(long = "loop")]
     is_loop: bool,
 
     /// How long before its end a loop leaves the clip, s.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
-    blend: f64,
-
-    /// Factor on the figure's dimensions, 0.1 to 10. The clip keeps its own.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
-    scale: f64,
+    loop_blend_s: f64,
 
     /// Only the first S seconds.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
@@ -86,26 +73,24 @@ pub(super) struct Args {
 
     /// Also write a page: the rig in motion, plots of each joint beside its limits. One file that any browser opens
     /// from disk, without a network.
-    #[arg(long, value_name = "FILE.html", requires = "rig")]
-    page: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
 
     /// The file to write.
-    #[arg(short, long, visible_alias = "output", value_name = "FILE")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    match &args.rig {
-        Some(rig) => on_rig(args, rig)?,
-        None => of_figure(args)?,
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
+    let Some(rig) = args.rig.as_deref() else {
+        bail!(
+            "--rig: expected the rig that performs the show: rig.toml, URDF or MJCF; `sinew rig new --arm 6 -o rig.toml` \
+             writes one to begin with"
+        );
+    };
     let written: Vec<&Path> =
-        [&args.out].into_iter().chain(&args.page).map(PathBuf::as_path).collect();
+        [&args.output].into_iter().chain(&args.html).map(PathBuf::as_path).collect();
     let read = [
         ("rig", Some(rig)),
         ("clip", Some(Path::new(&args.clip))),
@@ -113,12 +98,13 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     ];
     output::distinct(&written, &read)?;
     let mut on_rig = args.on_rig.clone();
-    on_rig.blend_s = args.is_loop.then_some(args.blend);
+    on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
     let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
-    let settings = ShowSettings { angle_rad: args.error.to_radians(), ..ShowSettings::default() };
+    let settings =
+        ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
         note(format_args!("note: {line}"));
@@ -150,9 +136,9 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
             (baked, report)
         }
     };
-    output::write(&args.out, &baked.written.bytes)?;
+    output::write(&args.output, &baked.written.bytes)?;
     let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
-    if let Some(file) = &args.page {
+    if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
             clip: &performed.name,
@@ -170,7 +156,7 @@ fn on_rig(args: &Args, rig: &Path) -> anyhow::Result<()> {
     let text = feasibility(mechanism, &performed.limits, &report, rounding);
     let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
     print(&format!("{head}\n{text}{done}"))?;
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 /// What was written.
@@ -200,7 +186,7 @@ fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> Stri
     format!(
         "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
-        args.out.display(),
+        args.output.display(),
         performed.name,
         rig.description.name,
         baked.duration_s,
@@ -230,52 +216,6 @@ fn clock(bytes: &[u8]) -> String {
         format!("{hours:02}:{minutes:02}:{seconds:02}:{frames:02}")
     });
     format!("time code: {begin_at} to {end_at} at {} a second{slowed}\n", begin.frames_per_second)
-}
-
-fn of_figure(args: &Args) -> anyhow::Result<()> {
-    let read = [("clip", Some(Path::new(&args.clip))), ("mapping", args.mapping.as_deref())];
-    output::distinct(&[&args.out], &read)?;
-    let settings = Settings {
-        mapping: args.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
-        told: args.told.told(),
-        ..Settings::default()
-    };
-    let mut built_in = builtin::clips();
-    let clip = if let Some(place) = built_in.iter().position(|clip| clip.name == args.clip) {
-        built_in.swap_remove(place)
-    } else {
-        let file = Path::new(&args.clip);
-        let names = || built_in.iter().map(|clip| clip.name.as_str()).collect::<Vec<_>>();
-        ensure!(
-            file.exists(),
-            "{} is neither a file nor a built-in clip ({})",
-            args.clip,
-            names().join(", ")
-        );
-        pipeline::load(&ClipFile::new(file), &settings)?
-    };
-    let (motion, notices) = pipeline::prepare(clip, &settings)?;
-    for notice in notices {
-        note(format_args!("{}: {notice}", motion.name));
-    }
-    let model = BodyModel::from_motion(&motion)?.scaled(args.scale);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "not negative, and saturates"
-    )]
-    let frames = args.seconds.map_or(usize::MAX, |s| (s / motion.dt_s).round().max(1.0) as usize);
-    let bytes = show::bake(&motion, &model, frames)?;
-    sinew_firmware::show::Show::parse(&bytes).context("no board would perform this show")?;
-    output::write(&args.out, &bytes)?;
-    print(&format!(
-        "{}: {} frames of {}, {} bytes\n",
-        args.out.display(),
-        motion.rotation.len().min(frames),
-        motion.name,
-        bytes.len()
-    ))?;
-    Ok(())
 }
 
 fn cue(text: &str) -> Result<(String, f64), String> {

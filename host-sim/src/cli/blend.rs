@@ -1,20 +1,22 @@
-//! `sinew blend`: from one clip to another.
+//! `sinew clip blend`: from one clip to another.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
+use sinew_figure::Mapping;
+use sinew_figure::pipeline::{LoadedClip, Settings, load_clip};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output;
 use sinew_mocap::bvh;
 use sinew_mocap::files::ClipFile;
-use sinew_sim::blend::{self, Outcome, Pair, Places, Side};
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::figure::Mapping;
-use sinew_sim::find::{Part, Reference};
-use sinew_sim::output;
-use sinew_sim::pipeline::{LoadedClip, Settings, load_clip};
-use sinew_sim::report::blend as picture;
-use sinew_sim::spatial::{BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace};
+use sinew_pose_metrics::blend::{self, Outcome, Pair, Places, Side};
+use sinew_pose_metrics::find::{Part, Reference};
+use sinew_pose_metrics::spatial::{
+    BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace,
+};
+use sinew_report::blend as picture;
 
 use super::clips::seconds;
 use super::find::{self, ensure_room, frames};
@@ -30,14 +32,14 @@ use super::told::ToldArgs;
 /// goes its own shortest way, and the report says so. The second clip is turned about the
 /// vertical and shifted so that they meet. Feet are not held on the floor, and may slide.
 ///
-///   sinew blend walk.bvh run.bvh --out walk-run.bvh
-///   sinew blend walk.bvh@1s..2.5s run.bvh --out walk-run.bvh --seconds 0.4 --picture walk-run.png
-///   sinew blend walk.bvh@120 run.bvh@0.6s --out walk-run.bvh
+///   sinew clip blend walk.bvh run.bvh --output walk-run.bvh
+///   sinew clip blend walk.bvh@1s..2.5s run.bvh --output walk-run.bvh --blend-s 0.4 --picture walk-run.png
+///   sinew clip blend walk.bvh@120 run.bvh@0.6s --output walk-run.bvh
 ///
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face.
 /// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
-/// where it is. Default: anywhere that leaves enough of both clips, see --leave.
+/// where it is. Default: anywhere that leaves enough of both clips, see --alone-s.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]
@@ -53,20 +55,21 @@ pub(super) struct Args {
 
     /// The BVH file to write.
     #[arg(long, value_name = "FILE.bvh")]
-    out: PathBuf,
+    output: PathBuf,
 
     /// Length of the blend, rounded to an even number of A's frames. 0.5 is about a step of a walk; shorter is more
     /// abrupt, longer mixes different steps.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
-    seconds: f64,
+    blend_s: f64,
 
     /// How much plays alone at least: of A before the blend, of B after it. 0 lets the blend begin and end where the
     /// clips do.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = find::seconds, allow_negative_numbers = true)]
-    leave: f64,
+    alone_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
-    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map
+    /// --list`). Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be
+    /// compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 
@@ -103,15 +106,15 @@ impl Args {
         if let Some(path) = &self.picture {
             picture::check(path).with_context(|| format!("--picture {}", path.display()))?;
         }
-        if !self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
-            bail!("--out {}: expected a file named *.bvh", self.out.display());
+        if !self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
+            bail!("--output {}: expected a file named *.bvh", self.output.display());
         }
-        let folder = self.out.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = self.output.parent().filter(|folder| !folder.as_os_str().is_empty());
         if folder.is_some_and(|folder| !folder.is_dir()) {
-            bail!("--out {}: expected a folder that is there", self.out.display());
+            bail!("--output {}: expected a folder that is there", self.output.display());
         }
         let written: Vec<&Path> =
-            [&self.out].into_iter().chain(&self.picture).map(PathBuf::as_path).collect();
+            [&self.output].into_iter().chain(&self.picture).map(PathBuf::as_path).collect();
         let read = [
             ("clip A", Some(self.a.file.as_path())),
             ("clip B", Some(self.b.file.as_path())),
@@ -132,8 +135,8 @@ impl Args {
         let (a, frames_a) = read(&self.a)?;
         let (b, frames_b) = read(&self.b)?;
         let rate_hz = a.clip.rate_hz();
-        let half = half(0.5 * self.seconds * rate_hz);
-        let left = half + frames(self.leave * rate_hz);
+        let half = half(0.5 * self.blend_s * rate_hz);
+        let left = half + frames(self.alone_s * rate_hz);
         let (clip_a, clip_b) = (a.clip.clone(), &b.clip);
         let pair = Pair::new(clip_a, clip_b).with_context(|| self.b.file.display().to_string())?;
         ensure_room(&self.a.file, pair.body().joints.len())?;
@@ -152,8 +155,8 @@ impl Args {
             blend::blend(&pair, nearest.a, nearest.b, half, done)
         })?;
         let text = bvh::text(&blend.clip, a.metres_per_unit)
-            .with_context(|| format!("--out {}", self.out.display()))?;
-        output::write(&self.out, text)?;
+            .with_context(|| format!("--output {}", self.output.display()))?;
+        output::write(&self.output, text)?;
         let side = |recorded: &LoadedClip| {
             (recorded.skipped as f64 * recorded.clip.frame_time_s, recorded.clip.rate_hz())
         };
@@ -230,9 +233,9 @@ impl Room {
             // Rounded down to what a time is printed with.
             let at_most = |frames: usize| libm::floor(1e3 * seconds(frames)) / 1e3;
             let would_do = match end.checked_sub(2 * half) {
-                Some(rest) => format!("--leave {:.3} would do", at_most(rest)),
+                Some(rest) => format!("--alone-s {:.3} would do", at_most(rest)),
                 None if end < 2 => "take a longer clip".to_owned(),
-                None => format!("--leave 0 --seconds {:.3} would do", at_most(end - end % 2)),
+                None => format!("--alone-s 0 --blend-s {:.3} would do", at_most(end - end % 2)),
             };
             bail!(
                 "{file}: expected at least {:.3} s, the blend and {:.3} s of the clip alone, found {:.3} s; {would_do}",
@@ -246,7 +249,7 @@ impl Room {
         if places.is_empty() || (is_one && first != *places.start()) {
             bail!(
                 "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
-                 blend on both sides and what is left of the clip (see --leave)",
+                 blend on both sides and what is left of the clip (see --alone-s)",
                 seconds(before),
                 seconds(after)
             );
@@ -255,7 +258,7 @@ impl Room {
     }
 }
 
-/// The line's length in space, as `sinew find` measures it.
+/// The line's length in space, as `sinew clip find` measures it.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
     let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
     let measuring = Measuring::new(&rig, Measure::new(Metric::Line));

@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use rayon::prelude::*;
+use sinew_evaluation::Take;
+use sinew_evaluation::exercise::{Exercise, Exercises, exercises};
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{self, Notice, Settings};
+use sinew_figure::{FigureMotion, mapping};
+use sinew_host_util::command::note;
 use sinew_mocap::files::{ClipFile, expand_all};
-use sinew_sim::builtin;
-use sinew_sim::evaluate::Take;
-use sinew_sim::evaluate::exercise::{Exercise, Exercises, exercises};
-use sinew_sim::figure::{FigureMotion, mapping};
-use sinew_sim::performance::RigClip;
-use sinew_sim::pipeline::{self, Notice, Settings};
-use sinew_sim::rig::Loaded;
-
-use sinew_sim::command::note;
+use sinew_performance::RigClip;
+use sinew_performance::rig::Loaded;
 
 use super::performance::{ON_STAND, OnRig};
 use super::told::ToldArgs;
@@ -32,8 +31,8 @@ pub(super) struct ClipArgs {
     #[arg(long, requires = "clips")]
     strict: bool,
 
-    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew map`. Default: chosen among the
-    /// known ones; of a rig by names and geometry.
+    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew clip map`. Default: chosen among
+    /// the known ones; of a rig by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -43,12 +42,12 @@ pub(super) struct ClipArgs {
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
     /// `robustness` and for `--rig`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
-    rate: Option<f64>,
+    rate_hz: Option<f64>,
 
-    /// Rate of the frames that the controller is given, in Hz. It divides `--rate`; the controller interpolates
+    /// Rate of the frames that the controller is given, in Hz. It divides `--rate-hz`; the controller interpolates
     /// smoothly. Default: a frame for every tick; 100 for `robustness` and `latency`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
-    frames: Option<f64>,
+    frame_rate_hz: Option<f64>,
 
     /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or built-in motions of its own
     /// joints, on the exact plant: all together, and for `evaluate` each in turn.
@@ -64,7 +63,7 @@ pub(super) struct ClipArgs {
         requires = "rig",
         allow_negative_numbers = true
     )]
-    shares: Vec<f64>,
+    speed_shares: Vec<f64>,
 
     /// Seed of these motions.
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
@@ -114,7 +113,7 @@ impl ClipArgs {
     ) -> anyhow::Result<Vec<RigClip>> {
         let expanded = expand_all(&self.clips)?;
         let mechanism = Arc::new(rig.mechanism.clone());
-        let rate_hz = self.rate.unwrap_or(RIG_RATE_HZ);
+        let rate_hz = self.rate_hz.unwrap_or(RIG_RATE_HZ);
         let performed = |file: &ClipFile| -> anyhow::Result<RigClip> {
             let mapping = self.mapping.as_deref();
             let performed =
@@ -132,8 +131,8 @@ impl ClipArgs {
     /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
     pub(super) fn exercises(&self, rig: &Loaded, in_turn: bool) -> anyhow::Result<Vec<Exercise>> {
         let settings = Exercises {
-            rate_hz: self.rate.unwrap_or(RIG_RATE_HZ),
-            shares: self.shares.clone(),
+            rate_hz: self.rate_hz.unwrap_or(RIG_RATE_HZ),
+            shares: self.speed_shares.clone(),
             seed: self.motion_seed,
             in_turn,
             ..Exercises::default()
@@ -158,29 +157,29 @@ impl ClipArgs {
 
     /// Whether a rate is given.
     pub(super) const fn has_rate(&self) -> bool {
-        self.rate.is_some()
+        self.rate_hz.is_some()
     }
 
     /// At this rate.
     pub(super) fn with_rate(&self, rate_hz: f64) -> Self {
-        Self { rate: Some(rate_hz), ..self.clone() }
+        Self { rate_hz: Some(rate_hz), ..self.clone() }
     }
 
     /// With these rates where none are given; a frame for every tick where the frames' rate does not divide the
     /// other.
     pub(super) fn at(&self, rate_hz: f64, frames_hz: f64) -> Self {
-        let rate = self.rate.unwrap_or(rate_hz);
+        let rate = self.rate_hz.unwrap_or(rate_hz);
         let goes_in = (rate / frames_hz).fract().abs() < f64::EPSILON && rate >= frames_hz;
-        let frames = self.frames.or(goes_in.then_some(frames_hz));
-        Self { rate: Some(rate), frames, ..self.clone() }
+        let frames = self.frame_rate_hz.or(goes_in.then_some(frames_hz));
+        Self { rate_hz: Some(rate), frame_rate_hz: frames, ..self.clone() }
     }
 
     /// Reads and prepares the clips, in their order; what was done to them is returned too.
     pub(super) fn read(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
-            rate_hz: self.rate.unwrap_or(100.0),
-            frame_rate_hz: self.frames,
+            rate_hz: self.rate_hz.unwrap_or(100.0),
+            frame_rate_hz: self.frame_rate_hz,
             told: self.told.told(),
             ..Settings::default()
         };

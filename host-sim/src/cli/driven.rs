@@ -1,40 +1,50 @@
 //! Options of how a rig's servos are driven: by whoever simulates them, and by a board that gets its rig.
 
 use clap::ValueEnum;
-use sinew_sim::play::{Drive, Options};
+use sinew_performance::play::{Drive, Options};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum DriveArg {
-    /// The tracker's effort over the torque constant.
+    /// The current that gives the tracker's torque.
     Current,
-    /// The target, and what gravity makes the servo sag taken off in advance.
+    /// The target position, corrected in advance by how far gravity makes the servo sag.
     Position,
 }
 
 /// How servos are driven.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct DrivenArgs {
-    /// How servos are driven. Default: by current where they have a current mode, else by position.
+    /// Quantity that servos get each tick. Default: `current` for servos that have a current mode, else `position`.
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 
-    /// Ticks a second. Default: 500, or what bus and board have time for; where all servos are driven by position 100.
+    /// Rate of control, in Hz. Default: 500, or the rate that bus and board have time for; 100 if all servos are driven
+    /// by position.
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    rate: Option<u32>,
+    rate_hz: Option<u32>,
 
-    /// Bits per second of all buses. Default: 4000000, on a board 3000000; of Feetech servos 1000000.
+    /// Rate of all buses, in bit/s. Default: 4000000, on a board 3000000; of Feetech servos 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
 }
 
 impl DrivenArgs {
+    /// Returns each option, and whether it is given.
+    pub(super) const fn given(&self) -> [(bool, &'static str); 3] {
+        [
+            (self.drive.is_some(), "--drive"),
+            (self.rate_hz.is_some(), "--rate-hz"),
+            (self.baud.is_some(), "--baud"),
+        ]
+    }
+
     /// Of a loop in this program.
     pub(super) fn here(self) -> Options {
         let drive = self.drive.map(|drive| match drive {
             DriveArg::Current => Drive::Current,
             DriveArg::Position => Drive::Position,
         });
-        Options { drive, rate_hz: self.rate, baud: self.baud, ..Options::default() }
+        Options { drive, rate_hz: self.rate_hz, baud: self.baud, ..Options::default() }
     }
 
     /// Of a board's.

@@ -7,16 +7,15 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_rig::Mechanism;
-use sinew_rig::review::{Finding, Loop, Severity};
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::robustness::TRACKS_BELOW_DEG;
-use sinew_sim::evaluate::{
+use sinew_evaluation::robustness::TRACKS_BELOW_DEG;
+use sinew_evaluation::{
     EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
 };
-
-use sinew_sim::output::{self, Folder};
-use sinew_sim::rig::{Loaded, review};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output::{self, Folder};
+use sinew_performance::rig::{Loaded, review};
+use sinew_rig::Mechanism;
+use sinew_rig::review::{Finding, Loop, Severity};
 
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
@@ -24,15 +23,7 @@ use super::page::PageArgs;
 use super::performance::OnRig;
 use super::setup::SetupArgs;
 
-/// Track motion capture with every method and print the paper's tables.
-///
-/// A simulated figure of every scale tracks every clip with every method. The errors are measured in the
-/// world, against the clip in its own dimensions. Tables 1 to 4 of the paper are printed beside the paper's
-/// own numbers. Standard error names all that is skipped or filled in a clip.
-///
-/// A clip of f frames makes f - 2 steps: forward differences look two frames ahead. If a figure is lost, the
-/// evaluation ends with exit code 1, and names clip, method and frame. Bad input is exit code 2. A rig of yours
-/// (`--rig`) that follows a motion worse than 10 degrees in the mean is exit code 1, too.
+/// Options of the paper's tables.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -64,7 +55,7 @@ pub(super) struct Args {
     /// Also write into this folder: the report (index.html, for a browser), its pictures, table.txt,
     /// result.json, result.csv and clips.csv (a row per clip).
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    output: Option<PathBuf>,
 
     #[command(flatten)]
     page: PageArgs,
@@ -113,7 +104,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.
-    let folder = args.out.as_deref().map(|folder| args.folder(folder)).transpose()?;
+    let folder = args.output.as_deref().map(|folder| args.folder(folder)).transpose()?;
     if let Some(rig) = rig {
         tell_faults(rig)?;
         if args.clips.of_rig() {
@@ -197,7 +188,7 @@ impl Args {
             page(&stage, &evaluation)?;
             folder.finish()?;
         }
-        if let Some(folder) = &self.out
+        if let Some(folder) = &self.output
             && evaluation.rig.is_some()
         {
             note(format_args!("wrote {}", folder.join("index.html").display()));

@@ -1,13 +1,13 @@
-//! `sinew export`: a clip on a rig, for other programs.
+//! `sinew clip export`: a clip on a rig, for other programs.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use sinew_host_util::command::note;
+use sinew_host_util::output;
 use sinew_mocap::bvh;
 use sinew_retarget::exchange::{blender, clip, servos, table};
 use sinew_retarget::feasibility::Curve;
-use sinew_sim::command::note;
-use sinew_sim::output;
 
 use super::clips::rate;
 use super::performance::{FOR_OTHERS, OnRig};
@@ -28,7 +28,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Which joint follows which, in TOML: see `sinew map`. Default: by names and geometry.
+    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -40,7 +40,7 @@ pub(super) struct Args {
 
     /// Frames a second. Default: the clip's own.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
-    rate: Option<f64>,
+    rate_hz: Option<f64>,
 
     /// The file to write: `.csv`, `.bvh` or `.json`.
     #[arg(short, long, value_name = "FILE")]
@@ -67,7 +67,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         note(format_args!("fitted: {}", done.trim_end()));
     }
     let resampled;
-    let motion = match args.rate {
+    let motion = match args.rate_hz {
         Some(rate_hz) => {
             resampled = Curve::new(&rig.mechanism, performed.motion())?.resampled(rate_hz);
             &resampled

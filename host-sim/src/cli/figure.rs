@@ -1,4 +1,4 @@
-//! `sinew figure`: the bodies of a measured subject.
+//! `sinew evaluate figure`: the bodies of a measured subject.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
-use sinew_sim::command::print;
-use sinew_sim::figure::{BODIES, BodyModel, MassProperties, Subject, de_leva_mass_fraction};
+use sinew_figure::plant::MassProperties;
+use sinew_figure::{BODIES, BodyModel, Subject, de_leva_mass_fraction};
+use sinew_host_util::command::print;
 
 use super::evaluate::scale;
 

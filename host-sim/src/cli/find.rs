@@ -1,4 +1,4 @@
-//! `sinew find`: the nearest moments in a library of clips.
+//! `sinew clip find`: the nearest moments in a library of clips.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_sim::figure::Mapping;
-use sinew_sim::find::{self, Library, Limits, Part, Query, Reference, Search};
-use sinew_sim::pipeline::{Notice, Settings};
-use sinew_sim::report::moments as picture;
-use sinew_sim::spatial::{BODY_COUNT, BODY_COUNT_MAX, Measure, Measuring, Rigid, SpatialRig};
-
-use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
+use sinew_figure::Mapping;
+use sinew_figure::pipeline::{Notice, Settings};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_pose_metrics::find::{self, Library, Limits, Part, Query, Reference, Search};
+use sinew_pose_metrics::spatial::{
+    BODY_COUNT, BODY_COUNT_MAX, Measure, MeasureArgs, Measuring, Rigid, SpatialRig,
+};
+use sinew_report::moments as picture;
 
 use super::told::ToldArgs;
 
@@ -24,9 +25,9 @@ use super::told::ToldArgs;
 /// refused if it is named, and left out if it comes from a folder. Joints that no clip moves
 /// do not count.
 ///
-///   sinew find walks/ fights/ --like punch.bvh@1.25s
-///   sinew find walks/ --like kick.bvh@40 --metric positions --weighted
-///   sinew find fights/ --like punch.bvh@1.0s..1.6s --out found.png
+///   sinew clip find walks/ fights/ --like punch.bvh@1.25s
+///   sinew clip find walks/ --like kick.bvh@40 --metric positions --weighted
+///   sinew clip find fights/ --like punch.bvh@1.0s..1.6s --picture found.png
 ///
 /// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip is FILE@FROM..TO, or
 /// FILE for all of it. It is compared with every place of every clip; the distance is the
@@ -61,7 +62,7 @@ pub(super) struct Args {
     /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame:
     /// at 30 Hz a fist of 6 m/s is at most 10 cm off.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
-    rate: f64,
+    rate_hz: f64,
 
     /// Number of moments.
     #[arg(long, value_name = "K", default_value = "10")]
@@ -69,10 +70,11 @@ pub(super) struct Args {
 
     /// Least time between two moments of one clip.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
-    apart: f64,
+    apart_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew map --list`).
-    /// Default: the known one that fits, else what `sinew map` proposes, else none: any skeleton can be compared.
+    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map
+    /// --list`). Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be
+    /// compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 
@@ -85,7 +87,7 @@ pub(super) struct Args {
 
     /// Also draw the query and what was found into this file.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    out: Option<PathBuf>,
+    picture: Option<PathBuf>,
 
     /// Also compute every distance, fail if the result differs, and print the times of both.
     #[arg(long)]
@@ -128,12 +130,12 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 impl Args {
     fn search(&self) -> anyhow::Result<()> {
         let measure = self.measure.measure()?;
-        if let Some(path) = &self.out {
-            picture::check(path).with_context(|| format!("--out {}", path.display()))?;
+        if let Some(path) = &self.picture {
+            picture::check(path).with_context(|| format!("--picture {}", path.display()))?;
         }
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
         let settings = Settings { mapping, told: self.told.told(), ..Settings::default() };
-        let query = Query::read(&self.like, &settings, self.rate)?;
+        let query = Query::read(&self.like, &settings, self.rate_hz)?;
         for notice in &query.notices {
             note(format_args!("{}: {notice}", query.name));
         }
@@ -166,7 +168,7 @@ impl Args {
         let measuring = Measuring::new(&rig, measure);
         let of_query = query.measured(&measuring, rigid)?;
         let of_clips = library.measured(&measuring, rigid)?;
-        let apart = frames(self.apart * self.rate);
+        let apart = frames(self.apart_s * self.rate_hz);
         let limits = Limits { count: self.count.get(), apart };
         let mut search = Search::new(&rig, &measuring, &of_query, &of_clips);
         if let Some((clip, poses)) = self.own(query, library, apart) {
@@ -190,9 +192,9 @@ impl Args {
                 1e3 * all_s
             ));
         }
-        if let Some(path) = &self.out {
+        if let Some(path) = &self.picture {
             picture::write(path, query, library, measure, &found)
-                .with_context(|| format!("--out {}", path.display()))?;
+                .with_context(|| format!("--picture {}", path.display()))?;
         }
         print(&match self.format {
             Format::Table => find::text(query, library, measure, &found),
@@ -216,7 +218,7 @@ impl Args {
             return Some((clip, 0..usize::MAX));
         }
         let shelved = &library.clips[clip];
-        let middle = frames((query.start_s - shelved.start_s) * self.rate - 0.5);
+        let middle = frames((query.start_s - shelved.start_s) * self.rate_hz - 0.5);
         // Nor do places that overlap it.
         let apart = apart.max(query.poses.len()).max(1);
         Some((clip, (middle + 1).saturating_sub(apart)..middle + apart))

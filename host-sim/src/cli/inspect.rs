@@ -1,11 +1,12 @@
-//! `sinew inspect`: what files are.
+//! `sinew clip inspect`: what files are.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use sinew_host_util::command::print;
+
+use crate::inspect::Entry;
 use clap::ValueEnum;
-use sinew_sim::command::print;
-use sinew_sim::inspect::Entry;
 
 use super::told::ToldArgs;
 

@@ -1,14 +1,14 @@
-//! `sinew latency`: how late a drive may come.
+//! `sinew evaluate latency`: how late a drive may come.
 
 use std::process::ExitCode;
 
 use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
-use sinew_sim::command::{ThreadArgs, print, with_progress};
-use sinew_sim::evaluate::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
-use sinew_sim::evaluate::{Setup, Take};
-use sinew_sim::figure::Dimensions;
+use sinew_evaluation::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
+use sinew_evaluation::{Setup, Take};
+use sinew_figure::Dimensions;
+use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -30,7 +30,7 @@ pub(super) struct Args {
 
     /// Rates of control and plant, in Hz.
     #[arg(long, value_name = "HZ,..", value_delimiter = ',', default_value = "100,500,1000", value_parser = rate, allow_negative_numbers = true)]
-    rates: Vec<f64>,
+    rates_hz: Vec<f64>,
 
     /// Factor on the figure's dimensions. The clips keep theirs.
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
@@ -64,13 +64,13 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,
         "disturbance.latency_steps, controller.observer.predict: expected to be left out, the table varies them"
     );
-    ensure!(!args.clips.has_rate(), "--rate: expected --rates instead, the table varies it");
+    ensure!(!args.clips.has_rate(), "--rate-hz: expected --rates-hz instead, the table varies it");
     let scale = rig.map_or(args.scale, |_| 1.0);
     setup.dimensions = Dimensions { scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
     check_fixed(&setup, &methods)?;
-    ensure_different(&args.rates, "--rates")?;
+    ensure_different(&args.rates_hz, "--rates-hz")?;
     let setups: Vec<Setup> = methods
         .iter()
         .map(|method| {
@@ -83,7 +83,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         setup.check()?;
     }
     let mut motions: Vec<(f64, Vec<Box<dyn Take>>)> = Vec::new();
-    for rate in &args.rates {
+    for rate in &args.rates_hz {
         let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).takes(rig)?;
         // Every rate has the same to tell.
         if motions.is_empty() {
@@ -114,11 +114,11 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN);
     let heading = ["method", "looks ahead"].map(str::to_owned).into_iter();
-    table.set_header(heading.chain(args.rates.iter().map(|rate| format!("{rate:.0} Hz"))));
+    table.set_header(heading.chain(args.rates_hz.iter().map(|rate| format!("{rate:.0} Hz"))));
     for method in &methods {
         for look_ahead in ["no", "yes"] {
             let cells: Vec<String> = args
-                .rates
+                .rates_hz
                 .iter()
                 .zip(&mut largest)
                 .map(|(rate, steps)| shown(*rate, steps))

@@ -1,20 +1,20 @@
-//! `sinew map`: which joint follows which.
+//! `sinew clip map`: which joint follows which.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
+use sinew_figure::mapping::{Known, choose, known};
+use sinew_figure::measured::{Measured, Told};
+use sinew_host_util::command::{note, print};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Up, format};
+use sinew_performance::{ClipSettings, PreparedClip};
 use sinew_retarget::Landmark;
 use sinew_retarget::mapping::Mapping;
 use sinew_retarget::performer::Performer;
 use sinew_retarget::rig::RigMatch;
 use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::solve::{Settings, best_tilt};
-use sinew_sim::command::{note, print};
-use sinew_sim::figure::mapping::{Known, choose, known};
-use sinew_sim::measured::{Measured, Told};
-use sinew_sim::performance::{ClipSettings, PreparedClip};
 
 use super::rig::read;
 use super::told::ToldArgs;

@@ -4,8 +4,8 @@ use anyhow::bail;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use sinew_core::tracker::SettingError;
-use sinew_sim::command::note;
-use sinew_sim::evaluate::{MethodName, Setup, SetupError};
+use sinew_evaluation::{MethodName, Setup, SetupError};
+use sinew_host_util::command::note;
 
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy)]

@@ -1,11 +1,13 @@
-//! The command line: one file per subcommand.
+//! The command line: one file per subcommand, and one per group of them.
 
 mod bake;
 mod blend;
 mod board;
+mod clip;
 mod clips;
 mod driven;
 mod evaluate;
+mod evaluation;
 mod export;
 mod figure;
 mod find;
@@ -17,6 +19,7 @@ mod page;
 mod performance;
 mod play;
 mod record;
+mod renamed;
 mod report;
 mod rig;
 mod robustness;
@@ -24,20 +27,23 @@ mod servo;
 #[cfg(unix)]
 mod servos;
 mod setup;
-mod study;
 mod sweep;
+mod target;
 mod told;
 mod verify;
 mod weights;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use sinew_sim::command::exit_code;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use sinew_host_util::command::{exit_code, note};
 
-/// A motion core for animatronic figures, evaluated on motion capture.
+/// A motion core for animatronic figures: from a clip to torques of servos.
 ///
-/// Default subcommand: `evaluate`.
+/// Start with `sinew rig new` or `sinew rig import`; then `sinew bake` makes a show of a clip, and `sinew play`
+/// performs it. Without a command, `sinew` is `sinew evaluate`.
+///
+/// Exit codes: 0 done; 1 done, and the result is bad; 2 not done, because of bad input or usage.
 #[derive(Debug, Parser)]
 #[command(name = "sinew", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -50,104 +56,93 @@ struct Cli {
     parse_only: bool,
 }
 
+/// The commands at the top, in the order of a newcomer's work.
 #[derive(Debug, Subcommand)]
 enum Command {
-    Evaluate(evaluate::Args),
-    Verify(verify::VerifyArgs),
-    Inspect(inspect::Args),
-    Map(map::Args),
+    Rig(rig::RigArgs),
+    Clip(clip::ClipCommands),
     Bake(bake::Args),
     Play(play::Args),
     Record(record::Args),
     Report(report::Args),
-    Export(export::Args),
-    Figure(figure::Args),
-    Sweep(sweep::Args),
-    Robustness(robustness::Args),
-    Latency(latency::Args),
-    Weights(weights::Args),
-    #[command(hide = true)]
-    Study(study::Args),
-    Find(find::Args),
-    Blend(blend::Args),
-    Rig(rig::RigArgs),
     Servo(servo::ServoArgs),
-    #[cfg(unix)]
-    Board(board::SimulateArgs),
-    Monitor(board::MonitorArgs),
-    Faults(board::FaultsArgs),
-    Settings(board::SettingsArgs),
-    Upload(board::UploadArgs),
-    Flash(board::FlashArgs),
-    Doctor(board::DoctorArgs),
-    #[cfg(unix)]
-    Servos(servos::ServosArgs),
+    Board(board::BoardCommands),
+    Evaluate(evaluation::EvaluateCommands),
 }
 
 impl Command {
     fn run(&self) -> anyhow::Result<ExitCode> {
         match self {
-            Self::Evaluate(args) => evaluate::run(args),
-            Self::Inspect(args) => inspect::run(args),
-            Self::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
+            Self::Rig(args) => rig::run(args),
+            Self::Clip(args) => clip::run(args),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
             Self::Record(args) => record::run(args).map(|()| ExitCode::SUCCESS),
             Self::Report(args) => report::run(args),
-            Self::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
-            Self::Figure(args) => figure::run(args).map(|()| ExitCode::SUCCESS),
-            Self::Sweep(args) => sweep::run(args),
-            Self::Robustness(args) => robustness::run(args),
-            Self::Latency(args) => latency::run(args),
-            Self::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
-            Self::Study(args) => study::run(args),
-            Self::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
-            Self::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
-            Self::Verify(args) => verify::run(args),
-            Self::Rig(args) => rig::run(args),
             Self::Servo(args) => servo::run(args),
-            #[cfg(unix)]
-            Self::Board(args) => board::simulate(args),
-            Self::Monitor(args) => board::monitor(args),
-            Self::Faults(args) => board::faults(args),
-            Self::Settings(args) => board::settings(args),
-            Self::Upload(args) => board::upload(args),
-            Self::Flash(args) => board::flash(args),
-            Self::Doctor(args) => board::doctor(args),
-            #[cfg(unix)]
-            Self::Servos(args) => servos::run(args),
+            Self::Board(args) => board::run(args),
+            Self::Evaluate(args) => evaluation::run(args),
         }
     }
 
-    /// Checks the settings that the command line does not know: keys and values of `--set`.
-    fn check(&self) -> anyhow::Result<ExitCode> {
-        let setup = match self {
-            Self::Evaluate(args) => Some(&args.setup),
-            Self::Robustness(args) => Some(&args.setup),
-            Self::Latency(args) => Some(&args.setup),
-            _ => None,
-        };
-        setup.map(|setup| setup.setup(None)).transpose()?;
-        Ok(ExitCode::SUCCESS)
+    /// Checks what the command line does not know: keys and values of `--set`, and options that a target excludes.
+    fn check(&self) -> anyhow::Result<()> {
+        match self {
+            Self::Play(args) => args.check(),
+            Self::Record(args) => args.check(),
+            Self::Evaluate(args) => args.check(),
+            _ => Ok(()),
+        }
     }
+}
+
+/// Makes the parser. Options of `evaluate` are taken without its name, too, and are told by its help alone.
+fn command_line() -> clap::Command {
+    Cli::command().mut_args(|option| option.hide(true))
 }
 
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let command = cli.command.unwrap_or(Command::Evaluate(cli.evaluate));
-    exit_code(if cli.parse_only { command.check() } else { command.run() })
+    let parsed = command_line().try_get_matches();
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error),
+    };
+    let command = match cli.command {
+        Some(command) => command,
+        None => Command::Evaluate(evaluation::EvaluateCommands::tables(cli.evaluate)),
+    };
+    exit_code(if cli.parse_only {
+        command.check().map(|()| ExitCode::SUCCESS)
+    } else {
+        command.run()
+    })
+}
+
+/// Prints help, or what is wrong with the command line; of names that have changed, the new ones.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let arguments: Vec<String> =
+        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let renamed = renamed::answer(&arguments, &command_line()).filter(|_| error.use_stderr());
+    if let Some(renamed) = renamed {
+        note(format_args!("error: {renamed}"));
+        return ExitCode::from(2);
+    }
+    error.exit()
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
-
     use super::*;
 
     #[test]
     fn the_command_line_is_sound() {
-        Cli::command().debug_assert();
+        command_line().debug_assert();
+    }
+
+    #[test]
+    fn commands_at_the_top_are_few() {
+        assert!(Cli::command().get_subcommands().count() <= 14);
     }
 
     #[test]

@@ -1,30 +1,29 @@
-//! The report that `sinew evaluate --out` writes beside its tables.
+//! The report that `sinew evaluate --output` writes beside its tables.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
-use sinew_sim::evaluate::exercise::Exercise;
-use sinew_sim::evaluate::optimum::{Optimum, optimum};
-use sinew_sim::evaluate::{BodySource, Evaluation, Protocol, Setup, Take};
-use sinew_sim::figure::FigureMotion;
-use sinew_sim::performance::RigClip;
-use sinew_sim::report::scene::Mannequin;
-use sinew_sim::report::{Comparison, Playback, Report, Sweep};
-
-use sinew_sim::command::note;
+use sinew_evaluation::exercise::Exercise;
+use sinew_evaluation::optimum::{Optimum, optimum};
+use sinew_evaluation::{BodySource, Evaluation, Protocol, Setup, Take};
+use sinew_figure::FigureMotion;
+use sinew_host_util::command::note;
+use sinew_performance::RigClip;
+use sinew_report::scene::Mannequin;
+use sinew_report::{Comparison, Playback, Report, Sweep};
 
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
     /// Clip, or motion of the rig, that the report plays back. Default: the first clip; of a rig
     /// the last motion, which is the fastest with all joints.
-    #[arg(long, value_name = "CLIP", requires = "out")]
+    #[arg(long, value_name = "CLIP", requires = "output")]
     playback: Option<String>,
 
-    /// CSV of `sinew sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
-    #[arg(long, value_name = "FILE", requires = "out")]
+    /// CSV of `sinew evaluate sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
+    #[arg(long, value_name = "FILE", requires = "output")]
     sweep: Option<PathBuf>,
 }
 
@@ -184,8 +183,8 @@ fn command(arguments: impl Iterator<Item = OsString>) -> String {
     let mut arguments = arguments.skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
-            "--out" | "--threads" => _ = arguments.next(),
-            other if other.starts_with("--out=") || other.starts_with("--threads=") => {}
+            "--output" | "--threads" => _ = arguments.next(),
+            other if other.starts_with("--output=") || other.starts_with("--threads=") => {}
             other
                 if other
                     .contains(|c: char| c.is_whitespace() || "'\"\\$`*?&|;<>()#".contains(c)) =>
@@ -206,7 +205,15 @@ mod tests {
     fn a_command_is_shown_without_threads_and_folder() {
         let shown = |words: &[&str]| command(words.iter().map(OsString::from));
         assert_eq!(
-            shown(&["/usr/bin/sinew", "evaluate", "--out", "a", "--scale", "1.1", "--threads=2"]),
+            shown(&[
+                "/usr/bin/sinew",
+                "evaluate",
+                "--output",
+                "a",
+                "--scale",
+                "1.1",
+                "--threads=2"
+            ]),
             "sinew evaluate --scale 1.1"
         );
         assert_eq!(shown(&["sinew", "--clips", "my clip.bvh"]), "sinew --clips 'my clip.bvh'");

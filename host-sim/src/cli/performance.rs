@@ -4,8 +4,11 @@ use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Kind, read as file};
+use sinew_performance::rig::Loaded;
+use sinew_performance::{ClipSettings, PreparedClip, TakenOver, fitted, take_over};
 use sinew_retarget::exchange::{blender, servos, table};
 use sinew_retarget::feasibility::{
     Fit, FitSettings, Limits, LoopError, Looped, RigMotion, fit, looped,
@@ -16,9 +19,6 @@ use sinew_retarget::{Landmark, Side};
 use sinew_rig::Mechanism;
 use sinew_rig::description::Base;
 use sinew_rig::review::Servos;
-use sinew_sim::command::note;
-use sinew_sim::performance::{ClipSettings, PreparedClip, TakenOver, fitted, take_over};
-use sinew_sim::rig::Loaded;
 
 use super::rig::read;
 use super::told::ToldArgs;
@@ -37,7 +37,7 @@ pub(super) enum BaseArg {
 pub(super) struct OnRig {
     /// Cutoff of the low-pass that clips go through, Hz. 0: none. Default: 6; of `export` none.
     #[arg(long, value_name = "HZ", value_parser = cutoff, allow_negative_numbers = true, requires = "rig")]
-    cutoff: Option<f64>,
+    cutoff_hz: Option<f64>,
 
     /// How the rig's base is held. Default: as its file says; of `export` a rig with feet travels.
     #[arg(long, value_enum, requires = "rig")]
@@ -164,7 +164,7 @@ impl OnRig {
 
     /// An option that is given and says something of clips alone.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
-        [(self.cutoff.is_some(), "--cutoff"), (self.mirror, "--mirror")]
+        [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
@@ -211,7 +211,7 @@ impl OnRig {
         let file = mapping;
         let mapping = mapping.map(read_mapping).transpose()?;
         let settings = ClipSettings {
-            cutoff_hz: Some(self.cutoff.unwrap_or(defaults.cutoff_hz)).filter(|hz| *hz > 0.0),
+            cutoff_hz: Some(self.cutoff_hz.unwrap_or(defaults.cutoff_hz)).filter(|hz| *hz > 0.0),
             told: told.told(),
         };
         let mut clip = PreparedClip::read(&ClipFile::new(clip), settings)?;
@@ -302,14 +302,14 @@ fn of_servos(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
     Ok((motion, 0.0))
 }
 
-/// The motion of a rig as `sinew record` and `sinew export` write it, and when it begins, s.
+/// The motion of a rig as `sinew record` and `sinew clip export` write it, and when it begins, s.
 fn of_coordinates(rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
     let text = sinew_mocap::read::text(path)?;
     Ok(table::read(&rig.mechanism, &text)?)
 }
 
 fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
-    let expected = "a mapping on the rig, as `sinew map --rig` proposes it";
+    let expected = "a mapping on the rig, as `sinew clip map --rig` proposes it";
     let text = file::text_of(path, expected, &[Kind::RigMapping, Kind::Toml])
         .with_context(|| path.display().to_string())?;
     Mapping::read(&text).with_context(|| path.display().to_string())

@@ -12,23 +12,24 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_firmware::supervisor::{Fault, Refused};
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
 use sinew_mocap::Kind;
+use sinew_performance::play::{
+    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
+    put_servos,
+};
+use sinew_performance::rig::Loaded;
+use sinew_performance::{Baker, Marks, rig_hash};
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::Show;
 use sinew_show::write::Settings as ShowSettings;
-use sinew_sim::command::{note, print};
-use sinew_sim::output;
-use sinew_sim::performance::{Baker, Marks, rig_hash};
-use sinew_sim::play::{
-    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
-    put_servos,
-};
-use sinew_sim::rig::Loaded;
 
 use super::clips::seconds;
 use super::driven::DrivenArgs;
 use super::performance::{ON_STAND, OnRig};
+use super::target::Target;
 use super::told::ToldArgs;
 use live::Live;
 use stop::Stop;
@@ -40,19 +41,20 @@ const ROUNDS: u32 = 2;
 /// A controller with all its capacities is built on the stack.
 const STACK_BYTES: usize = 256 << 20;
 
-/// Play a show on the simulated servos of a rig, under the controller that boards run.
+/// Play a show on a rig: on simulated servos, or on a board.
 ///
-/// The rig hangs on a stand. Power comes on, the rig is armed where it is and goes to the show's first pose at 20 deg/s
-/// at most; it plays, goes to its rest pose, and is limp again. At the end a table says how well each joint followed.
-/// The same command makes the same bytes on the wire on every run.
+/// The controller is the one that boards run. The simulated rig hangs on a stand. Power comes on; the rig is armed
+/// where it is, and goes to the show's first pose at 20 deg/s at most; it plays, goes to its rest pose, and is limp
+/// again. At the end a table shows how well each joint followed. Every run of a command puts the same bytes on the
+/// wire.
 ///
 /// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
 /// rest, then torque is off. A second Ctrl-C ends at once.
 ///
-/// Exit code 1 if a fault ended it.
+/// The exit code is 1 if a fault ended the show.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A show of `sinew bake`; or a clip, a built-in one or a file, which is baked as by `sinew bake --fit`.
+    /// A show of `sinew bake`; or a clip, built in or a file, which is baked as by `sinew bake --fit`.
     #[arg(value_name = "SHOW|CLIP")]
     show: String,
 
@@ -60,8 +62,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Put a servo of this kind on each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Or on the
-    /// joints of a name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
+    /// Put a servo of this kind on each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... With a
+    /// name, on the joints of that name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
@@ -72,33 +74,24 @@ pub(super) struct Args {
     /// settings, show and commands over its link; what it says is compared with the controller in this program.
     ///
     /// `cargo xtask node` builds the image; `SINEW_NODE_IMAGE` names another one. It is slower than real time.
-    #[arg(long)]
+    #[arg(long, hide = true)]
     qemu: bool,
 
-    /// On the NUCLEO-F446RE's own image, on an emulated chip: a blank board takes rig and show over its link, arms,
-    /// performs and is limp, with simulated servos at its bus. All is in the chip's time, several
-    /// times slower than real time.
+    /// What performs: `sim`, simulated servos under the controller in this program; `nucleo`, the NUCLEO-F446RE's own
+    /// image on an emulated chip, with simulated servos, several times slower than real time; or the serial port of a
+    /// controller board, such as /dev/ttyACM0, and `auto` for the USB port where one answers.
     ///
-    /// `cargo xtask emulate` builds emulator and image; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
-    #[arg(long, conflicts_with_all = ["qemu", "board", "record", "fast", "real_time"])]
-    emulate: bool,
-
-    /// On the controller at this serial port, not on simulated servos; without a value, or `auto`, at the USB port that
-    /// answers. The board must have this rig; the show is uploaded if it is not there. Ctrl-C stops the rig: it goes to
-    /// its rest pose, is lowered, and is limp.
-    #[arg(
-        long,
-        value_name = "PORT",
-        num_args = 0..=1,
-        default_missing_value = "auto",
-        conflicts_with_all = ["qemu", "record", "fast", "real_time", "drive", "rate", "baud"]
-    )]
-    board: Option<PathBuf>,
+    /// A board must have this rig; it gets the show if it has it not. Ctrl-C stops its rig: it goes to its rest pose,
+    /// is lowered, and is limp. `cargo xtask emulate` builds the emulator and the image of `nucleo`; `SINEW_EMULATOR`
+    /// and `SINEW_NUCLEO_IMAGE` name others.
+    #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
+    target: Target,
 
     #[command(flatten)]
     pace: Pace,
 
-    /// Which joint of a clip follows which, in TOML: see `sinew map`.
+    /// Mapping of a clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and
+    /// geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -108,29 +101,29 @@ pub(super) struct Args {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// Record every tick as a Parquet file, which `sinew report` and pandas read: time, state, whether the show
-    /// ran, faults; of each joint what was commanded and measured, error, effort and limiter; of each servo
-    /// current, temperature and voltage.
+    /// Record every tick into this Parquet file, which `sinew report` and pandas read: time, state, whether the show
+    /// ran, faults; of each joint its command, measurement, error, effort and limiter; of each servo current,
+    /// temperature and voltage.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<PathBuf>,
 
-    /// So many rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
+    /// Number of rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
 
-    /// Only the first S seconds of a clip.
+    /// Play only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 }
 
-/// How fast it goes.
+/// Options of the pace.
 #[derive(Debug, clap::Args)]
 struct Pace {
-    /// As fast as it goes. Default where standard output is no terminal.
+    /// Play as fast as the machine computes. Default if standard output is not a terminal.
     #[arg(long, conflicts_with = "real_time")]
     fast: bool,
 
-    /// In real time. Default where standard output is a terminal.
+    /// Play in real time. Default if standard output is a terminal.
     #[arg(long)]
     real_time: bool,
 }
@@ -152,6 +145,7 @@ pub(super) fn with_stack<T: Send>(
 }
 
 fn play(args: &Args) -> anyhow::Result<ExitCode> {
+    args.check()?;
     let written: Vec<&Path> = args.record.iter().map(PathBuf::as_path).collect();
     let read = [
         ("rig", Some(args.rig.as_path())),
@@ -161,7 +155,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     output::distinct(&written, &read)?;
     // What is missing is said before anything is fitted.
     let emulator = args.qemu.then(Emulator::start).transpose()?;
-    let emulated = args.emulate.then(emulated::found).transpose()?;
+    let emulated = (args.target == Target::Nucleo).then(emulated::found).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
     let count = put_servos(&mut rig.description, &args.servo)
@@ -173,7 +167,8 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let of_rig = || args.rig.display().to_string();
     let of_record =
         || args.record.iter().map(|path| path.display().to_string()).collect::<String>();
-    let options = if args.emulate { args.driven.on_board() } else { args.driven.here() };
+    let options =
+        if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
     let mut parts = Parts::new(&rig.description, &rig.mechanism, options).with_context(of_rig)?;
     tell(&parts);
     let bytes = args.bytes(&rig, &mut parts, bare)?;
@@ -313,6 +308,22 @@ fn tell_pulses(parts: &Parts) {
 }
 
 impl Args {
+    /// Refuses options that have no effect on the target.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        let of_sim = [
+            (self.record.is_some(), "--record"),
+            (self.pace.fast, "--fast"),
+            (self.pace.real_time, "--real-time"),
+        ];
+        if self.target != Target::Sim {
+            self.target.refuse(&of_sim, "`--target sim`")?;
+        }
+        if matches!(self.target, Target::Port(_)) {
+            self.target.refuse(&self.driven.given(), "simulated servos: the board has its own")?;
+        }
+        Ok(())
+    }
+
     /// On a controller of its own, at a port or emulated; none if it is to be in this program.
     fn on_board(
         &self,
@@ -322,11 +333,13 @@ impl Args {
         bytes: &[u8],
     ) -> anyhow::Result<Option<ExitCode>> {
         // Nobody watches an emulated one in real time.
-        let rounds = || self.rounds(&Show::open(bytes)?, self.board.is_some());
-        match (&self.board, emulated) {
-            (Some(port), _) => board::perform(port, parts, bytes, rounds()?).map(Some),
-            (None, Some(found)) => emulated::perform(found, rig, parts, bytes, rounds()?).map(Some),
-            (None, None) => Ok(None),
+        let rounds = |is_real_time| self.rounds(&Show::open(bytes)?, is_real_time);
+        match (&self.target, emulated) {
+            (Target::Port(port), _) => board::perform(port, parts, bytes, rounds(true)?).map(Some),
+            (Target::Nucleo, Some(found)) => {
+                emulated::perform(found, rig, parts, bytes, rounds(false)?).map(Some)
+            }
+            (Target::Nucleo | Target::Sim, _) => Ok(None),
         }
     }
 

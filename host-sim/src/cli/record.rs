@@ -6,94 +6,91 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output;
+use sinew_performance::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
+use sinew_performance::rig::Loaded;
+use sinew_performance::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
+use sinew_performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
 use sinew_retarget::exchange::table;
 use sinew_retarget::feasibility::{RigMotion, check};
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings as ShowSettings;
-use sinew_sim::command::{note, print};
-use sinew_sim::output;
-use sinew_sim::performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
-use sinew_sim::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
-use sinew_sim::rig::Loaded;
-use sinew_sim::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
 
 use super::clips::{rate, seconds};
 use super::performance::{ON_STAND, OnRig};
 use super::play::with_stack;
+use super::target::Target;
 
-/// Lead a rig by hand, and keep what it did: as a show of the rig, or as a CSV of its joint coordinates.
+/// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
-/// Limp, its torque is off: hold it. Floating, it carries its own weight by its model, and stays about where you leave
-/// it; for this every servo must take an effort (a current mode). What was measured is low-passed, rest at the
-/// beginning and at the end is cut, and what was cut is said.
+/// By default torque is off: hold the rig. With --float the rig carries its own weight by its model, and stays about
+/// where you leave it; for this every servo must have a current mode. The measured motion is low-passed, and rest at
+/// its beginning and end is cut; both are reported.
 ///
-/// In the simulator a scripted hand leads: a spring and a damper at each joint. It says at the end how far the result
-/// is from the hand's way. With --board you lead, from the line `lead it` until Ctrl-C; then the rig goes to rest, and
-/// is limp before this ends.
+/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end it reports how far the
+/// result is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig goes to
+/// rest, and is limp before this ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]
-#[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub(super) struct Args {
-    /// Lead simulated servos, as `sinew play` has them.
-    #[arg(long, required_unless_present = "board", conflicts_with = "board")]
-    simulate: bool,
+    /// Rig that is led: `sim`, simulated servos as of `sinew play`; or that of the controller board at a serial port,
+    /// such as /dev/ttyACM0, and `auto` for the USB port where one answers.
+    #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
+    target: Target,
 
-    /// Lead the rig of the controller at this serial port, such as /dev/ttyACM0; `auto`: the one that answers.
-    #[arg(long, value_name = "PORT")]
-    board: Option<PathBuf>,
-
-    /// With --board: end by itself after so long, s.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, requires = "board")]
+    /// End after S seconds of leading, on a board. Default: at Ctrl-C.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Torque off. Default.
+    /// Lead with torque off. Default.
     #[arg(long, conflicts_with = "float")]
     limp: bool,
 
-    /// The rig is armed where it is, then carries its own weight.
+    /// Arm the rig where it is, and let it carry its own weight.
     #[arg(long)]
     float: bool,
 
-    /// Where the scripted hand leads: a CSV of joint coordinates, as `sinew export` writes it. Default: all joints at
-    /// once, from home and back.
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "board")]
-    hand: Option<PathBuf>,
+    /// Path of the scripted hand: a CSV of joint coordinates, as `sinew clip export` writes it. Default: all joints
+    /// together, from home and back.
+    #[arg(long, value_name = "FILE.csv")]
+    guide: Option<PathBuf>,
 
     /// Put a servo of this kind on each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
-    /// Cutoff of the low-pass, Hz. 0: none.
+    /// Cutoff of the low-pass, in Hz. 0: no low-pass.
     #[arg(long, value_name = "HZ", default_value_t = 6.0, value_parser = cutoff, allow_negative_numbers = true)]
-    cutoff: f64,
+    cutoff_hz: f64,
 
-    /// Rows a second of what is written.
+    /// Rate of the rows that are written, in Hz.
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate, allow_negative_numbers = true)]
-    rate: f64,
+    rate_hz: f64,
 
-    /// A show within all limits of the rig: smoothed, slowed down, or drawn towards home where it must be.
+    /// Fit a show within all limits of the rig: it is smoothed, slowed down, or drawn towards home where needed.
     #[arg(long)]
     fit: bool,
 
-    /// Let go at the end of the way for so long, and say how far the rig sinks, s.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, conflicts_with = "board")]
-    let_go: Option<f64>,
+    /// Let the scripted hand release the rig at the end of its path for S seconds, and report how far the rig sinks.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    release_test_s: Option<f64>,
 
-    /// Masses and inertias of the simulated bodies: so many times what the rig's file says, and the controller
-    /// believes.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true, conflicts_with = "board")]
-    masses: f64,
+    /// Factor on the masses and inertias of the simulated bodies; the controller believes those of the rig's file.
+    /// Default: 1.
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    mass_scale: Option<f64>,
 
-    /// Dry friction of the simulated servos: so many times their kind's.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, allow_negative_numbers = true, conflicts_with = "board")]
-    friction: f64,
+    /// Factor on the dry friction of the simulated servos. Default: 1.
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    friction_scale: Option<f64>,
 
-    /// The file to write: `.show` or `.csv`. May be given twice.
+    /// File to write: `.show` or `.csv`. May be given twice.
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
 }
@@ -103,34 +100,35 @@ type Led = (RigMotion, Option<(Leads, Vec<f64>)>);
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
+    args.check()?;
     let written: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
     for path in &written {
         if !["show", "csv"].contains(&kind(path)) {
             bail!("{}: expected a name that ends in .show or .csv", path.display());
         }
     }
-    let read = [("rig", Some(args.rig.as_path())), ("hand", args.hand.as_deref())];
+    let read = [("rig", Some(args.rig.as_path())), ("guide", args.guide.as_deref())];
     output::distinct(&written, &read)?;
     let mut rig = OnRig::default().rig(&args.rig, ON_STAND)?;
     if put_servos(&mut rig.description, &args.servo)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let led = with_stack(|| match &args.board {
-        Some(port) => args.led_at(port, &rig),
-        None => args.led(&rig),
+    let led = with_stack(|| match &args.target {
+        Target::Port(port) => args.led_at(port, &rig),
+        Target::Sim | Target::Nucleo => args.led(&rig),
     })?;
     let (measured, simulated) = led;
-    let taught = Taught::new(&rig.mechanism, &measured, args.cutoff, args.rate)?;
+    let taught = Taught::new(&rig.mechanism, &measured, args.cutoff_hz, args.rate_hz)?;
     let [before_s, behind_s] = taught.cut_s;
     let mut text = format!(
         "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
         measured.duration_s(),
         taught.motion.duration_s(),
     );
-    if args.cutoff > 0.0 {
+    if args.cutoff_hz > 0.0 {
         text.extend([format!(
             "low-pass at {} Hz: it moved a joint by {} at most\n",
-            args.cutoff,
+            args.cutoff_hz,
             shown(taught.smoothed)
         )]);
     }
@@ -150,7 +148,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         }
         note(format_args!("wrote {}", path.display()));
     }
-    if let Some((let_go_s, (_, drift))) = args.let_go.zip(simulated) {
+    if let Some((let_go_s, (_, drift))) = args.release_test_s.zip(simulated) {
         let (at, most) = drift
             .iter()
             .enumerate()
@@ -174,6 +172,21 @@ pub(super) fn leads(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<Leads> 
 }
 
 impl Args {
+    /// Refuses options that have no effect on the target.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        let of_sim = [
+            (self.guide.is_some(), "--guide"),
+            (self.release_test_s.is_some(), "--release-test-s"),
+            (self.mass_scale.is_some(), "--mass-scale"),
+            (self.friction_scale.is_some(), "--friction-scale"),
+        ];
+        match &self.target {
+            Target::Sim => self.target.refuse(&[(self.seconds.is_some(), "--seconds")], "a board"),
+            Target::Port(_) => self.target.refuse(&of_sim, "`--target sim`"),
+            Target::Nucleo => bail!("--target nucleo: expected `sim` or a serial port"),
+        }
+    }
+
     fn mode(&self) -> Mode {
         if self.float && !self.limp { Mode::Float } else { Mode::Limp }
     }
@@ -192,19 +205,21 @@ impl Args {
     /// What was measured while the scripted hand led.
     fn led(&self, rig: &Loaded) -> anyhow::Result<Led> {
         let of_rig = || self.rig.display().to_string();
-        let leads = leads(rig, self.hand.as_deref())?;
+        let leads = leads(rig, self.guide.as_deref())?;
         let mut parts = self.parts(rig)?;
+        let friction_scale = self.friction_scale.unwrap_or(1.0);
         for part in &mut parts.servos {
             let kind = &mut part.own.kind;
             for friction in [&mut kind.friction_nm, &mut kind.stribeck_nm, &mut kind.load_friction]
             {
-                *friction *= self.friction;
+                *friction *= friction_scale;
             }
         }
+        let mass_scale = self.mass_scale.unwrap_or(1.0);
         let mut heavy = rig.mechanism.clone();
         for body in &mut heavy.bodies {
-            body.mass_kg *= self.masses;
-            body.inertia_kg_m2 *= self.masses;
+            body.mass_kg *= mass_scale;
+            body.inertia_kg_m2 *= mass_scale;
         }
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(&rig.description, &heavy).with_context(of_rig)?;
@@ -215,7 +230,7 @@ impl Args {
                 note(format_args!("{time_s:7.2} s  {state}"));
             }
         };
-        let let_go_s = self.let_go.unwrap_or_default();
+        let let_go_s = self.release_test_s.unwrap_or_default();
         let mut lesson = Lesson::new(&mut stand, &rig.mechanism, leads.clone());
         let Taken { dt_s, rows, drift } = lesson.run(self.mode(), let_go_s, tell)?;
         Ok((RigMotion { dt_s, rows }, Some((leads, drift))))

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
+use sinew_host_util::command::note;
+use sinew_host_util::output;
+use sinew_performance::play::Recording;
+use sinew_report::recording::{Page, cut, duration_s};
 use sinew_rig::Description;
 use sinew_rig::toml_file;
-use sinew_sim::command::note;
-use sinew_sim::output;
-use sinew_sim::play::Recording;
-use sinew_sim::report::recording::{Page, cut, duration_s};
 
 use super::rig::read;
 
@@ -30,13 +30,13 @@ pub(super) struct Args {
     rig: Option<PathBuf>,
 
     /// The file to write. Default: beside the recording, with its name and `.html`.
-    #[arg(short, long, visible_alias = "output", value_name = "FILE.html")]
-    out: Option<PathBuf>,
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    let out = args.out.clone().unwrap_or_else(|| args.recording.with_extension("html"));
+    let out = args.output.clone().unwrap_or_else(|| args.recording.with_extension("html"));
     let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
     output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();

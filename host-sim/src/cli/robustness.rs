@@ -1,15 +1,15 @@
-//! `sinew robustness`: the methods on rigs as they are built.
+//! `sinew evaluate robustness`: the methods on rigs as they are built.
 
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use anyhow::{bail, ensure};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
-use sinew_sim::command::{ThreadArgs, print, with_progress};
-use sinew_sim::evaluate::pareto::on_front;
-use sinew_sim::evaluate::robustness::{Trial, as_built, median, trial};
-use sinew_sim::evaluate::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
-use sinew_sim::figure::Dimensions;
+use sinew_evaluation::pareto::on_front;
+use sinew_evaluation::robustness::{Trial, as_built, median, trial};
+use sinew_evaluation::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
+use sinew_figure::Dimensions;
+use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -28,7 +28,8 @@ use super::setup::SetupArgs;
 /// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
 /// and its linear error are smaller.
 ///
-/// `--front` gives angle against distance: `recommended` with other weights than its own, beside the methods.
+/// `--projection-weights` gives angle against distance: `recommended` with other weights than its own, beside the
+/// methods.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -49,13 +50,13 @@ pub(super) struct Args {
 
     /// How many rigs.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
-    seeds: u64,
+    rigs: u64,
 
     /// Track with `recommended` and these weights, too: 1 rad as much as so many metres (100: nearly World with the
     /// observer). A second table has medians, and on how many rigs angle and distance are below all methods without
     /// projection.
     #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
-    front: Vec<f32>,
+    projection_weights: Vec<f32>,
 
     #[command(flatten)]
     pub(super) setup: SetupArgs,
@@ -93,16 +94,16 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     setup.dimensions = Dimensions { scale, ..setup.dimensions };
     let methods = methods(&args.methods);
     ensure_different(&methods, "--methods")?;
-    ensure_different(&args.front, "--front")?;
+    ensure_different(&args.projection_weights, "--projection-weights")?;
     check_fixed(&setup, &methods)?;
-    let variants = variants(&setup, &methods, &args.front);
+    let variants = variants(&setup, &methods, &args.projection_weights);
     for Variant { setup, .. } in &variants {
         setup.check()?;
     }
     let (motions, lines) = args.clips.at(500.0, 100.0).takes(rig)?;
     tell(&lines);
     let steps: usize = motions.iter().map(|motion| step_count(motion, args.seconds)).sum();
-    let seeds: Vec<u64> = (1..=args.seeds).collect();
+    let seeds: Vec<u64> = (1..=args.rigs).collect();
     let trials: Vec<Vec<Trial>> = with_progress(steps * variants.len() * seeds.len(), |progress| {
         let of_seed = |seed: &u64| {
             let of_variant = |variant: &Variant| {
@@ -135,7 +136,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     for line in wins(&methods, &trials) {
         writeln!(text, "{line}")?;
     }
-    if !args.front.is_empty() {
+    if !args.projection_weights.is_empty() {
         writeln!(
             text,
             "\nmedians over the rigs, and on how many of them an error is below those of all methods without projection\n"

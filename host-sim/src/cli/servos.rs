@@ -1,4 +1,4 @@
-//! `sinew servos`: simulated servos on a serial port of this machine.
+//! `sinew servo simulate`: simulated servos on a serial port of this machine.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -7,6 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, bail};
 use signal_hook::consts::{SIGINT, SIGTERM};
+use sinew_host_util::command::{note, print};
+use sinew_performance::rig::Loaded;
 use sinew_servo_sim::fault::FaultOrder;
 use sinew_servo_sim::fleet::{self, Memory, Setup, Wanted};
 use sinew_servo_sim::kind::Kind;
@@ -14,17 +16,14 @@ use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::port::{Port, serve};
 use sinew_servo_sim::rig;
 use sinew_servo_sim::supply::Supply;
-use sinew_sim::command::{note, print};
-
-use sinew_sim::rig::Loaded;
 
 use super::rig::read;
 
-/// Simulated servos on a serial port of this machine, for any program that talks to servos.
+/// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It makes LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then LINK is gone.
-/// Programs open LINK as a serial port, at the rate of --baud: as on a wire, servos hear no other one. They may close
-/// it and open it again. Servos are as they leave the factory but for that rate: torque is off.
+/// It makes LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes LINK.
+/// Programs open LINK as a serial port, at the rate of --baud: the servos hear no other rate. Programs may close LINK
+/// and open it again. The servos are as they leave the factory but for that rate: torque is off.
 ///
 /// With --rig the servos move the rig: each feels how the others move, and gravity is that of the pose. A servo that
 /// takes pulses is left out, and its joints stay at home. If the rig has several buses, each has a link of its own,
@@ -36,12 +35,12 @@ pub(super) struct ServosArgs {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Servos of one kind, by the beginning of its name: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Of other
-    /// kinds, such as scs0009 or xc330, only the registers are known: they are at once where they are sent.
+    /// Kind of the servos, by the beginning of its name: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Of other
+    /// kinds, such as scs0009 or xc330, only the registers are known: these servos reach a goal at once.
     #[arg(long, value_name = "KIND")]
     kind: Option<String>,
 
-    /// Ids of the servos of --kind.
+    /// Ids of the servos that --kind makes.
     #[arg(
         long,
         value_name = "ID,..",
@@ -51,25 +50,25 @@ pub(super) struct ServosArgs {
     )]
     ids: Vec<u8>,
 
-    /// Where programs find the port: a link that is made, and replaced if it is there.
+    /// Path of the link that programs open as a serial port. A link that is there is replaced.
     #[arg(long, value_name = "LINK")]
     pty: PathBuf,
 
-    /// Bits per second that all servos are set to. A Dynamixel leaves the factory with 57600.
+    /// Rate that all servos are set to, in bit/s. A Dynamixel leaves the factory with 57600.
     #[arg(long, value_name = "RATE", default_value_t = 1_000_000)]
     baud: u32,
 
-    /// What servos move, each by itself. Default: `arm`, or with --rig the rig.
+    /// Load that each servo moves by itself. Default: `arm`; with --rig the rig.
     #[arg(long, value_enum, value_name = "LOAD")]
     load: Option<LoadArg>,
 
-    /// No motor, gear and load: registers only, and each servo is at once where it is sent.
+    /// Simulate registers only, without motor, gear and load: each servo reaches a goal at once.
     #[arg(long, conflicts_with = "load")]
     ideal: bool,
 
-    /// What feeds all servos together: its voltage, the resistance of supply and cable, and the most current that it
-    /// gives, such as 5,0.2,3. Default: what the rig's file says of its supply; else each bus has one of its own, with
-    /// the voltage of its first servo and hardly any resistance.
+    /// Supply of all servos: voltage in V, resistance of supply and cable in ohm, and largest current in A, such as
+    /// 5,0.2,3. Default: the supply in the rig's file; else one for each bus, with the voltage of its first servo and
+    /// hardly any resistance.
     #[arg(long, value_name = "V[,OHM[,A]]", conflicts_with = "ideal")]
     supply: Option<Supply>,
 

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use sinew_evaluation::{BodySource, Setup};
+use sinew_figure::Subject;
+use sinew_figure::plant::PlantKind;
 use sinew_mocap::{Kind, read};
 use sinew_rig::Mechanism;
-use sinew_sim::evaluate::{BodySource, Setup};
-use sinew_sim::figure::Subject;
-use sinew_sim::plant::PlantKind;
 
 /// Options that make a [`Setup`]; the more special ones override the more general.
 #[derive(Debug, clap::Args)]
@@ -20,7 +20,7 @@ pub(super) struct SetupArgs {
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 
-    /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew figure --help`.
+    /// Measured subject in TOML, for the body `hanavan_kwon`; see `sinew evaluate figure --help`.
     #[arg(long, value_name = "FILE", conflicts_with = "rig")]
     subject: Option<PathBuf>,
 
@@ -122,7 +122,7 @@ fn insert(table: &mut toml::Table, key: &str, value: toml::Value) -> anyhow::Res
 
 #[cfg(test)]
 mod tests {
-    use sinew_sim::evaluate::MethodName;
+    use sinew_evaluation::MethodName;
 
     use super::*;
 

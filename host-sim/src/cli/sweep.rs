@@ -1,12 +1,12 @@
-//! `sinew sweep`: many setups.
+//! `sinew evaluate sweep`: many setups.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::evaluate::{Errors, Take as _, step_count};
-use sinew_sim::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
+use sinew_evaluation::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
+use sinew_evaluation::{Errors, Take as _, step_count};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 
 use super::clips::{ClipArgs, seconds, tell};
 use super::performance::OnRig;
@@ -42,7 +42,7 @@ pub(super) struct Args {
 
     /// Folder of the journal and the tables.
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    output: PathBuf,
 
     #[command(flatten)]
     clips: ClipArgs,
@@ -98,9 +98,9 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         print(&format!("{cells} cells, {runs} runs, {steps} steps\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let (journal, notices) = Journal::open(&args.out, &plan)?;
+    let (journal, notices) = Journal::open(&args.output, &plan)?;
     for notice in notices {
-        note(format_args!("{}: {notice}", args.out.display()));
+        note(format_args!("{}: {notice}", args.output.display()));
     }
     let summary = if args.merge.is_empty() {
         let steps = sweep::steps_left(&plan, &journal, &motions);

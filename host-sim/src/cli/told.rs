@@ -1,8 +1,8 @@
 //! Options that say what files do not: the unit of length, and which axis points up.
 
+use sinew_figure::measured::Told;
 use sinew_mocap::Up;
 use sinew_rig::import::Options;
-use sinew_sim::measured::Told;
 
 /// What files do not tell of themselves.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]

@@ -1,4 +1,4 @@
-//! `sinew verify`: golden numbers recomputed with the core.
+//! `sinew evaluate verify`: golden numbers recomputed with the core.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use clap::Args;
 use comfy_table::Table;
-use sinew_sim::command::{self, note, print};
-use sinew_sim::verify::{Kind, Report, Tally, verify_folder};
+use sinew_host_util::command::{self, note, print};
+use sinew_verification::{Kind, Report, Tally, verify_folder};
 
 /// Recompute golden files with the core, and print its errors and their limits.
 #[derive(Debug, Args)]

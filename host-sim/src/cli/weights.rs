@@ -1,15 +1,14 @@
-//! `sinew weights`: how much each joint of a character matters.
+//! `sinew clip weights`: how much each joint of a character matters.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_sim::character::{self, Mesh, Options, VertexArea};
-use sinew_sim::report::weights as picture;
-use sinew_sim::weights::radii::{self, Radii};
-use sinew_sim::weights::{Method, Settings, Weighing, table, weigh};
-
-use sinew_sim::command::{note, print};
+use sinew_host_util::command::{note, print};
+use sinew_pose_metrics::character::{self, Mesh, Options, VertexArea};
+use sinew_pose_metrics::weights::radii::{self, Radii};
+use sinew_pose_metrics::weights::{Method, Settings, Weighing, table, weigh};
+use sinew_report::weights as picture;
 
 use super::told::ToldArgs;
 

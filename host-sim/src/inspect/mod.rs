@@ -1,4 +1,4 @@
-//! What a file of motion, a character or a rig is: `sinew inspect`.
+//! What a file of motion, a character or a rig is: `sinew clip inspect`.
 
 mod maker;
 mod motion;
@@ -10,17 +10,16 @@ use std::path::Path;
 
 use glam::DVec3;
 use serde::Serialize;
+use sinew_figure::mapping;
+use sinew_figure::measured::{Measured, Told};
 use sinew_mocap::{Skeleton, axis_name};
 use sinew_retarget::Landmark;
 use sinew_retarget::skeleton::SkeletonMatch;
 
-use crate::figure::mapping;
-use crate::measured::{Measured, Told};
-
 /// What a file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub(crate) enum Kind {
     /// A skeleton that moves.
     Motion,
     /// A skeleton at rest, with or without a skin.
@@ -31,7 +30,7 @@ pub enum Kind {
 
 /// A joint of the tree that a file holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TreeJoint {
+pub(crate) struct TreeJoint {
     /// Its name.
     pub name: String,
     /// Which joint of the list it hangs on.
@@ -45,7 +44,7 @@ pub struct TreeJoint {
 
 /// What a file is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Inspected {
+pub(crate) struct Inspected {
     /// The file.
     pub file: String,
     /// Motion, character or rig.
@@ -93,7 +92,7 @@ pub struct Inspected {
 /// A file, or why it cannot be read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Entry {
+pub(crate) enum Entry {
     /// What it is.
     Read(Box<Inspected>),
     /// Why it is nothing that can be read.
@@ -107,7 +106,7 @@ pub enum Entry {
 
 impl Entry {
     /// Looks at a file.
-    pub fn of(path: &Path, told: Told) -> Self {
+    pub(crate) fn of(path: &Path, told: Told) -> Self {
         let file = path.display().to_string();
         match inspect(path, told) {
             Ok(inspected) => Self::Read(Box::new(Inspected { file, ..inspected })),
@@ -116,12 +115,12 @@ impl Entry {
     }
 
     /// Whether it was read.
-    pub const fn is_read(&self) -> bool {
+    pub(crate) const fn is_read(&self) -> bool {
         matches!(self, Self::Read(_))
     }
 
     /// For people: a block of lines.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         match self {
             Self::Read(inspected) => text::block(inspected),
             Self::Unread { file, error } => {

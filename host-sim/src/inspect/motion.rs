@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sinew_figure::mapping;
+use sinew_figure::measured::{self, By, Measured, Told};
+use sinew_figure::pipeline::tpose;
 use sinew_mocap::damage::{check_bones, take_out_jumps};
 use sinew_mocap::{Recording, flips, format, gaps};
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_retarget::{Landmark, Side};
 
 use super::{Common, Inspected, Kind, maker};
-use crate::figure::mapping;
-use crate::measured::{self, By, Measured, Told};
-use crate::pipeline::tpose;
 
 /// The longest bone that is believed, m: as long as the tallest figure.
 const BONE_MAX_M: f64 = 3.0;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sinew_figure::measured::{self, Measured, Told};
+use sinew_figure::pipeline::tpose;
+use sinew_pose_metrics::character::{self, Character, Options};
 use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::{Common, Inspected, Kind, maker, motion};
-use crate::character::{self, Character, Options};
-use crate::measured::{self, Measured, Told};
-use crate::pipeline::tpose;
 
 pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
     let read = |told| character::read(path, &Options { told, frame: None });

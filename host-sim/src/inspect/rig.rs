@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sinew_figure::measured::{self, Measured, Told};
 use sinew_mocap::{Up, axis_name};
+use sinew_performance::rig::{at_home, load};
+use sinew_pose_metrics::character;
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_rig::Description;
 use sinew_rig::description::JointType;
 use sinew_rig::import::Options;
 
 use super::{Common, Inspected, Kind, maker, rest};
-use crate::character;
-use crate::measured::{self, Measured, Told};
-use crate::rig::{at_home, load};
 
 pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
     let options = Options {
@@ -45,7 +45,7 @@ pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
         extents: measured::extents(&rest, DVec3::Y),
     };
     let mut inspected = common.inspected();
-    // A rig is no body: which of its joints are whose is `sinew map --rig`'s to say.
+    // A rig is no body: which of its joints are whose is `sinew clip map --rig`'s to say.
     inspected.landmarks_missing.clear();
     (inspected.nearest, inspected.missing) = (None, Vec::new());
     let mass_kg: f64 = loaded.mechanism.bodies.iter().map(|body| body.mass_kg).sum();

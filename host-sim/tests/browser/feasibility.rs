@@ -1,9 +1,9 @@
 //! The page of a show's feasibility.
 
+use sinew_report::feasibility::Page as Feasibility;
 use sinew_retarget::feasibility::{Curve, Limits, RigMotion, check};
 use sinew_rig::Mechanism;
 use sinew_rig::review::Servos;
-use sinew_sim::report::feasibility::Page as Feasibility;
 
 use crate::page::{Page, with_page};
 

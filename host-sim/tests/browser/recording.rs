@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use sinew_sim::play::{Part, Recording};
+use sinew_performance::play::{Part, Recording};
 
 use crate::page::{Page, with_page};
 

@@ -1,13 +1,14 @@
 //! The report.
 
+use sinew_evaluation::optimum::optimum;
+use sinew_evaluation::{Protocol, evaluate};
+use sinew_figure::FigureMotion;
+use sinew_figure::builtin;
+use sinew_figure::pipeline::{Settings, prepare};
+use sinew_report::scene::Mannequin;
+use sinew_report::{Comparison, Playback, Report, Sweep};
+
 use crate::page::{Page, with_page};
-use sinew_sim::builtin;
-use sinew_sim::evaluate::optimum::optimum;
-use sinew_sim::evaluate::{Protocol, evaluate};
-use sinew_sim::figure::FigureMotion;
-use sinew_sim::pipeline::{Settings, prepare};
-use sinew_sim::report::scene::Mannequin;
-use sinew_sim::report::{Comparison, Playback, Report, Sweep};
 use std::path::Path;
 
 /// A clip's name that would be taken for markup, were it not escaped.

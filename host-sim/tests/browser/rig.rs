@@ -1,7 +1,7 @@
 //! The page of a rig.
 
+use sinew_report::rig;
 use sinew_rig::review::{Loop, Review, Servos};
-use sinew_sim::report::rig;
 
 use crate::page::{Page, with_page};
 

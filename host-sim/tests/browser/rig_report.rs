@@ -1,10 +1,10 @@
 //! The report of a rig.
 
-use sinew_sim::evaluate::exercise::{Exercises, exercises};
-use sinew_sim::evaluate::{MethodName, Protocol, evaluate};
-use sinew_sim::plant::PlantKind;
-use sinew_sim::report::scene::Mannequin;
-use sinew_sim::report::{Playback, Report};
+use sinew_evaluation::exercise::{Exercises, exercises};
+use sinew_evaluation::{MethodName, Protocol, evaluate};
+use sinew_figure::plant::PlantKind;
+use sinew_report::scene::Mannequin;
+use sinew_report::{Playback, Report};
 use std::path::Path;
 
 use crate::page::{Page, with_page};

@@ -38,7 +38,8 @@ fn any_skeleton_is_searched_and_blended() {
     let folder = tempfile::tempdir().expect("a folder");
     for (joints, still) in [(12, 0), (200, 0), (300, 100)] {
         bvh::write(&folder.path().join("a.bvh"), &creature(joints, still), 0.01).expect("a clip");
-        let arguments = ["find", "a.bvh", "--like", "a.bvh@20", "--check", "--apart", "0.2"];
+        let arguments =
+            ["clip", "find", "a.bvh", "--like", "a.bvh@20", "--check", "--apart-s", "0.2"];
         for metric in ["positions", "line"] {
             let (found, told) =
                 json(folder.path(), &[&arguments[..], &["--metric", metric]].concat());
@@ -47,8 +48,18 @@ fn any_skeleton_is_searched_and_blended() {
             assert_eq!(found["moments"][0]["frame"], 51, "{found}");
         }
     }
-    let blend =
-        ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2", "--leave", "0"];
+    let blend = [
+        "clip",
+        "blend",
+        "a.bvh@15",
+        "a.bvh@40",
+        "--output",
+        "b.bvh",
+        "--blend-s",
+        "0.2",
+        "--alone-s",
+        "0",
+    ];
     bvh::write(&folder.path().join("a.bvh"), &creature(40, 10), 0.01).expect("a clip");
     let (blended, _) = json(folder.path(), &blend);
     assert!(blended["geodesic_m"].as_f64().is_some_and(|length_m| length_m > 0.0), "{blended}");
@@ -61,7 +72,7 @@ fn any_skeleton_is_searched_and_blended() {
         text(&drawn.stderr)
     );
     bvh::write(&folder.path().join("a.bvh"), &creature(300, 20), 0.01).expect("a clip");
-    let refused = sinew(folder.path(), &["find", "a.bvh", "--like", "a.bvh@20"]);
+    let refused = sinew(folder.path(), &["clip", "find", "a.bvh", "--like", "a.bvh@20"]);
     let told = text(&refused.stderr);
     assert!(told.contains("expected at most 256 joints that move, found 2"), "{told}");
 }
@@ -136,7 +147,8 @@ fn a_quadruped_is_searched_and_blended() {
     let folder = tempfile::tempdir().expect("a folder");
     bvh::write(&folder.path().join("dog.bvh"), &dog(), 0.01).expect("a clip");
     for metric in ["positions", "line", "angles", "rotations"] {
-        let arguments = ["find", "dog.bvh", "--like", "dog.bvh@33", "--check", "--metric", metric];
+        let arguments =
+            ["clip", "find", "dog.bvh", "--like", "dog.bvh@33", "--check", "--metric", metric];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
         // A stride before or after.
@@ -144,7 +156,16 @@ fn a_quadruped_is_searched_and_blended() {
         assert!([13, 53, 73].contains(&frame), "{metric}: {found}");
         assert!(found["moments"][0]["distance"].as_f64().unwrap() < 1e-3, "{found}");
     }
-    let blend = ["blend", "dog.bvh@20..30", "dog.bvh@52..58", "--out", "b.bvh", "--seconds", "0.4"];
+    let blend = [
+        "clip",
+        "blend",
+        "dog.bvh@20..30",
+        "dog.bvh@52..58",
+        "--output",
+        "b.bvh",
+        "--blend-s",
+        "0.4",
+    ];
     let (blended, _) = json(folder.path(), &blend);
     let number = |name: &str| blended[name].as_f64().expect("a number");
     assert_eq!(blended["not_converged"], 0, "{blended}");
@@ -186,7 +207,16 @@ fn a_chain_of_256_joints_is_searched_and_one_of_257_refused() {
     bvh::write(&folder.path().join("a.bvh"), &chain(256), 0.01).expect("a clip");
     for metric in ["positions", "line"] {
         let arguments = [
-            "find", "a.bvh", "--like", "a.bvh@20", "--check", "--apart", "0.2", "--metric", metric,
+            "clip",
+            "find",
+            "a.bvh",
+            "--like",
+            "a.bvh@20",
+            "--check",
+            "--apart-s",
+            "0.2",
+            "--metric",
+            metric,
         ];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
@@ -194,9 +224,19 @@ fn a_chain_of_256_joints_is_searched_and_one_of_257_refused() {
         assert_eq!(found["moments"][0]["frame"], 50, "{found}");
     }
     bvh::write(&folder.path().join("a.bvh"), &chain(257), 0.01).expect("a clip");
-    let blend =
-        ["blend", "a.bvh@15", "a.bvh@40", "--out", "b.bvh", "--seconds", "0.2", "--leave", "0"];
-    for arguments in [&["find", "a.bvh", "--like", "a.bvh@20"][..], &blend] {
+    let blend = [
+        "clip",
+        "blend",
+        "a.bvh@15",
+        "a.bvh@40",
+        "--output",
+        "b.bvh",
+        "--blend-s",
+        "0.2",
+        "--alone-s",
+        "0",
+    ];
+    for arguments in [&["clip", "find", "a.bvh", "--like", "a.bvh@20"][..], &blend] {
         let refused = sinew(folder.path(), arguments);
         let told = text(&refused.stderr);
         assert_eq!(refused.status.code(), Some(2), "{told}");
@@ -213,13 +253,17 @@ fn a_face_of_163_joints_is_searched_and_blended() {
     let face = Path::new(&data).join("foreign/bvh/makehuman_face.bvh").display().to_string();
     let like = format!("{face}@20");
     for metric in ["positions", "line"] {
-        let (found, told) =
-            json(folder.path(), &["find", &face, "--like", &like, "--check", "--metric", metric]);
+        let (found, told) = json(
+            folder.path(),
+            &["clip", "find", &face, "--like", &like, "--check", "--metric", metric],
+        );
         assert!(told.contains("checked: the same moments"), "{told}");
         assert!(found["moments"].as_array().is_some_and(|moments| !moments.is_empty()), "{found}");
     }
     let (from, to) = (format!("{face}@20"), format!("{face}@40"));
-    let (blended, _) =
-        json(folder.path(), &["blend", &from, &to, "--out", "face.bvh", "--seconds", "0.3"]);
+    let (blended, _) = json(
+        folder.path(),
+        &["clip", "blend", &from, &to, "--output", "face.bvh", "--blend-s", "0.3"],
+    );
     assert_eq!(blended["not_converged"], 0, "{blended}");
 }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use sinew_figure::pipeline::{self, Settings};
 use sinew_mocap::bvh;
-use sinew_sim::pipeline::{self, Settings};
 
 use super::any_skeleton::creature;
 use super::{clips, json, sinew, text};
@@ -14,7 +14,8 @@ fn a_blend_is_a_file_that_is_read_again() {
     let names = clips(folder.path(), 2);
     let [a, b] = [0, 1].map(|clip| format!("clips/{}.bvh", names[clip]));
     let (a_part, b_part) = (format!("{a}@1.0s..1.4s"), format!("{b}@2s..2.4s"));
-    let arguments = ["blend", &a_part, &b_part, "--out", "joined.bvh", "--picture", "joined.svg"];
+    let arguments =
+        ["clip", "blend", &a_part, &b_part, "--output", "joined.bvh", "--picture", "joined.svg"];
     let (told, _) = json(folder.path(), &arguments);
     let number = |name: &str| told[name].as_f64().unwrap();
     assert!(number("positions_m") <= number("geodesic_m"), "{told}");
@@ -54,10 +55,13 @@ fn a_blend_leaves_enough_of_both_clips() {
     // A period of 1.05 s: of all places that are alike, the earliest is taken.
     bvh::write(&folder.path().join("a.bvh"), &creature(12, 0), 0.01).expect("a clip");
     let blend = |leave: &[&'static str]| {
-        let all = [&["blend", "a.bvh", "a.bvh", "--out", "b.bvh", "--seconds", "0.4"], leave];
+        let all =
+            [&["clip", "blend", "a.bvh", "a.bvh", "--output", "b.bvh", "--blend-s", "0.4"], leave];
         all.concat()
     };
-    for (leave, left_s) in [(&[][..], 0.5), (&["--leave", "0.8"], 0.8), (&["--leave", "0"], 0.0)] {
+    for (leave, left_s) in
+        [(&[][..], 0.5), (&["--alone-s", "0.8"], 0.8), (&["--alone-s", "0"], 0.0)]
+    {
         let (told, _) = json(folder.path(), &blend(leave));
         let time_s = |name: &str| told[name]["time_s"].as_f64().expect("a time");
         let end_s = 59.0 / 30.0;
@@ -65,12 +69,12 @@ fn a_blend_leaves_enough_of_both_clips() {
         assert!(before_s >= left_s - 1e-9 && after_s >= left_s - 1e-9, "{told}");
         assert!(left_s > 0.0 || before_s < 0.1, "{told}");
     }
-    let refused = sinew(folder.path(), &blend(&["--leave", "1.6"]));
+    let refused = sinew(folder.path(), &blend(&["--alone-s", "1.6"]));
     assert_eq!(refused.status.code(), Some(2));
     let told = text(&refused.stderr);
     let expected =
         "expected at least 2.000 s, the blend and 1.600 s of the clip alone, found 1.967 s";
     assert!(told.contains(expected), "{told}");
-    assert!(told.contains("--leave 1.566 would do"), "{told}");
-    let (_, _) = json(folder.path(), &blend(&["--leave", "1.566"]));
+    assert!(told.contains("--alone-s 1.566 would do"), "{told}");
+    let (_, _) = json(folder.path(), &blend(&["--alone-s", "1.566"]));
 }

@@ -16,8 +16,17 @@ fn a_moment_is_found_where_it_is_and_the_same_with_every_means() {
         [("query.bvh@240", 2.0, "m"), ("query.bvh@2s", 2.0, "m"), ("query.bvh@2s..2.5s", 2.0, "m")]
     {
         for metric in ["line", "positions", "angles", "rotations"] {
-            let arguments =
-                ["find", "clips", "--like", like, "--metric", metric, "--check", "--weighted"];
+            let arguments = [
+                "clip",
+                "find",
+                "clips",
+                "--like",
+                like,
+                "--metric",
+                metric,
+                "--check",
+                "--weighted",
+            ];
             let (found, told) = json(folder.path(), &arguments);
             assert!(told.contains("checked: the same moments"), "{told}");
             let first = &found["moments"][0];
@@ -41,8 +50,14 @@ fn a_moment_is_found_where_it_is_and_the_same_with_every_means() {
             }
         }
     }
-    let one = sinew(folder.path(), &["find", "clips", "--like", "query.bvh@2s", "--threads", "1"]);
-    let two = sinew(folder.path(), &["find", "clips", "--like", "query.bvh@2s", "--threads", "2"]);
+    let one = sinew(
+        folder.path(),
+        &["clip", "find", "clips", "--like", "query.bvh@2s", "--threads", "1"],
+    );
+    let two = sinew(
+        folder.path(),
+        &["clip", "find", "clips", "--like", "query.bvh@2s", "--threads", "2"],
+    );
     assert_eq!(text(&one.stdout), text(&two.stdout));
     assert!(
         text(&one.stdout)
@@ -55,7 +70,7 @@ fn where_the_query_is_from_does_not_count() {
     let folder = tempfile::tempdir().expect("a folder");
     let names = clips(folder.path(), 2);
     let like = format!("clips/{}.bvh@2s", names[0]);
-    let (found, told) = json(folder.path(), &["find", "clips", "--like", &like]);
+    let (found, told) = json(folder.path(), &["clip", "find", "clips", "--like", &like]);
     assert!(told.contains(&format!("{}: where the query is from does not count", names[0])));
     for moment in found["moments"].as_array().unwrap() {
         let apart_s = (moment["time_s"].as_f64().unwrap() - 2.0).abs();
@@ -63,7 +78,7 @@ fn where_the_query_is_from_does_not_count() {
     }
     let csv = sinew(
         folder.path(),
-        &["find", "clips", "--like", &like, "--format", "csv", "--count", "3"],
+        &["clip", "find", "clips", "--like", &like, "--format", "csv", "--count", "3"],
     );
     let csv = text(&csv.stdout);
     assert!(
@@ -84,7 +99,7 @@ fn other_skeletons_are_left_out_of_folders_and_refused_by_name() {
     fs::write(file("README.md"), "mine").expect("a file");
     let dog = format!("{{\"Frames\": [[{0}], [{0}]]}}", ["0.01"; 84].join(", "));
     fs::write(file("dog.txt"), dog).expect("a file");
-    let (found, told) = json(folder.path(), &["find", "clips", "--like", "query.bvh@9"]);
+    let (found, told) = json(folder.path(), &["clip", "find", "clips", "--like", "query.bvh@9"]);
     assert_eq!((&found["clips"], &found["left_out"]), (&1.into(), &3.into()));
     for why in
         ["joint `hair`: expected no joint", "README.md: neither its name", "of another character"]
@@ -99,10 +114,11 @@ fn other_skeletons_are_left_out_of_folders_and_refused_by_name() {
     assert!(done.status.success() && said.contains("of another character"), "{said}");
     let strict = sinew(folder.path(), &[&whole[..], &["--strict"]].concat());
     assert_eq!(strict.status.code(), Some(2), "{}", text(&strict.stderr));
-    let strict = ["find", "clips", "--like", "query.bvh@9", "--strict"];
+    let strict = ["clip", "find", "clips", "--like", "query.bvh@9", "--strict"];
     let strict = sinew(folder.path(), &strict);
     assert_eq!(strict.status.code(), Some(2), "{}", text(&strict.stderr));
-    let refused = sinew(folder.path(), &["find", "clips/hair.bvh", "--like", "query.bvh@9"]);
+    let refused =
+        sinew(folder.path(), &["clip", "find", "clips/hair.bvh", "--like", "query.bvh@9"]);
     assert_eq!(refused.status.code(), Some(2));
     let why = "error: clips/hair.bvh: joint `hair`: expected no joint of that name";
     assert!(text(&refused.stderr).contains(why), "{}", text(&refused.stderr));
@@ -156,7 +172,7 @@ fn damaged_files_are_left_out_of_folders() {
         fs::remove_file(file(&format!("{name}.bvh"))).expect("a file");
     }
     fs::remove_file(file("wide.bvh")).expect("a file");
-    let none = sinew(folder.path(), &["find", "clips", "--like", "query.bvh@9"]);
+    let none = sinew(folder.path(), &["clip", "find", "clips", "--like", "query.bvh@9"]);
     assert_eq!(none.status.code(), Some(2));
     assert!(text(&none.stderr).contains("error: clips/cut.bvh"), "{}", text(&none.stderr));
 }
@@ -169,7 +185,7 @@ fn pictures_are_drawn() {
         let like = format!("clips/{}.bvh{part}", names[0]);
         let output = sinew(
             folder.path(),
-            &["find", "clips", "--like", &like, "--count", "3", "--out", name],
+            &["clip", "find", "clips", "--like", &like, "--count", "3", "--picture", name],
         );
         assert!(output.status.success(), "{}", text(&output.stderr));
         assert!(fs::metadata(folder.path().join(name)).expect("a picture").len() > 5000);
@@ -189,55 +205,64 @@ fn what_cannot_be_done_is_said() {
     let own = format!("{file}@");
     for (arguments, told) in [
         (
-            vec!["find", "clips", "--like", &bad],
+            vec!["clip", "find", "clips", "--like", &bad],
             "expected FILE@FRAME (from 0), FILE@SECONDSs, FILE@FROM..TO",
         ),
-        (vec!["find", "clips", "--like", &own], "after the last @"),
-        (vec!["find", "clips", "--like", &far], "expected a place from frame 0 (0.000 s) to frame"),
-        (vec!["find", "clips", "--like", &backwards], "expected FROM before TO, found 20..10"),
-        (vec!["find", "--like", &pose], "CLIP"),
-        (vec!["find", "no.bvh", "--like", &pose], "no.bvh: cannot be read"),
+        (vec!["clip", "find", "clips", "--like", &own], "after the last @"),
         (
-            vec!["find", "clips", "--like", &pose, "--root", "tail"],
+            vec!["clip", "find", "clips", "--like", &far],
+            "expected a place from frame 0 (0.000 s) to frame",
+        ),
+        (
+            vec!["clip", "find", "clips", "--like", &backwards],
+            "expected FROM before TO, found 20..10",
+        ),
+        (vec!["clip", "find", "--like", &pose], "CLIP"),
+        (vec!["clip", "find", "no.bvh", "--like", &pose], "no.bvh: cannot be read"),
+        (
+            vec!["clip", "find", "clips", "--like", &pose, "--root", "tail"],
             "root tail: expected a joint of the skeleton",
         ),
         (
-            vec!["find", "clips", "--like", &pose, "--rate", "nan"],
+            vec!["clip", "find", "clips", "--like", &pose, "--rate-hz", "nan"],
             "expected a number of Hz from 1 to 1000",
         ),
-        (vec!["find", "clips", "--like", &pose, "--count", "0"], "--count"),
+        (vec!["clip", "find", "clips", "--like", &pose, "--count", "0"], "--count"),
         (
-            vec!["find", "clips", "--like", &pose, "--apart", "-1"],
+            vec!["clip", "find", "clips", "--like", &pose, "--apart-s", "-1"],
             "expected a number of seconds from 0",
         ),
         (
-            vec!["find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
+            vec!["clip", "find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
             "--steps: expected with the metrics line and geodesic",
         ),
         (
-            vec!["find", "clips", "--like", &pose, "--out", "a.jpg"],
+            vec!["clip", "find", "clips", "--like", &pose, "--picture", "a.jpg"],
             "expected a picture named *.svg or *.png",
         ),
-        (vec!["blend", &file, &file, "--out", "a.txt"], "--out a.txt: expected a file named *.bvh"),
         (
-            vec!["blend", &file, &file, "--out", "a.bvh", "--seconds", "900"],
+            vec!["clip", "blend", &file, &file, "--output", "a.txt"],
+            "--output a.txt: expected a file named *.bvh",
+        ),
+        (
+            vec!["clip", "blend", &file, &file, "--output", "a.bvh", "--blend-s", "900"],
             "expected at least 900.500 s, the blend and 0.500 s of the clip alone",
         ),
         (
-            vec!["blend", &file, &file, "--out", "a.bvh", "--leave", "-1"],
+            vec!["clip", "blend", &file, &file, "--output", "a.bvh", "--alone-s", "-1"],
             "expected a number of seconds from 0",
         ),
         (
-            vec!["blend", &start, &file, "--out", "a.bvh"],
+            vec!["clip", "blend", &start, &file, "--output", "a.bvh"],
             "expected a place at least 0.750 s from the clip's start and 0.250 s from its end",
         ),
         (
-            vec!["blend", &file, &file, "--out", "no/a.bvh", "--seconds", "0"],
+            vec!["clip", "blend", &file, &file, "--output", "no/a.bvh", "--blend-s", "0"],
             "expected a number of seconds above 0",
         ),
         (
-            vec!["blend", &pose, &pose, "--out", "no/a.bvh", "--seconds", "0.1"],
-            "--out no/a.bvh: expected a folder that is there",
+            vec!["clip", "blend", &pose, &pose, "--output", "no/a.bvh", "--blend-s", "0.1"],
+            "--output no/a.bvh: expected a folder that is there",
         ),
     ] {
         let output = sinew(folder.path(), &arguments);
@@ -257,7 +282,8 @@ fn cmu_is_searched_exactly_and_mostly_spared() {
     let folder_of_clips = broad.display().to_string();
     for (like, least) in [("05_05.bvh@5s", 0.95), ("05_10.bvh@4s..6s", 0.95)] {
         let like = of(like);
-        let arguments = ["find", &folder_of_clips, "--like", &like, "--rate", "12", "--check"];
+        let arguments =
+            ["clip", "find", &folder_of_clips, "--like", &like, "--rate-hz", "12", "--check"];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
         // The files of 31 joints; the others are of other skeletons.

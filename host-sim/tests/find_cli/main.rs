@@ -1,4 +1,4 @@
-//! `sinew find` and `sinew blend` as commands: what they print, draw and write, and their exit codes.
+//! `sinew clip find` and `sinew clip blend` as commands: what they print, draw and write, and their exit codes.
 
 mod any_skeleton;
 mod blend;
@@ -9,8 +9,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
+use sinew_figure::builtin;
 use sinew_mocap::{bvh, gaps};
-use sinew_sim::builtin;
 
 /// The first built-in clips as BVH files in the folder `clips`, and their names.
 fn clips(folder: &Path, count: usize) -> Vec<String> {

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng as _;
-use sinew_sim::sweep::Journal;
-use sinew_sim::verify::verify_folder;
+use sinew_evaluation::sweep::Journal;
+use sinew_verification::verify_folder;
 use targets::TARGETS;
 
 /// Damaged copies of each file in each run: the same ones, so that what fails here was changed here.

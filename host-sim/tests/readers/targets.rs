@@ -3,16 +3,16 @@
 use std::fs;
 use std::path::Path;
 
+use sinew_evaluation::Setup;
+use sinew_evaluation::sweep::{Journal, Plan, Shard, SweepFile};
+use sinew_figure::measured::{Measured, Told};
+use sinew_figure::{Mapping, Subject};
 use sinew_mocap::{Recording, asf_amc, bvh, deepmimic};
+use sinew_pose_metrics::character::{self, Options};
+use sinew_pose_metrics::weights::radii;
 use sinew_rig::import::{self, Options as ImportOptions};
 use sinew_rig::toml_file;
-use sinew_sim::character::{self, Options};
-use sinew_sim::evaluate::Setup;
-use sinew_sim::figure::{Mapping, Subject};
-use sinew_sim::measured::{Measured, Told};
-use sinew_sim::sweep::{Journal, Plan, Shard, SweepFile};
-use sinew_sim::verify::verify_folder;
-use sinew_sim::weights::radii;
+use sinew_verification::verify_folder;
 
 /// A target by its name, which is that of its folder in the corpus.
 pub(crate) type Target = (&'static str, fn(&[u8]));

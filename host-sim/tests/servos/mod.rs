@@ -1,4 +1,4 @@
-//! `sinew servos` as a process.
+//! `sinew servo simulate` as a process.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -6,7 +6,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 /// The command, its output piped.
 pub(crate) fn sinew(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
-    command.arg("servos").args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.args(["servo", "simulate"]).args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 

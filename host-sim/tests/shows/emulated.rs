@@ -1,11 +1,11 @@
-//! `sinew play --emulate`: the NUCLEO's own image performs by one command.
+//! `sinew play --target nucleo`: the NUCLEO's own image performs by one command.
 
 use std::process::Command;
 
 use super::{done, path};
 
 /// An arm of three, and two seconds of punches.
-fn arguments(folder: &std::path::Path) -> [String; 9] {
+fn arguments(folder: &std::path::Path) -> [String; 10] {
     let [rig, map] = ["arm.toml", "map.toml"].map(|name| path(folder, name));
     done(&["rig", "new", "--arm", "3", "-o", &rig]);
     let joint = &super::mechanism(&rig).bodies[2].joint_name;
@@ -14,11 +14,11 @@ fn arguments(folder: &std::path::Path) -> [String; 9] {
          points_deg = [[-180, -60], [180, 60]]\n"
     );
     std::fs::write(&map, curve).unwrap();
-    let seconds = ["--seconds", "2", "--emulate"].map(str::to_owned);
-    let [seconds, two, emulate] = seconds;
+    let seconds = ["--seconds", "2", "--target", "nucleo"].map(str::to_owned);
+    let [seconds, two, target, nucleo] = seconds;
     let [play, clip] = ["play", "punches_01"].map(str::to_owned);
     let [of_rig, of_map] = ["--rig", "--mapping"].map(str::to_owned);
-    [play, clip, of_rig, rig, of_map, map, seconds, two, emulate]
+    [play, clip, of_rig, rig, of_map, map, seconds, two, target, nucleo]
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn emulated_nucleo_performs_by_one_command() {
 }
 
 #[test]
-fn what_is_missing_for_emulate_is_told() {
+fn what_is_missing_for_nucleo_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
         .args(arguments(folder.path()))

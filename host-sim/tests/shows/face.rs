@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use sinew_performance::play::Recording;
 use sinew_show::{Player, Show};
-use sinew_sim::play::Recording;
 
 use super::{done, path};
 
@@ -75,7 +75,7 @@ fn eight_servos_of_a_face_follow_by_curves() {
         &rig,
         "--mapping",
         &map,
-        "--cutoff",
+        "--cutoff-hz",
         "0",
         "--metres-per-unit",
         "0.01",
@@ -133,5 +133,5 @@ fn a_face_performs_by_pulses() {
         assert!(rows.commanded.iter().all(|x| x.is_finite()));
         assert!(part.servos.iter().all(|servo| servo.current.iter().all(|x| x.is_nan())));
     }
-    super::refused(&["record", "--simulate", "--rig", &rig, "-o", &csv], "takes pulses");
+    super::refused(&["record", "--target", "sim", "--rig", &rig, "-o", &csv], "takes pulses");
 }

@@ -109,7 +109,7 @@ pub(crate) fn toy(folder: &Path, speed: f64, effort: f64) -> String {
 fn a_map_that_nobody_has_edited_makes_the_same_show() {
     let folder = tempfile::tempdir().unwrap();
     let rig = toy(folder.path(), 12.0, 6.0);
-    let [map, notes] = done(&["map", "punches_01", "--rig", &rig]);
+    let [map, notes] = done(&["clip", "map", "punches_01", "--rig", &rig]);
     assert!(notes.contains("least sure"), "{notes}");
     assert!(map.contains("name = \"l_elbow\"") && map.contains("l_elbow\""), "{map}");
     let file = path(folder.path(), "map.toml");
@@ -163,13 +163,13 @@ fn a_clip_is_tracked_and_three_errors_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let rig = toy(folder.path(), 12.0, 6.0);
     let csv = path(folder.path(), "toy.csv");
-    done(&["export", "kicks_01", "--rig", &rig, "--rate", "50", "-o", &csv]);
+    done(&["clip", "export", "kicks_01", "--rig", &rig, "--rate-hz", "50", "-o", &csv]);
     let table = std::fs::read_to_string(&csv).unwrap();
     let header = table.lines().next().unwrap();
     // It has feet: it travels.
     assert!(header.starts_with("time,root_x,") && header.contains(",l_knee"), "{header}");
     let bvh = path(folder.path(), "toy.bvh");
-    done(&["export", "kicks_01", "--rig", &rig, "--base", "stand", "-o", &bvh]);
+    done(&["clip", "export", "kicks_01", "--rig", &rig, "--base", "stand", "-o", &bvh]);
     let methods = ["--methods", "recommended", "--seconds", "2"];
     let clips = ["evaluate", "--rig", &rig, "--clips", "kicks_01", "--fit"];
     let [table, _] = done(&[&clips[..], &methods].concat());
@@ -190,7 +190,7 @@ fn what_cannot_be_is_refused_in_words() {
     for (arguments, part) in [
         (&["bake", "punches_01", "--rig", &rig, "-o", &rig][..], "is the rig, which would be lost"),
         (
-            &["bake", "punches_01", "--rig", &rig, "--page", &out, "-o", &out],
+            &["bake", "punches_01", "--rig", &rig, "--html", &out, "-o", &out],
             "two files to write are one",
         ),
         (&["bake", "punches_01", "--rig", &rig, "--mapping", &empty, "-o", &out], "empty.toml"),
@@ -202,9 +202,9 @@ fn what_cannot_be_is_refused_in_words() {
             &["bake", "punches_01", "--rig", &rig, "--time-code", "25:0:0:0@25", "-o", &out],
             "a clock can show",
         ),
-        (&["export", "punches_01", "--rig", &rig, "-o", "x.xyz"], ".csv, .bvh or .json"),
+        (&["clip", "export", "punches_01", "--rig", &rig, "-o", "x.xyz"], ".csv, .bvh or .json"),
         (
-            &["export", "punches_01", "--rig", &rig, "-o", &path(folder.path(), "x.json")],
+            &["clip", "export", "punches_01", "--rig", &rig, "-o", &path(folder.path(), "x.json")],
             "the rig has no servos",
         ),
     ] {

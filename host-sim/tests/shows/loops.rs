@@ -32,9 +32,9 @@ fn what_cannot_go_round_is_refused_in_words() {
     let out = path(folder.path(), "x.show");
     let bake = ["bake", "punches_01", "--rig", &rig, "--seconds", "4", "-o", &out];
     for (arguments, part) in [
-        (&["--loop", "--blend", "5"][..], "that the motion lasts, found 5.000 s"),
-        (&["--loop", "--blend", "0.05"], "to meet its beginning within 0.05 s"),
-        (&["--blend", "1"], "--loop"),
+        (&["--loop", "--loop-blend-s", "5"][..], "that the motion lasts, found 5.000 s"),
+        (&["--loop", "--loop-blend-s", "0.05"], "to meet its beginning within 0.05 s"),
+        (&["--loop-blend-s", "1"], "--loop"),
     ] {
         refused(&[&bake[..], arguments].concat(), part);
     }

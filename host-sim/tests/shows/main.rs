@@ -40,7 +40,7 @@ fn refused(arguments: &[&str], part: &str) {
 /// The bodies of a rig's file.
 fn mechanism(rig: &str) -> sinew_rig::Mechanism {
     let options = sinew_rig::import::Options::default();
-    sinew_sim::rig::load(rig.as_ref(), &options).unwrap().mechanism
+    sinew_performance::rig::load(rig.as_ref(), &options).unwrap().mechanism
 }
 
 /// A time of a show in microseconds.

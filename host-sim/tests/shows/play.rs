@@ -176,7 +176,7 @@ fn what_cannot_be_played_is_refused_in_words() {
     for (arguments, part) in [
         (&["play", &show, "--rig", &other][..], "does not play on this rig"),
         (&["play", &show, "--rig", &rig, "--servo", "xm430"], "each joint has a servo already"),
-        (&["play", &show, "--rig", &rig, "--rate", "2000"], "500 Hz does fit"),
+        (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz does fit"),
         (&["play", &show, "--rig", &rig, "--baud", "12345"], "4000000"),
         (&["play", &show, "--rig", &rig, "--seconds", "2"], "--seconds: is of clips"),
         (&["play", &rig, "--rig", &rig, "--seconds", "2"], "arm.toml"),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
-use sinew_sim::play::{Part, Recording, RecordingError};
+use sinew_performance::play::{Part, Recording, RecordingError};
 
 use super::play::{arm, errors};
 use super::{done, path, refused};

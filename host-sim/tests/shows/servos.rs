@@ -16,12 +16,24 @@ fn servo_positions_come_back_as_the_same_motion() {
          points_deg = [[-180, -60], [180, 60]]\n"
     );
     std::fs::write(&map, curve).unwrap();
-    done(&["export", "punches_01", "--rig", &rig, "--mapping", &map, "--rate", "50", "-o", &json]);
+    done(&[
+        "clip",
+        "export",
+        "punches_01",
+        "--rig",
+        &rig,
+        "--mapping",
+        &map,
+        "--rate-hz",
+        "50",
+        "-o",
+        &json,
+    ]);
     let [report, _] = done(&["bake", &json, "--rig", &rig, "-o", &first]);
     assert!(report.contains("arm on"), "{report}");
     // What was read once is the same motion when it is written and read again.
     let again = path(folder.path(), "again.json");
-    done(&["export", &json, "--rig", &rig, "--rate", "50", "-o", &again]);
+    done(&["clip", "export", &json, "--rig", &rig, "--rate-hz", "50", "-o", &again]);
     done(&["bake", &again, "--rig", &rig, "-o", &second]);
     assert_eq!(std::fs::read(first).unwrap(), std::fs::read(second).unwrap());
 }

@@ -1,11 +1,11 @@
 //! A target for each way in: it takes the corpus, then what bolero thinks of.
 
 #[expect(dead_code, reason = "fuzzing uses a part")]
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/link/common/mod.rs"]
 mod common;
-#[path = "../../tests/corpus/mod.rs"]
+#[path = "../../tests/link/corpus/mod.rs"]
 mod corpus;
-#[path = "../../tests/decoders/mod.rs"]
+#[path = "../../tests/link/decoders/mod.rs"]
 mod decoders;
 
 macro_rules! targets {

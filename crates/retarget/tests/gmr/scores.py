@@ -63,7 +63,7 @@ def main():
     from score import score
 
     def export(model, clip, to):
-        command = [sinew, "export", clip, "--rig", model, "--rate", str(RATE_HZ), "-o", to]
+        command = [sinew, "clip", "export", clip, "--rig", model, "--rate-hz", str(RATE_HZ), "-o", to]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             sys.exit(f"{clip} on {model}: {done.stderr}")

@@ -1,9 +1,11 @@
 //! A target for each decoder: it takes the corpus, then what bolero thinks of.
 
-#[path = "../../tests/corpus/mod.rs"]
+#[path = "../../tests/servo_bus/corpus/mod.rs"]
 mod corpus;
-#[path = "../../tests/decoders/mod.rs"]
+#[path = "../../tests/servo_bus/decoders/mod.rs"]
 mod decoders;
+#[path = "../../tests/servo_bus/reference/mod.rs"]
+mod reference;
 
 macro_rules! targets {
     ($($name:ident),*) => {

@@ -1,5 +1,5 @@
 """What ROBOTIS's dynamixel-sdk is told of a servo that is too hot. Usage: dynamixel_errors.py LINK COUNT, with
-sinew servos --kind xl330 --ids 11,12 --fault 12:hot=90.
+sinew servo simulate --kind xl330 --ids 11,12 --fault 12:hot=90.
 
 Servo 12 has switched itself off: each of its answers has the alert bit, with an error number if there is one besides,
 and Hardware Error Status (70) says why. Servo 11 tells nothing of it. Exits with 1 if any exchange was wrong."""

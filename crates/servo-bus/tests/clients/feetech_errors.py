@@ -1,5 +1,5 @@
 """What a Feetech SDK is told of an STS3215 that is too hot. Usage: feetech_errors.py LINK COUNT, with
-sinew servos --kind sts3215 --ids 1,2 --fault 2:hot=90.
+sinew servo simulate --kind sts3215 --ids 1,2 --fault 2:hot=90.
 
 Servo 2 has switched itself off: each of its answers says so, the bit of the temperature. Servo 1 tells nothing of it.
 PYTHONPATH chooses the SDK, as for feetech.py. Exits with 1 if any exchange was wrong."""

@@ -6,11 +6,11 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
-use sinew_servo_bus::dynamixel::Instruction;
 use sinew_rig::description::{Drive, DriveKind};
 use sinew_rig::mechanism::{InverseDynamics, Link};
 use sinew_rig::new::arm;
 use sinew_rig::servo::Address;
+use sinew_servo_bus::dynamixel::Instruction;
 
 use super::*;
 use crate::bench::Bench;

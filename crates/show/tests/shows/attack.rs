@@ -177,7 +177,7 @@ fn refusals_are_in_words() {
     bytes[4] = 1;
     assert_eq!(
         words(&bytes),
-        "the show is of version 1, poses of one figure; version 2 is asked for: bake it again for this rig"
+        "the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake CLIP --rig RIG`"
     );
     bytes[4] = 3;
     assert_eq!(words(&bytes), "the show is of version 3; this program performs version 2");

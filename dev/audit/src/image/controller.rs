@@ -2,12 +2,12 @@
 
 use core::hint::black_box;
 
-use sinew_servo_bus::{EncodeError, Schedule, pca9685};
 use sinew_firmware::controller::{
     Controller, ControllerSettings, Inputs, ServoSetup, Start, Wire, estimated_us, exchange,
     open_show,
 };
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{EncodeError, Schedule, pca9685};
 
 use super::{slice, slice_mut};
 

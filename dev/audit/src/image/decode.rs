@@ -4,22 +4,9 @@ use core::hint::black_box;
 
 use sinew_core::control::Limited;
 use sinew_core::coordinates::nearest_turn;
-use sinew_core::{Body, JointKind, Transform, Wrench};
-use sinew_firmware::show::{self, Show};
+use sinew_core::{JointKind, Transform, Wrench};
 
-use super::{N, desired, measured, slice, slice_mut, tree};
-
-#[inline(never)]
-pub(crate) fn show() {
-    let Ok(show) = Show::parse(slice()) else { return };
-    let show = black_box(show);
-    show.frame(black_box(0), slice_mut());
-    black_box((show.body_count(), show.frame_count(), show.dt_s()));
-    black_box(&show.tree::<N>());
-    let frames: &[&[Transform]] = slice();
-    let sink = |bytes: &[u8]| black_box(if bytes.is_empty() { Err(()) } else { Ok(()) });
-    black_box(&show::write(slice::<Body>(), black_box(1.0), frames.iter().copied(), sink));
-}
+use super::{desired, measured, slice, slice_mut, tree};
 
 #[inline(never)]
 pub(crate) fn coordinates() {

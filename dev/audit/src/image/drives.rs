@@ -2,12 +2,12 @@
 
 use core::hint::black_box;
 
-use sinew_servo_bus::{dynamixel, feetech, pca9685};
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Class, Condition, CurrentDrive, DriveSettings, Drives, PositionDrive, ServoDrive, TargetDrive,
 };
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{dynamixel, feetech, pca9685};
 
 use super::{slice, slice_mut};
 

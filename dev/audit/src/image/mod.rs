@@ -32,7 +32,6 @@ const N: usize = 18;
 #[entry]
 fn main() -> ! {
     loop {
-        decode::show();
         decode::coordinates();
         construct::trees();
         construct::controllers();

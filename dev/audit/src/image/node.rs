@@ -5,7 +5,6 @@ use core::hint::black_box;
 use core::mem::MaybeUninit;
 use core::ops::Range;
 
-use sinew_servo_bus::{Schedule, pca9685};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::{
     Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, Spread, causes,
@@ -13,6 +12,7 @@ use sinew_firmware::node::{
 };
 use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{ToHost, Welcome};
+use sinew_servo_bus::{Schedule, pca9685};
 use sinew_storage::BoardTable;
 
 use super::controller::{Anything, BODIES, COORDINATES, FREEDOMS, SERVOS};

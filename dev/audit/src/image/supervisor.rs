@@ -2,7 +2,6 @@
 
 use core::hint::black_box;
 
-use sinew_servo_bus::{Command, Feedback};
 use sinew_firmware::drives::DriveSettings;
 use sinew_firmware::supervisor::detect::{
     Derated, Following, FollowingSettings, Heat, HeatSettings, Overrun, OverrunSettings, Silence,
@@ -13,6 +12,7 @@ use sinew_firmware::supervisor::{
     Permission, Settings, Supervisor,
 };
 use sinew_rig::servo::Servo;
+use sinew_servo_bus::{Command, Feedback};
 
 use super::slice;
 

@@ -2,16 +2,15 @@
 
 use core::hint::black_box;
 
+use sinew_bit_parity::replay::{self, Replay, TorqueHash};
+use sinew_bit_parity::{decode, play, run};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
 use sinew_core::tracker::{Measured, MethodName, Settings, Timing, Tracker};
 use sinew_core::{Transform, Workspace, Wrench};
-use sinew_firmware::frames::ShowFrames;
 use sinew_firmware::indicator;
-use sinew_firmware::show::Show;
 use sinew_firmware::watchdog::Complete;
-use sinew_bit_parity::replay::{Replay, TorqueHash};
-use sinew_bit_parity::{decode, run};
+use sinew_show::{Show, ShowFrames};
 
 use super::{N, construct, desired, measured, slice, slice_mut, tree};
 
@@ -48,7 +47,8 @@ pub(crate) fn controller_of_little_room() {
 /// The boards' tick, with any settings.
 #[inline(never)]
 pub(crate) fn tracker() {
-    let Ok(show) = Show::parse(slice()) else { return };
+    let Ok(show) = Show::open(slice()) else { return };
+    let Ok(frames) = ShowFrames::<N>::new(black_box(show), black_box(0.01)) else { return };
     let timing = black_box(Timing { dt_s: 0.01, latency_ticks: 1 });
     black_box(timing.check_recommended().is_ok());
     let mut settings = black_box(Settings::default());
@@ -72,7 +72,7 @@ pub(crate) fn tracker() {
         tracker = sharing;
     }
     let mut tracker = black_box(tracker);
-    let mut frames = black_box(ShowFrames::<N>::new(black_box(show)));
+    let mut frames = black_box(frames);
     let readings = [
         Measured::Poses(slice()),
         Measured::Positions { q: slice() },
@@ -100,17 +100,18 @@ pub(crate) fn tracker() {
 /// What stands in for servos where bits are compared.
 #[inline(never)]
 pub(crate) fn replay() {
-    let Ok(show) = Show::parse(slice()) else { return };
-    let Ok(replay) = Replay::<N>::new(black_box(show), black_box(MethodName::World)) else {
-        return;
-    };
+    let Ok(show) = Show::open(slice()) else { return };
+    let Ok(tree) = replay::tree::<N, N>(slice()) else { return };
+    let method = black_box(MethodName::World);
+    let Ok(replay) = Replay::<N, N>::new(&tree, black_box(show), method) else { return };
     let mut replay = black_box(replay);
     let mut hash = TorqueHash::default();
+    replay.sense(black_box(1));
     if let Ok(tick) = replay.step(black_box(1)) {
         hash.update(tick.torques());
         black_box(&Complete::from(tick));
     }
-    black_box(hash.value());
+    black_box((hash.value(), replay::ticks(&show)));
 }
 
 /// What makes a run that is compared with other machines'.
@@ -124,7 +125,8 @@ pub(crate) fn parity() {
         black_box(bytes);
         black_box(Ok(()))
     };
-    black_box(&run::perform::<N>(slice_mut(), read, write));
+    black_box(&run::perform::<N, N>(slice_mut(), read, write));
+    black_box(&play::perform::<N, N, N>(slice_mut(), read, write));
     black_box(&decode::perform::<N>(slice_mut(), read, write));
     black_box(run::pose_bytes(black_box(&Transform::IDENTITY)));
 }

@@ -1,5 +1,5 @@
-//! Programs of other people's libraries (`dev/bench/peers`), which `cargo xtask peers` builds: a process each, asked line
-//! by line, as these libraries are C and C++. They time themselves; what asking takes is not in it.
+//! Programs of other people's libraries (`dev/bench/peers`), which `cargo xtask peers` builds: a process each, asked
+//! line by line, as these libraries are C and C++. They time themselves; what asking takes is not in it.
 
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};

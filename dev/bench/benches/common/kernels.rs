@@ -4,7 +4,7 @@ use std::error::Error;
 use std::hint::black_box;
 
 use sinew_bench::rig::{DT_S, Rig};
-use sinew_bench::{Root, figure, poses, states};
+use sinew_bench::{Frames, Root, figure, poses, states};
 use sinew_core::control::Gains;
 use sinew_core::dynamics::{
     ArticulatedBody, BodyMotion, CompositeBody, Resolved, degrees_of_freedom, forward_dynamics,
@@ -22,8 +22,6 @@ use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Transform,
     Tree, Twist, Workspace, Wrench, kinematics,
 };
-use sinew_firmware::frames::ShowFrames;
-use sinew_firmware::show::{self, Show};
 
 /// Numbers of bodies.
 pub(crate) const SIZES: [usize; 6] = [1, 6, 18, 32, 64, 128];
@@ -284,18 +282,11 @@ fn ticks<const N: usize>(
         }));
     }
 
-    let mut bytes = Vec::new();
-    let performance = enlarged(frames);
-    let poses = performance[LAG_FRAMES..].iter().map(|frame| &frame[..]);
-    show::write(tree.bodies(), DT_S, poses, |piece| {
-        bytes.extend_from_slice(piece);
-        Ok::<(), std::convert::Infallible>(())
-    })?;
-    // An application borrows its show from flash, for ever.
-    let show = Show::parse(bytes.leak())?;
+    // An application borrows its frames from flash, for ever.
+    let performance = enlarged(&frames[LAG_FRAMES..]).leak();
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
     let mut tracker = Tracker::<N, 8>::new(tree.clone(), &Settings::recommended(), timing)?;
-    let (mut performance, frames) = (ShowFrames::<N>::new(show), frames.to_vec());
+    let (mut performance, frames) = (Frames::new(performance), frames.to_vec());
     let mut index = (0..FRAMES - LAG_FRAMES).cycle();
     kernels.push(kernel("tick_recommended", move || {
         let now = index.next().unwrap_or_default();

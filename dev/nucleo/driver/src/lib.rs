@@ -1,7 +1,7 @@
 //! The emulated NUCLEO-F446RE as a host sees it.
 //!
-//! The chip is emulated by a tool of its own, `dev/nucleo/emulator/`, in a process of its own. Here is its other end: [`Machine`]
-//! runs it in lock-step, and [`OnServos`] has simulated servos at its bus, each byte at its time.
+//! The chip is emulated by a tool of its own, `dev/nucleo/emulator/`, in a process of its own. Here is its other end:
+//! [`Machine`] runs it in lock-step, and [`OnServos`] has simulated servos at its bus, each byte at its time.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

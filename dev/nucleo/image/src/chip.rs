@@ -9,12 +9,13 @@ use embassy_executor::Spawner;
 use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::mode::Async;
-use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, HalfDuplexReadback, Uart, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Config, bind_interrupts, dma, peripherals, rcc};
+use embassy_stm32::{bind_interrupts, dma, peripherals, rcc};
 use embassy_time::{Duration, Instant, Ticker, with_timeout};
 use heapless::String;
+
+use crate::clocks::clocks;
 
 bind_interrupts!(struct Irqs {
     USART1 => usart::InterruptHandler<peripherals::USART1>;
@@ -45,24 +46,6 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     }
 }
 
-fn config() -> Config {
-    let mut config = Config::default();
-    config.rcc.hse = Some(rcc::Hse { freq: Hertz(8_000_000), mode: rcc::HseMode::Bypass });
-    config.rcc.pll_src = rcc::PllSource::HSE;
-    config.rcc.pll = Some(rcc::Pll {
-        prediv: rcc::PllPreDiv::DIV4,
-        mul: rcc::PllMul::MUL180,
-        divp: Some(rcc::PllPDiv::DIV2),
-        divq: None,
-        divr: None,
-    });
-    config.rcc.sys = rcc::Sysclk::PLL1_P;
-    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
-    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
-    config
-}
-
 fn baud(baudrate: u32) -> usart::Config {
     let mut config = usart::Config::default();
     config.baudrate = baudrate;
@@ -80,7 +63,7 @@ async fn say(link: &mut UartTx<'_, Async>, line: core::fmt::Arguments<'_>) {
 async fn main(spawner: Spawner) {
     // One task does all.
     let _: Spawner = spawner;
-    let board = embassy_stm32::init(config());
+    let board = embassy_stm32::init(clocks());
     let mut watchdog = IndependentWatchdog::new(board.IWDG, WATCHDOG_US);
     watchdog.unleash();
     let mut light = Output::new(board.PA5, Level::Low, Speed::Low);

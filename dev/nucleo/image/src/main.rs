@@ -5,6 +5,10 @@
 
 #[cfg(target_os = "none")]
 mod chip;
+// Those of the board's own image.
+#[cfg(target_os = "none")]
+#[path = "../../../../firmware/boards/nucleo_f446re/src/clocks.rs"]
+mod clocks;
 
 #[cfg(not(target_os = "none"))]
 fn main() {}

@@ -158,8 +158,8 @@ mod tests {
 
     #[test]
     fn bones_are_as_thick_as_those_of_geno_that_end_in_the_same_joint() {
-        let file =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracles/geno_article_radii.csv");
+        let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../tests/oracles/geno_article_radii.csv");
         let mut reader = csv::Reader::from_path(file).unwrap();
         let geno: BTreeMap<String, f64> = reader.deserialize().collect::<Result<_, _>>().unwrap();
         let fingers = 4.0 * geno["RightHandIndex1"];

@@ -2,7 +2,7 @@
 
 use candle_core::{Device, Result, Tensor, Var};
 
-use sinew_sim::random::{Random, Subject};
+use sinew_host_util::random::{Random, Subject};
 
 /// Encoder `h = ELU(x W1 + b1)`, decoder `y = h W2 + b2`.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ use std::{fmt, thread};
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use sinew_sim::random::{Random, Subject};
+use sinew_host_util::random::{Random, Subject};
 
 use super::anatomy::Group;
 use super::checkpoint::{self, CheckpointError};

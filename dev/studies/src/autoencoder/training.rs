@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use candle_core::backprop::GradStore;
 use candle_core::{Device, Result, Tensor};
 use serde::{Deserialize, Serialize};
-use sinew_sim::random::{Random, Subject};
+use sinew_host_util::random::{Random, Subject};
 
 use super::adamw::Moments;
 use super::loss::Loss;

@@ -24,7 +24,7 @@ pub(super) fn to_rotation(columns: [f64; NUMBERS]) -> DQuat {
 
 #[cfg(test)]
 mod tests {
-    use sinew_sim::random::{Random, Subject};
+    use sinew_host_util::random::{Random, Subject};
 
     use super::*;
 

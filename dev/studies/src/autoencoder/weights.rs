@@ -5,7 +5,7 @@ use sinew_core::importance::{
     Importance, ImportanceError, RestPose, RestPoseError, cylinder_surface, descendants_length,
 };
 use sinew_mocap::Skeleton;
-use sinew_sim::weights;
+use sinew_pose_metrics::weights;
 
 use super::anatomy::Anatomy;
 use super::method::Method;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::ValueEnum;
-use sinew_sim::character;
-use sinew_sim::command::{ThreadArgs, note, print, with_progress};
-use sinew_sim::output::Folder;
-use sinew_sim::weights::{self, Method, weigh};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output::Folder;
+use sinew_pose_metrics::character;
+use sinew_pose_metrics::weights::{self, Method, weigh};
 use sinew_studies::autoencoder::{self, Plan, Poses, Schedule};
 use sinew_studies::pictures::write_study;
 

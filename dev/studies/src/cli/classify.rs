@@ -2,11 +2,10 @@
 
 use std::num::NonZeroUsize;
 
+use sinew_host_util::command::with_progress;
 use sinew_studies::pictures::write_classify;
 use sinew_studies::spatial::classify::{self, Plan};
 use sinew_studies::spatial::cost;
-
-use sinew_sim::command::with_progress;
 
 use super::data::count;
 use super::two_classes::TwoClassesArgs;

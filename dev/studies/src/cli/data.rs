@@ -6,9 +6,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
+use sinew_host_util::command::note;
 use sinew_studies::recordings::Recordings;
-
-use sinew_sim::command::note;
 
 /// How many of something: what is beyond the most would not end, or find room.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {

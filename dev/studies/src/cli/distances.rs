@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
-use sinew_sim::command::{MeasureArgs, ThreadArgs, note, print, with_progress};
-use sinew_sim::output::{self, Folder};
-use sinew_sim::spatial::{MeasuredPose, Measuring, SpatialRig};
+use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_host_util::output::{self, Folder};
+use sinew_pose_metrics::spatial::{MeasureArgs, MeasuredPose, Measuring, SpatialRig};
 use sinew_studies::recordings::{RATE_HZ, Recordings};
 use sinew_studies::spatial::write_distances;
 

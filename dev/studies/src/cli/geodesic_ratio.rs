@@ -2,11 +2,10 @@
 
 use std::num::NonZeroU16;
 
+use sinew_host_util::command::{ThreadArgs, with_progress};
 use sinew_studies::pictures::write_geodesic_ratio;
 use sinew_studies::recordings::Recordings;
 use sinew_studies::spatial::geodesic_ratio::{self, Plan};
-
-use sinew_sim::command::{ThreadArgs, with_progress};
 
 use super::data::DataArgs;
 use super::results::ResultArgs;

@@ -4,7 +4,7 @@ use std::num::NonZeroU16;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
-use sinew_sim::command::{ThreadArgs, with_progress};
+use sinew_host_util::command::{ThreadArgs, with_progress};
 use sinew_studies::pictures::write_mds;
 use sinew_studies::recordings::{Recordings, Sequence, broad};
 use sinew_studies::spatial::components::{self, Plan};

@@ -13,7 +13,7 @@ mod two_classes;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use sinew_sim::command::exit_code;
+use sinew_host_util::command::exit_code;
 
 /// Try again what an article claims, on other data.
 #[derive(Debug, Parser)]

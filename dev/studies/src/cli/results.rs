@@ -6,9 +6,8 @@ use std::{fs, io};
 use anyhow::Context as _;
 use clap::ValueEnum;
 use serde_json::Value;
-
-use sinew_sim::command::{note, print};
-use sinew_sim::output::Folder;
+use sinew_host_util::command::{note, print};
+use sinew_host_util::output::Folder;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ResultArgs {

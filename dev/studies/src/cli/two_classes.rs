@@ -2,8 +2,8 @@
 
 use std::num::NonZeroU16;
 
-use sinew_sim::command::ThreadArgs;
-use sinew_sim::spatial::{Measure, SpatialRig};
+use sinew_host_util::command::ThreadArgs;
+use sinew_pose_metrics::spatial::{Measure, SpatialRig};
 use sinew_studies::spatial::classes::TwoClasses;
 
 use super::data::RecordingArgs;

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 
 use glam::{DQuat, DVec3};
 use maud::{Markup, html};
+use sinew_figure::mapping::{self, Binding};
 use sinew_mocap::{Clip, JointSample, Skeleton};
-use sinew_sim::figure::mapping::{self, Binding};
-use sinew_sim::report::chart::{self, px};
-use sinew_sim::report::file::write_all;
-
-use crate::autoencoder::{self, Example, Group, Method, Study};
-use sinew_sim::report::scene::{
+use sinew_report::chart::{self, px};
+use sinew_report::file::write_all;
+use sinew_report::scene::{
     Camera, Ground, Mannequin, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, posed, reach_m,
     side_view_rad,
 };
+
+use crate::autoencoder::{self, Example, Group, Method, Study};
 
 /// Width and height of a figure in the picture of reconstructions.
 const CELL: f64 = 130.0;

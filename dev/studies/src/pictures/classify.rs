@@ -4,10 +4,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use maud::Markup;
-use sinew_sim::report::Grid;
-use sinew_sim::report::chart::{self, Interval, Row};
-use sinew_sim::report::file::write_all;
-use sinew_sim::spatial::{Measure, Metric};
+use sinew_pose_metrics::spatial::{Measure, Metric};
+use sinew_report::Grid;
+use sinew_report::chart::{self, Interval, Row};
+use sinew_report::file::write_all;
 
 use crate::spatial::Summary;
 use crate::spatial::classify::{self, Leave, Plan, Study};

@@ -4,9 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use maud::Markup;
-use sinew_sim::report::chart::{self, Row};
-use sinew_sim::report::file::write_all;
-use sinew_sim::spatial::{Measure, Metric, Weighting};
+use sinew_pose_metrics::spatial::{Measure, Metric, Weighting};
+use sinew_report::chart::{self, Row};
+use sinew_report::file::write_all;
 
 use super::classify::interval;
 use crate::recordings::Class;

@@ -4,9 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use maud::Markup;
-use sinew_sim::report::chart::{Histograms, Panel, Plane, planes};
-use sinew_sim::report::file::write_all;
-use sinew_sim::spatial::{Metric, Weighting};
+use sinew_pose_metrics::spatial::{Metric, Weighting};
+use sinew_report::chart::{Histograms, Panel, Plane, planes};
+use sinew_report::file::write_all;
 
 use crate::spatial::components::{self, Figure, Part};
 use crate::spatial::geodesic_ratio::{LOWEST_OF_PAPER, Outcome, Pair};

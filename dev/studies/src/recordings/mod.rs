@@ -14,7 +14,7 @@ use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, bvh};
 
 pub use index::{Class, DataError};
 use index::{Row, thinned};
-use sinew_sim::builtin;
+use sinew_figure::builtin;
 
 /// Rate that recordings are thinned out to: `broad-12hz` has it, and neighbours at 120 Hz tell little new.
 pub const RATE_HZ: f64 = 12.0;

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use sinew_pose_metrics::spatial::{MeasuredPose, Measuring};
+
 use crate::recordings::{Class, DataSet, Pose, Recordings, Sequence};
 use sinew_core::pose_space::PoseSpaceError;
 use sinew_mocap::Skeleton;
-use sinew_sim::spatial::{MeasuredPose, Measuring};
 
 /// Sequences of two classes.
 #[derive(Debug, Clone, PartialEq)]

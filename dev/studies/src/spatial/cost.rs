@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use cpu_time::ThreadTime;
 use serde_json::{Value, json};
-use sinew_sim::spatial::{Measure, Measuring, SpatialRig, Workspace};
+use sinew_pose_metrics::spatial::{Measure, Measuring, SpatialRig, Workspace};
 
 use super::classes::{ClassesError, TwoClasses};
 

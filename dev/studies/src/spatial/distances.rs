@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use npyz::WriterBuilder as _;
 use rayon::prelude::*;
-use sinew_sim::spatial::{MeasuredPose, Measuring, Workspace};
+use sinew_pose_metrics::spatial::{MeasuredPose, Measuring, Workspace};
 
 /// Distances that are held at a time: 16 MB of them.
 const HELD: usize = 1 << 22;
@@ -85,8 +85,8 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use glam::DQuat;
-    use sinew_sim::builtin;
-    use sinew_sim::spatial::{Measure, Metric, SpatialRig};
+    use sinew_figure::builtin;
+    use sinew_pose_metrics::spatial::{Measure, Metric, SpatialRig};
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Isomap: distances along a graph of near neighbours, for [`super::mds`].
 
-use sinew_sim::spatial::Distances;
+use sinew_pose_metrics::spatial::Distances;
 
 /// Distances along the graph that joins each thing with its `neighbours` nearest ones (Tenenbaum, de Silva & Langford
 /// 2000), between those things that hang together with the most others, which come first. O(n³).

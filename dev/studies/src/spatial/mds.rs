@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use sinew_sim::spatial::Distances;
+use sinew_pose_metrics::spatial::Distances;
 
 /// Places of things, in the directions that they spread most in.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Medoid shift: clusters of things of which only distances are known (Sheikh, Khan & Kanade 2007).
 
-use sinew_sim::spatial::Distances;
+use sinew_pose_metrics::spatial::Distances;
 
 /// Where the Gaussian kernel ends, in bandwidths: what is farther weighs less than f64 can tell beside what is near.
 const REACH: f64 = 9.0;

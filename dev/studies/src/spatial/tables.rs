@@ -1,7 +1,7 @@
 //! What both studies of two classes print alike.
 
 use comfy_table::Table;
-use sinew_sim::spatial::{Measure, SpatialRig};
+use sinew_pose_metrics::spatial::{Measure, SpatialRig};
 
 use super::classes::TwoClasses;
 use super::sign_test;

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use super::Fault;
 use super::links;
 use super::page::Page;
-use crate::step;
+use sinew_steps::step;
 
 const VERSION: &str = "0.5.4";
 

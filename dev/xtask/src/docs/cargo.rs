@@ -1,22 +1,19 @@
 //! What cargo knows of the workspace.
 
 use anyhow::{Context as _, Result};
-use serde::Deserialize;
 
-use crate::step;
+use serde_json::Value;
+use sinew_steps::step;
 
-#[derive(Deserialize)]
 pub(super) struct Workspace {
     packages: Vec<Package>,
 }
 
-#[derive(Deserialize)]
 struct Package {
     name: String,
     targets: Vec<Target>,
 }
 
-#[derive(Deserialize)]
 struct Target {
     name: String,
     kind: Vec<String>,
@@ -27,7 +24,18 @@ impl Workspace {
         let arguments = ["metadata", "--no-deps", "--offline", "--format-version", "1"];
         let text =
             step::output(step::cargo().args(arguments)).context("`cargo metadata` failed")?;
-        Ok(serde_json::from_str(&text)?)
+        let all: Value = serde_json::from_str(&text)?;
+        let list = |of: &Value, name: &str| of[name].as_array().cloned().unwrap_or_default();
+        let text = |of: &Value| of.as_str().unwrap_or_default().to_owned();
+        let target = |of: &Value| Target {
+            name: text(&of["name"]),
+            kind: list(of, "kind").iter().map(text).collect(),
+        };
+        let package = |of: &Value| Package {
+            name: text(&of["name"]),
+            targets: list(of, "targets").iter().map(target).collect(),
+        };
+        Ok(Self { packages: list(&all, "packages").iter().map(package).collect() })
     }
 
     /// What is wrong with options of a cargo command: packages and targets that are not there.

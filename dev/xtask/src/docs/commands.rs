@@ -1,25 +1,20 @@
 //! Commands in the documentation, compared with the programs themselves.
 
 use std::process::{Command, Output};
-use std::{env, io};
 
 use anyhow::Result;
 
 use super::Fault;
 use super::cargo::Workspace;
 use super::page::Page;
-use crate::step;
+use crate::{nextest, studies};
 
-/// Programs of ours, by the packages that have them.
-const PROGRAMS: [(&str, &str); 2] = [("sinew-sim", "sinew"), ("sinew-studies", "sinew-studies")];
+/// Programs of ours, by the package or the manifest that cargo is told.
+const PROGRAMS: [(&str, &str); 2] =
+    [("sinew-sim", "sinew"), ("dev/studies/Cargo.toml", "sinew-studies")];
 
 pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     let workspace = Workspace::read()?;
-    // With a test beside them, the programs are built of the very crates that the tests are: nothing is built twice.
-    let programs = PROGRAMS.iter().flat_map(|(_, program)| ["--bin", program]);
-    let mut build = step::cargo();
-    build.args(["build", "--locked", "--workspace", "--test", "parity"]).args(programs);
-    step::run("build the programs of the commands", &mut build)?;
     let mut faults = Vec::new();
     for page in pages {
         for (line, command) in &page.commands {
@@ -78,7 +73,8 @@ fn call(words: &[String]) -> Vec<Call> {
     let mut calls = vec![Call::Cargo(options.to_vec())];
     if command == "run" && !options.iter().any(|option| option == "--example" || option == "--bin")
     {
-        let package = options.iter().skip_while(|option| *option != "-p").nth(1);
+        let is_choice = |option: &&String| ["-p", "--manifest-path"].contains(&option.as_str());
+        let package = options.iter().skip_while(|option| !is_choice(option)).nth(1);
         let program = of_package(package.map_or("sinew-sim", String::as_str));
         calls.extend(program.map(|(_, name)| Call::Program(name, arguments.to_vec())));
     }
@@ -94,20 +90,26 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
             crate::action(&words).is_none().then(|| "xtask has no such command".into())
         }
         Call::Program(name, arguments) => match parsed(name, arguments) {
-            Ok(output) if output.status.success() => None,
-            Ok(output) => {
+            Ok(Some(output)) if !output.status.success() => {
                 let text = String::from_utf8_lossy(&output.stderr);
                 Some(text.lines().next().unwrap_or("refused").to_owned())
             }
+            Ok(_) => None,
             Err(error) => Some(format!("{name}: {error}")),
         },
     }
 }
 
-/// Lets a program of ours, which lies beside this one, read its arguments.
-fn parsed(name: &str, arguments: &[String]) -> io::Result<Output> {
-    let program = env::current_exe()?.with_file_name(format!("{name}{}", env::consts::EXE_SUFFIX));
-    Command::new(program).args(arguments).arg("--parse-only").output()
+/// Lets a program of ours read its arguments; none if it is that of the studies, and is not built.
+fn parsed(name: &str, arguments: &[String]) -> Result<Option<Output>> {
+    let program = match name {
+        "sinew-studies" => studies::program(),
+        name => nextest::program(name)?,
+    };
+    if name == "sinew-studies" && !program.exists() {
+        return Ok(None);
+    }
+    Ok(Some(Command::new(program).args(arguments).arg("--parse-only").output()?))
 }
 
 #[cfg(test)]
@@ -122,13 +124,15 @@ mod tests {
     fn our_programs_are_found_in_what_a_shell_reads() {
         let program = |name, arguments: &str| Call::Program(name, words(arguments));
         assert_eq!(
-            calls("sinew find a/ --like b # what it does"),
+            calls("sinew clip find a/ --like b # what it does"),
             [program("sinew", "find a/ --like b")]
         );
         assert_eq!(
-            calls("SINEW_DATA=path cargo run --release -p sinew-studies -- mds --quick"),
+            calls(
+                "SINEW_DATA=path cargo run --release --manifest-path dev/studies/Cargo.toml -- mds --quick"
+            ),
             [
-                Call::Cargo(words("--release -p sinew-studies")),
+                Call::Cargo(words("--release --manifest-path dev/studies/Cargo.toml")),
                 program("sinew-studies", "mds --quick")
             ]
         );

@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::Fault;
 use super::page::Page;
-use crate::step;
+use sinew_steps::step;
 
 pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
     let of_page = |page: &Page| -> Vec<Fault> {

@@ -3,7 +3,6 @@
 mod book;
 mod cargo;
 mod commands;
-mod figures;
 mod links;
 mod page;
 mod width;
@@ -12,8 +11,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::step;
+use crate::nextest;
 use page::Page;
+use sinew_steps::step;
 
 /// What is wrong, and in which line of which file.
 struct Fault {
@@ -25,26 +25,31 @@ struct Fault {
 /// Checks every page of the repository, then builds the book.
 pub(crate) fn run() -> Result<()> {
     text()?;
-    with_programs()
+    nextest::build()?;
+    commands()?;
+    book()
 }
 
-/// Checks the commands on all pages with the programs themselves, then builds the book.
-pub(crate) fn with_programs() -> Result<()> {
-    eprintln!("\n== documentation: commands");
-    let pages = pages()?;
-    refuse(&commands::check(&pages)?)?;
-    book::build(&pages)
+/// Checks the commands on all pages with the programs themselves, which must have been built. Those of the studies are
+/// checked where that program is.
+pub(crate) fn commands() -> Result<()> {
+    step::of("documentation: commands", || refuse(&commands::check(&pages()?)?))
+}
+
+/// Builds the book.
+pub(crate) fn book() -> Result<()> {
+    book::build(&pages()?)
 }
 
 /// Checks what is known without the programs, which take minutes to build.
 pub(crate) fn text() -> Result<()> {
-    eprintln!("\n== documentation: links, figures, width");
-    let pages = pages()?;
-    let mut faults = links::check(&pages);
-    faults.extend(book::check(&pages));
-    faults.extend(figures::check(&pages)?);
-    faults.extend(width::check(&pages)?);
-    refuse(&faults)
+    step::of("documentation: links, width", || {
+        let pages = pages()?;
+        let mut faults = links::check(&pages);
+        faults.extend(book::check(&pages));
+        faults.extend(width::check(&pages)?);
+        refuse(&faults)
+    })
 }
 
 /// Names faults, and fails if there are any.

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 
 use super::page::Page;
 use super::{Fault, files};
-use crate::step;
+use sinew_steps::step;
 
 /// Columns of the widest line. Tables, code and addresses may be wider.
 const WIDEST: usize = 120;

@@ -3,6 +3,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+mod clocks;
+#[cfg(target_os = "none")]
 mod image;
 
 #[cfg(not(target_os = "none"))]

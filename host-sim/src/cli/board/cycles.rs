@@ -1,8 +1,8 @@
 //! How long the parts of a board take: a table, in microseconds and in cycles of its processor.
 
 use sinew_board_client::{ClientError, Line};
+use sinew_host_util::command::table;
 use sinew_link::message::{Applied, Command, Cycles, Health};
-use sinew_sim::command::table;
 
 /// What a board has counted since it was read last; it begins anew.
 ///

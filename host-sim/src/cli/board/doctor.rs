@@ -1,4 +1,4 @@
-//! `sinew doctor`: a board looked over while its rig is limp.
+//! `sinew board doctor`: a board looked over while its rig is limp.
 
 mod bus;
 mod own;
@@ -7,31 +7,31 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::Parts;
+use sinew_host_util::command::{note, print};
+use sinew_performance::play::Parts;
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
 use crate::cli::rig::read;
 
-/// Look a board over while its rig is limp: versions, faults, time of ticks, link, supply; with --rig each servo's
-/// answers at each rate.
+/// Check a board while its rig is limp, and write a report that you can send.
 ///
-/// Nothing moves. Each line says ok, doubtful or wrong, and what to do; all goes into one file that you can send. Exit
-/// code 1 if anything is wrong.
+/// It checks versions, faults, the time of ticks, link and supply; with --rig each servo's answers at each rate.
+/// Nothing moves. Each line of the report says ok, doubtful or wrong, and what to do. The exit code is 1 if anything is
+/// wrong.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct DoctorArgs {
+pub(super) struct DoctorArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// The rig that the board has: a rig.toml, a URDF or an MJCF file.
+    /// The rig that is on the board: rig.toml, URDF or MJCF. Its servos are checked too.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// The file.
+    /// File of the report.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
     output: PathBuf,
 }
@@ -72,7 +72,7 @@ impl Findings {
 }
 
 /// Looks, prints and writes.
-pub(in crate::cli) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let parts = rig.as_ref().map(|rig| {
         let parts = Parts::new(&rig.description, &rig.mechanism, args.driven.on_board());
@@ -91,7 +91,7 @@ pub(in crate::cli) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     }
     let head = format!("sinew {} doctor\n", env!("CARGO_PKG_VERSION"));
     print(&findings.lines)?;
-    sinew_sim::output::write(&args.output, &(head + &findings.lines))?;
+    sinew_host_util::output::write(&args.output, &(head + &findings.lines))?;
     note(format_args!("wrote {}", args.output.display()));
     Ok(if findings.is_wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -1,28 +1,28 @@
-//! `sinew faults`: the log of a controller.
+//! `sinew board faults`: the log of a controller.
 
 use std::process::ExitCode;
 
+use sinew_host_util::command::print;
 use sinew_link::message::Command;
-use sinew_sim::command::print;
 
 use super::{BoardPort, remedy, words::told};
 
-/// Show the faults that a controller keeps, over power loss too: the first since they were cleared, then from the
-/// latest back, each with what to do.
+/// Print the faults that a board has stored, each with what to do; or clear them.
 ///
-/// Exit code 1 if there are any. What each means: docs/faults.md.
+/// A board keeps its faults over a loss of power. The first one since they were cleared is printed first, then the
+/// others from the latest back. The exit code is 1 if there are any. docs/faults.md explains each fault.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct FaultsArgs {
+pub(super) struct FaultsArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// Clear those that are latched. Nothing moves by it; it is refused while a condition is still there.
+    /// Clear the latched faults. Nothing moves. The board refuses it while the cause of a fault is present.
     #[arg(long)]
     clear: bool,
 }
 
 /// Prints them, or clears them.
-pub(in crate::cli) fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
     let mut board = args.board.open()?;
     let records = board.fault_log()?;
     let mut text = String::new();

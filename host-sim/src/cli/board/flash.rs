@@ -1,4 +1,4 @@
-//! `sinew flash`: firmware into a board, through probe-rs.
+//! `sinew board flash`: firmware into a board, through probe-rs.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,8 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::ClientError;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Misfit, State, Version};
-use sinew_sim::command::{note, print};
 
 use super::BoardPort;
 
@@ -18,14 +18,14 @@ const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
 
 /// Write firmware into a board, through its debugger and `probe-rs`.
 ///
-/// Refused while the rig is armed. The firmware must speak this program's version of the link.
+/// It is refused while the rig is armed. The firmware must have this program's version of the link.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct FlashArgs {
+pub(super) struct FlashArgs {
     /// A board whose image `cargo xtask firmware` has built, such as `nucleo_f446re`, or an image (ELF).
     #[arg(value_name = "BOARD|ELF")]
     image: PathBuf,
 
-    /// The chip, as `probe-rs chip list` has it. Default: that of the board.
+    /// Name of the chip in `probe-rs chip list`. Default: that of the board.
     #[arg(long, value_name = "CHIP")]
     chip: Option<String>,
 
@@ -34,7 +34,7 @@ pub(in crate::cli) struct FlashArgs {
 }
 
 /// Writes it, and looks what answers.
-pub(in crate::cli) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     let name = args.image.file_stem().map(|name| name.to_string_lossy().into_owned());
     let known = CHIPS.iter().find(|(board, _)| Some(*board) == name.as_deref());
     let image = match known {

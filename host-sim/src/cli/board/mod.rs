@@ -1,4 +1,4 @@
-//! Commands for a controller at a serial port, and a simulated one.
+//! `sinew board`: a controller at a serial port, and a simulated one.
 
 mod arm;
 mod cycles;
@@ -14,13 +14,49 @@ mod upload;
 mod words;
 
 pub(super) use arm::{READY, arm, check_rig};
-pub(super) use doctor::{DoctorArgs, run as doctor};
-pub(super) use faults::{FaultsArgs, run as faults};
-pub(super) use flash::{FlashArgs, run as flash};
-pub(super) use monitor::{MonitorArgs, run as monitor};
-pub(super) use port::{BoardPort, PortBoard, open};
-pub(super) use settings::{SettingsArgs, run as settings};
-#[cfg(unix)]
-pub(super) use simulate::{SimulateArgs, run as simulate};
-pub(super) use upload::{UploadArgs, put, put_show, run as upload};
-pub(super) use words::{named, remedy, tell_faults};
+pub(super) use port::{PortBoard, open};
+pub(super) use upload::{put, put_show};
+pub(super) use words::{named, tell_faults};
+
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+
+use port::BoardPort;
+use words::remedy;
+
+/// A controller board: flash it, bring it a rig and shows, watch it, read its faults; or simulate one.
+///
+/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without it, the one at a USB port that
+/// answers is taken.
+#[derive(Debug, Args)]
+pub(super) struct BoardCommands {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    #[cfg(unix)]
+    Simulate(simulate::SimulateArgs),
+    Flash(flash::FlashArgs),
+    Upload(upload::UploadArgs),
+    Monitor(monitor::MonitorArgs),
+    Faults(faults::FaultsArgs),
+    Settings(settings::SettingsArgs),
+    Doctor(doctor::DoctorArgs),
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &BoardCommands) -> anyhow::Result<ExitCode> {
+    match &args.command {
+        #[cfg(unix)]
+        Command::Simulate(args) => simulate::run(args),
+        Command::Flash(args) => flash::run(args),
+        Command::Upload(args) => upload::run(args),
+        Command::Monitor(args) => monitor::run(args),
+        Command::Faults(args) => faults::run(args),
+        Command::Settings(args) => settings::run(args),
+        Command::Doctor(args) => doctor::run(args),
+    }
+}

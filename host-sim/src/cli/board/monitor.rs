@@ -1,49 +1,48 @@
-//! `sinew monitor`: what a controller tells of its rig.
+//! `sinew board monitor`: what a controller tells of its rig.
 
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::ensure;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Parts, Summary};
-use sinew_sim::command::{note, print};
 
 use super::{BoardPort, cycles, named};
 use crate::cli::play::stop::Stop;
 
-/// Show what a controller tells of its rig: state, fault, supply, tick, errors of the bus, heat. Nothing moves by it.
+/// Print the state of a board's rig: state, fault, supply, tick, bus errors, heat.
 ///
-/// A line for each change of the state, and one in every --every seconds, until Ctrl-C. Then how long ticks, bus, link
-/// and the loop's periods took meanwhile.
+/// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. At the end it
+/// prints how long ticks, bus, link and the loop's periods took.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct MonitorArgs {
+pub(super) struct MonitorArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// Seconds between two lines.
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    every: f64,
+    /// Time between two lines, in ms.
+    #[arg(long, value_name = "MS", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(50..=3_600_000))]
+    interval_ms: u64,
 
-    /// End after so many lines.
+    /// End after N lines. Default: at Ctrl-C.
     #[arg(long, value_name = "N")]
-    lines: Option<u32>,
+    samples: Option<u32>,
 }
 
 /// Prints until it is stopped.
-pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
-    ensure!((0.05..=3600.0).contains(&args.every), "--every: expected 0.05 to 3600 s");
+pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let mut board = args.board.open()?;
     let stop = Stop::new()?;
     let about = board.about();
     note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
     ensure!(
         about.rig != 0,
-        "the board has no rig, and so nothing to tell: `sinew upload rig` brings one"
+        "the board has no rig, and so nothing to tell: `sinew board upload rig` brings one"
     );
     board.telemetry(10.0, Parts::SUMMARY.and(Parts::SERVOS))?;
     // What was counted before belongs to other work.
     let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
-    while stop.times() == 0 && args.lines.is_none_or(|most| lines < most) {
+    while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
         for fault in board.seen.faults.iter().skip(faults) {
             print(&format!("{}\n", super::words::told(fault)))?;
@@ -53,7 +52,7 @@ pub(in crate::cli) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
         if state.replace(summary.state) == Some(summary.state) && board.now() < due {
             continue;
         }
-        due = board.now() + Duration::from_secs_f64(args.every);
+        due = board.now() + Duration::from_millis(args.interval_ms);
         lines += 1;
         print(&line(&summary, &board.seen.servos))?;
     }

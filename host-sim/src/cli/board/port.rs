@@ -2,19 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use sinew_board_client::{Board, SerialBoard, port};
-use sinew_sim::command::note;
+use anyhow::anyhow;
+use sinew_board_client::{Board, ClientError, SerialBoard, port};
+use sinew_host_util::command::note;
 
 /// A controller at a serial port.
 pub(in crate::cli) type PortBoard = Board<SerialBoard>;
 
-/// Which controller.
+/// The option that names a controller.
 #[derive(Debug, Clone, clap::Args)]
-pub(in crate::cli) struct BoardPort {
-    /// The controller's serial port, such as /dev/ttyACM0, or the link of `sinew board simulate`. Without it, or with
-    /// `auto`: the one at a USB port that answers.
+pub(super) struct BoardPort {
+    /// Serial port of the board, such as /dev/ttyACM0, or the link of `sinew board simulate`. Default, and `auto`: the
+    /// USB port where a board answers.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = AUTO)]
-    board: Option<PathBuf>,
+    port: Option<PathBuf>,
 }
 
 /// In place of a port.
@@ -22,17 +23,23 @@ const AUTO: &str = "auto";
 
 impl BoardPort {
     /// Opens it.
-    pub(in crate::cli) fn open(&self) -> anyhow::Result<PortBoard> {
-        open(self.board.as_deref())
+    pub(super) fn open(&self) -> anyhow::Result<PortBoard> {
+        open(self.port.as_deref(), "--port")
     }
 }
 
-/// Opens a controller's port; none or `auto`: the one that answers.
-pub(in crate::cli) fn open(path: Option<&Path>) -> anyhow::Result<PortBoard> {
+/// Opens a controller's port; without one, or of `auto`, the one that answers. `option` is what names a port.
+pub(in crate::cli) fn open(path: Option<&Path>, option: &str) -> anyhow::Result<PortBoard> {
     if let Some(path) = path.filter(|path| *path != Path::new(AUTO)) {
         Ok(port::open(path)?)
     } else {
-        let (path, board) = port::find(None)?;
+        let found = port::find(None).map_err(|error| match error {
+            ClientError::NoneFound(_) | ClientError::Several(_) => {
+                anyhow!("{error}: name its port, `{option} PORT`")
+            }
+            error => error.into(),
+        });
+        let (path, board) = found?;
         note(format_args!("the controller at {}", path.display()));
         Ok(board)
     }

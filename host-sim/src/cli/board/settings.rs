@@ -1,4 +1,4 @@
-//! `sinew settings`: what a controller can be told.
+//! `sinew board settings`: times, speeds and bounds of safety that a controller stores.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -6,16 +6,18 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Subcommand;
 use sinew_firmware::node::SETTING_NAMES;
-use sinew_sim::command::{print, table};
+use sinew_host_util::command::{print, table};
 
 use super::{BoardPort, PortBoard};
 
 /// A board that starts anew answers within this time.
 const RESTART: Duration = Duration::from_secs(10);
 
-/// Show or set what a controller can be told: times, speeds and bounds of safety. All of them without a subcommand.
+/// Print or set a board's settings: times, speeds and limits of safety.
+///
+/// Without a sub-command it prints all settings.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct SettingsArgs {
+pub(super) struct SettingsArgs {
     #[command(flatten)]
     board: BoardPort,
 
@@ -25,23 +27,23 @@ pub(in crate::cli) struct SettingsArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Show one.
+    /// Print a setting.
     Get {
-        /// Its name, such as `stop_s`.
+        /// Name of the setting, such as `stop_s`.
         key: String,
     },
-    /// Set one. The board keeps it, and starts anew; refused while the rig is armed.
+    /// Set a setting. The board stores it and restarts; it refuses while the rig is armed.
     Set {
-        /// Its name, such as `stop_s`.
+        /// Name of the setting, such as `stop_s`.
         key: String,
-        /// Its value, in the unit behind its name.
+        /// Value, in the unit that the name ends with.
         #[arg(allow_negative_numbers = true)]
         value: f32,
     },
 }
 
 /// Shows or sets.
-pub(in crate::cli) fn run(args: &SettingsArgs) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<ExitCode> {
     let key = match &args.what {
         Some(What::Get { key } | What::Set { key, .. }) => Some(number(key)?),
         None => None,

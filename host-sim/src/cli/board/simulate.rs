@@ -7,14 +7,14 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use anyhow::Context as _;
-use clap::{Args, Subcommand};
+use clap::Args;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_firmware::supervisor::State;
+use sinew_host_util::command::print;
+use sinew_performance::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
+use sinew_performance::teach::ScriptedHand;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
-use sinew_sim::command::print;
-use sinew_sim::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
-use sinew_sim::teach::ScriptedHand;
 
 use crate::cli::driven::DrivenArgs;
 use crate::cli::record::leads;
@@ -27,56 +27,45 @@ const BUILT_IN: &str = "built-in";
 /// What a port is set to until a program sets it.
 const BAUD: u32 = 1_000_000;
 
-/// Boards without hardware.
-#[derive(Debug, Args)]
-pub(in crate::cli) struct SimulateArgs {
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Debug, Subcommand)]
-enum Command {
-    Simulate(BoardArgs),
-}
-
-/// A simulated board on a serial port of this machine: the node that boards run, with simulated servos.
+/// Simulate a board on a serial port of this machine: the program of boards, with simulated servos.
 ///
 /// It makes the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All commands
-/// with --board take the link as their port. The rig is stored in its flash already.
+/// of `sinew board`, and `--target` of `play` and `record`, take the link as their port. The rig is in its flash
+/// already.
 #[derive(Debug, Args)]
-struct BoardArgs {
-    /// The rig whose servos hang on the board: a rig.toml, a URDF or an MJCF file.
+pub(super) struct SimulateArgs {
+    /// The rig whose servos are on the board: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Where programs find the port: a link that is made, and replaced if it is there.
+    /// Path of the link that programs open as a serial port. A link that is there is replaced.
     #[arg(long, value_name = "LINK")]
     pty: PathBuf,
 
-    /// Keep the board's flash in this file: rig, shows, settings and faults are there at the next start.
+    /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they are
+    /// lost at the end.
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
 
-    /// As it comes out of the box: no rig is stored, `sinew upload rig` brings it.
+    /// Start without a rig, as a new board does: `sinew board upload rig` brings one.
     #[arg(long)]
     blank: bool,
 
-    /// A scripted hand leads the rig whenever it is taught or floats: along a CSV of joint coordinates, or as that of
-    /// `sinew record --simulate`.
+    /// Let a scripted hand guide the rig whenever it is taught or floats: along this CSV of joint coordinates, or
+    /// without a value along the built-in path of `sinew record`.
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1, default_missing_value = BUILT_IN)]
-    hand: Option<PathBuf>,
+    guide: Option<PathBuf>,
 
-    /// Servos for a rig whose file has none, as of `sinew play`.
-    #[arg(long, value_name = "[JOINTS=]KIND")]
-    servo: Vec<sinew_sim::play::ServoChoice>,
+    /// Servos for joints that have none, as of `sinew play`.
+    #[arg(long, value_name = "[JOINT=]KIND")]
+    servo: Vec<sinew_performance::play::ServoChoice>,
 
     #[command(flatten)]
     driven: DrivenArgs,
 }
 
 /// Serves until it is told to end.
-pub(in crate::cli) fn run(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
-    let Command::Simulate(args) = &args.command;
+pub(super) fn run(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     thread::scope(|scope| {
         let builder = thread::Builder::new().stack_size(STACK_BYTES);
         let served = builder.spawn_scoped(scope, || serve(args))?.join();
@@ -84,7 +73,7 @@ pub(in crate::cli) fn run(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-fn serve(args: &BoardArgs) -> anyhow::Result<ExitCode> {
+fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     let of_rig = || args.rig.display().to_string();
     let mut rig = read(&args.rig)?;
     if put_servos(&mut rig.description, &args.servo).with_context(of_rig)? > 0 {
@@ -111,7 +100,7 @@ fn serve(args: &BoardArgs) -> anyhow::Result<ExitCode> {
     let way = |file: &PathBuf| {
         leads(&rig, Some(file.as_path()).filter(|file| *file != Path::new(BUILT_IN)))
     };
-    let leads = args.hand.as_ref().map(way).transpose()?;
+    let leads = args.guide.as_ref().map(way).transpose()?;
     let hand = leads.map(|leads| ScriptedHand::new(&rig.mechanism, leads));
     let (mut was_led, mut begun_us) = (false, None);
     board.serve(&port, &stop, |board| {

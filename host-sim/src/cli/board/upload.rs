@@ -1,4 +1,4 @@
-//! `sinew upload`: a rig or a show to a controller.
+//! `sinew board upload`: a rig or a show to a controller.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,33 +8,35 @@ use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
+use sinew_host_util::command::{note, print};
 use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
+use sinew_performance::play::{Parts, ServoChoice, put_servos};
 use sinew_show::Show;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::{Parts, ServoChoice, put_servos};
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
 use crate::cli::rig::read;
 
-/// Bring a rig or a show to a controller. It goes on where the same upload was interrupted; refused while armed.
+/// Upload a rig or a show to a board.
+///
+/// An upload that was interrupted goes on where it stopped. The board refuses uploads while the rig is armed.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct UploadArgs {
+pub(super) struct UploadArgs {
     #[command(subcommand)]
     what: What,
 }
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// A rig, and how its servos hang on the board. The board starts anew with it.
+    /// Upload a rig, with the servos on each line of the board. The board restarts with it.
     Rig {
         /// A rig.toml, a URDF or an MJCF file.
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Servos for a rig whose file has none, as of `sinew play`.
-        #[arg(long, value_name = "[JOINTS=]KIND")]
+        /// Servos for joints that have none, as of `sinew play`.
+        #[arg(long, value_name = "[JOINT=]KIND")]
         servo: Vec<ServoChoice>,
 
         #[command(flatten)]
@@ -43,13 +45,13 @@ enum What {
         #[command(flatten)]
         common: Common,
     },
-    /// A show of `sinew bake`, into a free slot.
+    /// Upload a show of `sinew bake` into a free slot.
     Show {
         /// The show.
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Delete the show of this slot before.
+        /// Delete the show in this slot first, which frees it.
         #[arg(long, value_name = "SLOT")]
         replace: Option<u8>,
 
@@ -63,13 +65,13 @@ struct Common {
     #[command(flatten)]
     board: BoardPort,
 
-    /// Who stands for it: the board keeps the name.
-    #[arg(long, value_name = "NAME", default_value = "sinew upload")]
-    by: String,
+    /// Name of who approves the upload. The board stores it beside the item.
+    #[arg(long, value_name = "NAME", default_value = "sinew board upload")]
+    approved_by: String,
 }
 
 /// Uploads.
-pub(in crate::cli) fn run(args: &UploadArgs) -> anyhow::Result<ExitCode> {
+pub(super) fn run(args: &UploadArgs) -> anyhow::Result<ExitCode> {
     match &args.what {
         What::Rig { file, servo, driven, common } => rig(file, servo, *driven, common),
         What::Show { file, replace, common } => show(file, *replace, common),
@@ -98,7 +100,7 @@ fn rig(
         ));
     }
     let mut board = common.board.open()?;
-    let item = item(Kind::Rig, RIG_SCHEMA, &bytes, 0, &common.by)?;
+    let item = item(Kind::Rig, RIG_SCHEMA, &bytes, 0, &common.approved_by)?;
     put(&mut board, &item, &bytes)?;
     let now = board.about().rig;
     print(&format!("the board has rig {now:08x} ({}), {} bytes\n", file.display(), bytes.len()))?;
@@ -119,7 +121,7 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
     if let Some(slot) = replace {
         board.ask(Command::DeleteShow { slot })?;
     }
-    let slot = put_show(&mut board, &bytes, &common.by)?;
+    let slot = put_show(&mut board, &bytes, &common.approved_by)?;
     print(&format!("{} is in slot {slot}\n", file.display()))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -140,7 +142,7 @@ pub(in crate::cli) fn put_show<L: Line>(
             let shows = board.shows()?;
             let count = shows.iter().flatten().count();
             bail!(
-                "the board has room for {} shows of {} bytes, and holds {count}: `sinew upload show FILE --replace \
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE --replace \
                  SLOT` deletes one before",
                 shows.len(),
                 board.about().capacities.slot_bytes

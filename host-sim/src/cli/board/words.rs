@@ -2,8 +2,8 @@
 
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
+use sinew_host_util::command::note;
 use sinew_link::message::FaultRecord;
-use sinew_sim::command::note;
 
 /// The fault of a number, if this program knows it.
 fn known(number: u8) -> Option<Fault> {
@@ -29,7 +29,7 @@ pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
     for number in numbers {
         note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
     }
-    note(format_args!("`sinew faults --clear` when it is mended"));
+    note(format_args!("`sinew board faults --clear` when it is mended"));
 }
 
 /// Where and when a fault came.

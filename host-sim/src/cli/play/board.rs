@@ -1,4 +1,4 @@
-//! `sinew play --board`: a show on a controller at a serial port.
+//! `sinew play --target PORT`: a show on a controller at a serial port.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_host_util::command::note;
 use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
+use sinew_performance::play::Parts;
 use sinew_show::Show;
-use sinew_sim::command::note;
-use sinew_sim::play::Parts;
 
 use super::stop::Stop;
 use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
@@ -50,7 +50,7 @@ pub(super) fn perform(
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
-    perform_on(&mut open(Some(path))?, parts, bytes, rounds)
+    perform_on(&mut open(Some(path), "--target")?, parts, bytes, rounds)
 }
 
 /// The same on a board in a session.

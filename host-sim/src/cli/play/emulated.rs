@@ -1,4 +1,4 @@
-//! `sinew play --emulate`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
+//! `sinew play --target nucleo`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, item, nonce};
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::RIG_SCHEMA;
+use sinew_host_util::command::{note, print};
 use sinew_link::message::Kind;
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
+use sinew_performance::play::{Line, Memory, Parts};
+use sinew_performance::rig::Loaded;
 use sinew_servo_sim::device::MEMORY_LEN;
-use sinew_sim::command::{note, print};
-use sinew_sim::play::{Line, Memory, Parts};
-use sinew_sim::rig::Loaded;
 
 use super::board::perform_on;
 use crate::cli::board::put;
@@ -51,9 +51,15 @@ pub(super) fn perform(
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
     let [line] = parts.lines.as_slice() else {
-        bail!("--emulate: the rig has {} buses, the board one serial line", parts.lines.len());
+        bail!(
+            "--target nucleo: the rig has {} buses, the board one serial line",
+            parts.lines.len()
+        );
     };
-    ensure!(!line.is_of_pulses(), "--emulate: servos that take pulses are not emulated there");
+    ensure!(
+        !line.is_of_pulses(),
+        "--target nucleo: servos that take pulses are not emulated there"
+    );
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism)?;
     let servos = parts.simulated(&mut memories, plant)?.pop().context("it has one line")?;

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_firmware::supervisor::{Moving, State};
+use sinew_host_util::command::note;
+use sinew_performance::play::Stand;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::Show;
-use sinew_sim::command::note;
-use sinew_sim::play::Stand;
 
 /// So many joints are shown.
 const WORST: usize = 6;

@@ -6,12 +6,12 @@ use std::time::Duration;
 use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::ClientError;
+use sinew_host_util::command::note;
 use sinew_link::message::{Command, Parts as Told, Refusal, State};
+use sinew_performance::play::Parts;
+use sinew_performance::rig::Loaded;
+use sinew_performance::teach::{Mode, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
-use sinew_sim::command::note;
-use sinew_sim::play::Parts;
-use sinew_sim::rig::Loaded;
-use sinew_sim::teach::{Mode, check_servos, rows};
 
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
 use crate::cli::play::stop::Stop;
@@ -32,7 +32,7 @@ pub(super) fn led(
     seconds: Option<f64>,
 ) -> anyhow::Result<RigMotion> {
     check_servos(parts, mode)?;
-    let mut board = open(Some(port))?;
+    let mut board = open(Some(port), "--target")?;
     check_rig(&board, parts)?;
     // As often as there are ticks: how long one is, the board alone knows.
     let tick_s = f64::from(board.telemetry(f32::MAX, Told::SUMMARY)?.rate_hz).recip();

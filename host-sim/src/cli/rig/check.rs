@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use comfy_table::Table;
+use sinew_host_util::command::{print, table};
+use sinew_performance::rig::review;
 use sinew_rig::review::{Loop, Review, Severity};
-use sinew_sim::command::{print, table};
-use sinew_sim::rig::review;
 
 use super::read_as;
 use crate::cli::told::ToldArgs;
@@ -38,16 +38,16 @@ pub(super) struct CheckArgs {
 pub(super) struct LoopArgs {
     /// Control rate, ticks a second.
     #[arg(long, value_name = "HZ", default_value_t = 500.0, value_parser = rate_hz)]
-    rate: f64,
+    rate_hz: f64,
 
     /// Ticks that a torque acts late.
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
-    latency: usize,
+    latency_ticks: usize,
 }
 
 impl LoopArgs {
     pub(super) fn control(self) -> Loop {
-        Loop { rate_hz: self.rate, latency_ticks: self.latency }
+        Loop { rate_hz: self.rate_hz, latency_ticks: self.latency_ticks }
     }
 }
 

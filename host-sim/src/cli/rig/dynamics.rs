@@ -4,8 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use sinew_sim::command::print;
-use sinew_sim::rig::{freedom_names, inverse_dynamics};
+use sinew_host_util::command::print;
+use sinew_performance::rig::{freedom_names, inverse_dynamics};
 
 use super::read_as;
 use crate::cli::told::ToldArgs;

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
+use sinew_host_util::command::note;
+use sinew_performance::rig::load;
 use sinew_rig::import::Options;
 use sinew_rig::review;
 use sinew_rig::toml_file;
-use sinew_sim::command::note;
-use sinew_sim::rig::load;
 
 use super::Target;
 use crate::cli::told::ToldArgs;

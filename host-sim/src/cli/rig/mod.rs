@@ -11,9 +11,9 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use clap::{Args, Subcommand};
+use sinew_host_util::command::note;
+use sinew_performance::rig::{Loaded, load};
 use sinew_rig::import::Options;
-use sinew_sim::command::note;
-use sinew_sim::rig::{Loaded, load};
 
 /// Your own rig: import, check and see it, and compute its torques.
 ///
@@ -74,7 +74,7 @@ impl Target {
     /// Writes text, and says where.
     fn write(&self, text: &str) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
-            sinew_sim::command::print(text)?;
+            sinew_host_util::command::print(text)?;
             return Ok(());
         };
         if path.exists() && !self.force {
@@ -85,7 +85,7 @@ impl Target {
 }
 
 fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
-    sinew_sim::output::write(path, text)?;
+    sinew_host_util::output::write(path, text)?;
     note(format_args!("wrote {}", path.display()));
     Ok(())
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use sinew_sim::report::rig::page;
-use sinew_sim::rig::review;
+use sinew_performance::rig::review;
+use sinew_report::rig::page;
 
 use super::check::LoopArgs;
 use super::{read_as, write_file};

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 
 use anyhow::{Context as _, bail};
+use sinew_host_util::command::note;
 use sinew_rig::{Description, toml_file};
 use sinew_servo_tools::calibrate::{Calibration, LOOK_EVERY, drives_of, home_of, offsets};
 use sinew_servo_tools::rig_file::{edited, replace};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
-use sinew_sim::command::note;
 
 use super::LineArgs;
 use super::line::PortClient;
@@ -35,9 +35,9 @@ pub(super) struct CalibrateArgs {
     #[arg(value_name = "JOINT")]
     joints: Vec<String>,
 
-    /// Stay so far from both ends, in degrees of the servo.
+    /// Distance of the range from both stops, in degrees of the servo.
     #[arg(long, value_name = "DEG", default_value_t = 2.0, value_parser = margin, allow_negative_numbers = true)]
-    margin: f64,
+    margin_deg: f64,
 }
 
 fn margin(text: &str) -> Result<f64, String> {
@@ -63,7 +63,7 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
         if of_drive.is_empty() {
             continue;
         }
-        text = one(&mut client, &rig, drive, &of_drive, args.margin, &text, &lines)?;
+        text = one(&mut client, &rig, drive, &of_drive, args.margin_deg, &text, &lines)?;
         replace(&args.rig, &text).with_context(name)?;
         note(format_args!("wrote {}", name()));
     }

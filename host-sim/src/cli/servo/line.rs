@@ -5,53 +5,53 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use sinew_board_client::BoardServos;
+use sinew_host_util::command::note;
 use sinew_servo_tools::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
-use sinew_sim::command::note;
 
 use crate::cli::board::open;
 
 /// Options of the line.
 #[derive(Debug, clap::Args)]
 pub(super) struct LineArgs {
-    /// The serial port, such as /dev/ttyUSB0, or the link of `sinew servos --pty`.
+    /// Serial port of the servos, such as /dev/ttyUSB0, or the link of `sinew servo simulate`.
     #[arg(long, value_name = "PORT", global = true)]
-    bus: Option<PathBuf>,
+    port: Option<PathBuf>,
 
-    /// Through the controller at this port, in place of --bus: it passes packets on while its rig is limp, off or
-    /// faulted. Without a value, or `auto`: the one at a USB port that answers. Its torque stays off: `identify` cannot
-    /// move a servo.
+    /// Serial port of a controller board that passes packets on to its servos, in place of --port. Without a value, or
+    /// `auto`: the USB port where a board answers. Its rig must be limp, off or faulted. Torque stays off, so
+    /// `identify` cannot move a servo.
     #[arg(
         long,
         value_name = "PORT",
         global = true,
         num_args = 0..=1,
         default_missing_value = "auto",
-        conflicts_with = "bus"
+        conflicts_with = "port"
     )]
     board: Option<PathBuf>,
 
-    /// Which of the board's lines of servos, from 0.
+    /// Number of the board's line of servos, from 0.
     #[arg(long, value_name = "N", global = true, default_value_t = 0, requires = "board")]
     line: u8,
 
-    /// The servos' protocol. Default: that of the rig's servos; else both are tried.
+    /// Protocol of the servos. Default: that of the rig's servos; without a rig both are tried.
     #[arg(long, value_enum, global = true)]
     protocol: Option<ProtocolArg>,
 
-    /// Their rate, bits per second. Default: all rates of the protocol are tried, the factory's first.
+    /// Rate of the servos, in bit/s. Default: all rates of the protocol are tried, the factory's first.
     #[arg(long, value_name = "BAUD", global = true, value_parser = rate)]
     baud: Option<u32>,
 
-    /// How long to wait for an answer, in ms. Adapters with an FTDI chip keep bytes for up to 16 ms. Default: 34;
+    /// Longest time to wait for an answer, in ms. Adapters with an FTDI chip keep bytes for up to 16 ms. Default: 34;
     /// through a board 5.
     #[arg(long, value_name = "MS", global = true, value_parser = wait_ms)]
-    wait: Option<u64>,
+    timeout_ms: Option<u64>,
 
-    /// How often to ask before a servo counts as silent.
+    /// Number of questions without an answer after which a servo counts as silent.
     #[arg(long, value_name = "N", global = true, default_value_t = 3, value_parser = tries)]
     tries: u32,
 
-    /// Take the registers of this model, for a servo that is not in the list.
+    /// Use the registers of this model, for a servo whose model number is unknown.
     #[arg(long, value_name = "NAME", global = true)]
     model: Option<String>,
 }
@@ -93,23 +93,23 @@ impl LineArgs {
     /// Opens the port, at the first rate that may be.
     pub(super) fn client(&self) -> anyhow::Result<PortClient> {
         let (line, wait_ms): (Box<dyn Exchange>, u64) = if let Some(path) = &self.board {
-            (Box::new(BoardServos::new(open(Some(path))?, self.line)?), 5)
+            (Box::new(BoardServos::new(open(Some(path), "--board")?, self.line)?), 5)
         } else {
-            let path = self.bus.as_deref().context(
-                "which port? `--bus PORT` names it, such as /dev/ttyUSB0, or the link of `sinew servos --pty`; `--board \
-                 PORT` goes through a controller",
+            let path = self.port.as_deref().context(
+                "which port? `--port PORT` names it, such as /dev/ttyUSB0, or the link of `sinew servo simulate`; \
+                 `--board PORT` goes through a controller",
             )?;
             (Box::new(SerialLine::open(path)?), 34)
         };
         let protocol = self.protocols().first().copied().unwrap_or(Protocol::Dynamixel);
         let baud = self.baud.unwrap_or(protocol.bauds()[0]);
-        let patience = Duration::from_millis(self.wait.unwrap_or(wait_ms));
+        let patience = Duration::from_millis(self.timeout_ms.unwrap_or(wait_ms));
         Ok(Client::new(line, protocol, baud, Settings { patience, tries: self.tries })?)
     }
 
     /// The port of the servos, if a controller answers there: nothing that is done with servos can come of it.
     pub(super) fn of_controller(&self) -> Option<&Path> {
-        self.bus.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
+        self.port.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
     }
 
     /// Which protocols may be.

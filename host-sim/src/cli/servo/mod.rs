@@ -14,11 +14,16 @@ use anyhow::bail;
 use clap::{Args, Subcommand};
 use line::LineArgs;
 
-/// Bus servos: find them, give them ids, set them up, calibrate and watch them.
+#[cfg(unix)]
+use super::servos;
+
+/// Bus servos: find them, give them ids, set them up, calibrate, watch or simulate them.
 ///
-/// On a serial port (a USB adapter such as U2D2 or Feetech's board) or at the simulated servos of `sinew servos`.
-/// Dynamixel (protocol 2.0) and Feetech. Without `--protocol` and `--baud` a servo is looked for in both protocols at
-/// all their rates. Exit code: 0 done, 1 done and the result is bad (nothing found, settings differ), 2 not done.
+/// The servos are Dynamixels (protocol 2.0) or Feetechs. They are on a serial port (--port: a USB adapter such as U2D2
+/// or Feetech's board, or the link of `sinew servo simulate`), or on a controller board (--board). Without --protocol
+/// and --baud a servo is searched for in both protocols at all their rates.
+///
+/// Exit codes: 0 done; 1 done, and the result is bad (nothing found, settings differ); 2 not done.
 #[derive(Debug, Args)]
 pub(super) struct ServoArgs {
     #[command(flatten)]
@@ -41,6 +46,8 @@ enum Command {
     Diff(rig::DiffArgs),
     Apply(rig::ApplyArgs),
     Calibrate(calibrate::CalibrateArgs),
+    #[cfg(unix)]
+    Simulate(servos::ServosArgs),
 }
 
 /// Runs the subcommand. Where it comes to nothing, it may be that the port is a controller's.
@@ -50,7 +57,7 @@ pub(super) fn run(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         && let Some(path) = args.line.of_controller()
     {
         bail!(
-            "{}: a controller answers here, not servos: name it with --board, and it passes packets on",
+            "{}: a controller answers here, not servos: `--board` takes it in place of `--port`, and it passes packets on",
             path.display()
         );
     }
@@ -72,6 +79,8 @@ fn on_line(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         Command::Diff(args) => rig::diff(line, args),
         Command::Apply(args) => rig::apply(line, args),
         Command::Calibrate(args) => calibrate::run(line, args),
+        #[cfg(unix)]
+        Command::Simulate(args) => servos::run(args),
     }
 }
 

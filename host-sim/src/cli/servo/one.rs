@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use sinew_host_util::command::print;
 use sinew_servo_tools::{address, identify as service};
-use sinew_sim::command::print;
 
 use super::LineArgs;
 

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use anyhow::Context as _;
+use sinew_host_util::command::{print, table};
 use sinew_servo_tools::registers::{self, Number, Reading};
-use sinew_sim::command::{print, table};
 
 use super::{Format, LineArgs};
 

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use sinew_host_util::command::{note, print, table};
 use sinew_servo_tools::compare::{self, Difference};
 use sinew_servo_tools::desired::{Mode, desired};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::{ServiceError, Servo};
-use sinew_sim::command::{note, print, table};
 
 use super::line::PortClient;
 use super::{Format, LineArgs};
@@ -28,7 +28,7 @@ pub(super) struct RigArgs {
 
 #[derive(Debug, clap::Args)]
 struct ModeArgs {
-    /// What the servos are to control.
+    /// Quantity that the servos are to control.
     #[arg(long, value_enum, default_value_t = ModeArg::Position)]
     mode: ModeArg,
 }
@@ -206,9 +206,9 @@ fn row(name: &str, id: u8, difference: &Difference) -> [String; 6] {
     ]
 }
 
-/// Write what `diff` names, and compare again.
+/// Write the settings that `diff` names, and compare again.
 ///
-/// EEPROM is written only at rest: a servo whose torque is on is left alone, unless `--release` lets go of it.
+/// EEPROM is written only while torque is off: a servo whose torque is on is skipped, unless --torque-off is given.
 #[derive(Debug, clap::Args)]
 pub(super) struct ApplyArgs {
     #[command(flatten)]
@@ -217,9 +217,9 @@ pub(super) struct ApplyArgs {
     #[command(flatten)]
     mode: ModeArgs,
 
-    /// Switch torque off where EEPROM is written. What the servo holds may fall. It stays off.
+    /// Switch torque off where EEPROM is to be written, and leave it off. What the servo holds may fall.
     #[arg(long)]
-    release: bool,
+    torque_off: bool,
 }
 
 /// Writes, servo by servo. One that fails does not keep the others from theirs.
@@ -230,7 +230,7 @@ pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCod
     for (rig, servo) in servos {
         let applied = servo.and_then(|servo| {
             let settings = desired(&rig, &servo.table, mode)?;
-            compare::apply(&mut client, &servo, &settings, args.release)
+            compare::apply(&mut client, &servo, &settings, args.torque_off)
         });
         match applied {
             Ok(applied) => {
@@ -249,7 +249,7 @@ pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCod
                     error,
                     ServiceError::Register(sinew_servo_tools::Registers::TorqueOn { .. })
                 );
-                let all = if is_on { "; `apply --release` does it for all" } else { "" };
+                let all = if is_on { "; `apply --torque-off` does it for all" } else { "" };
                 tell(&rig.name, &format!("{error}{all}"));
             }
         }

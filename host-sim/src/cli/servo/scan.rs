@@ -2,21 +2,21 @@
 
 use std::process::ExitCode;
 
+use sinew_host_util::command::{note, print, table};
 use sinew_servo_tools::{Found, ScanEvent, ScanSettings, scan};
-use sinew_sim::command::{note, print, table};
 
 use super::{Format, LineArgs};
 
-/// Look for servos at all rates of both protocols, or of those that are told.
+/// Search for servos at all rates of both protocols, or at those that --protocol and --baud name.
 ///
 /// Exit code 1 if there is none.
 #[derive(Debug, clap::Args)]
 pub(super) struct ScanArgs {
-    /// Look at ids up to this one.
+    /// Largest id to search for.
     #[arg(long, value_name = "ID", default_value_t = 252, value_parser = clap::value_parser!(u8).range(0..=252))]
-    up_to: u8,
+    max_id: u8,
 
-    /// Ask every id at every rate, also where nothing answers a question to all. Takes some minutes.
+    /// Ask every id at every rate, also where nothing answers a question to all ids. It takes some minutes.
     #[arg(long)]
     thorough: bool,
 
@@ -31,7 +31,7 @@ pub(super) fn run(line: &LineArgs, args: &ScanArgs) -> anyhow::Result<ExitCode> 
     let settings = ScanSettings {
         protocols: line.protocols(),
         bauds: line.bauds(),
-        ids: 0..=args.up_to,
+        ids: 0..=args.max_id,
         thorough: args.thorough,
     };
     let found = scan(&mut client, &settings, &mut tell)?;

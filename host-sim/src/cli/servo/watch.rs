@@ -7,22 +7,22 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
+use sinew_host_util::command::{note, print, print_raw, table};
 use sinew_servo_tools::rig_servo::of_bus;
 use sinew_servo_tools::watch::{State, look};
 use sinew_servo_tools::{ScanSettings, ServiceError, Servo, scan};
-use sinew_sim::command::{note, print, print_raw, table};
 
 use super::LineArgs;
 use super::line::PortClient;
 use super::rig::find_rate;
 use crate::cli::rig::read;
 
-/// Watch servos: position, speed, current or load, supply, heat, errors.
+/// Print what servos measure, again and again: position, speed, current or load, supply, heat, errors.
 ///
-/// A table on a terminal; else a line for each servo. Ctrl-C ends it.
+/// On a terminal it prints a table; else a line for each servo. Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 pub(super) struct WatchArgs {
-    /// Their ids. Default: those of the rig; else who answers a scan.
+    /// Ids of the servos. Default: those of the rig; without one, all that answer a scan.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     ids: Vec<u8>,
 
@@ -34,13 +34,13 @@ pub(super) struct WatchArgs {
     #[arg(long, value_name = "NAME", requires = "rig")]
     rig_bus: Option<String>,
 
-    /// End after so many looks.
+    /// End after N samples of each servo. Default: at Ctrl-C.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    count: Option<u64>,
+    samples: Option<u64>,
 
-    /// From one look to the next, in ms.
+    /// Time between two samples, in ms.
     #[arg(long, value_name = "MS", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=60_000))]
-    every: u64,
+    interval_ms: u64,
 }
 
 /// Watches and prints.
@@ -68,10 +68,10 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
         {
             return Err(ServiceError::Line(error).into());
         }
-        if args.count.is_some_and(|most| count >= most) {
+        if args.samples.is_some_and(|most| count >= most) {
             break;
         }
-        std::thread::sleep(Duration::from_millis(args.every).saturating_sub(begin.elapsed()));
+        std::thread::sleep(Duration::from_millis(args.interval_ms).saturating_sub(begin.elapsed()));
     }
     Ok(ExitCode::SUCCESS)
 }

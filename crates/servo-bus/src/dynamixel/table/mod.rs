@@ -1,7 +1,7 @@
 //! Control tables of the X and MX series.
 //!
 //! Source: e-manual, the page of each servo. Addresses and sizes were compared with the tables inside ROBOTIS's
-//! `dynamixel-sdk` 4.1.0: see `tests/dynamixel_tables.rs`. Where those two differ, a comment says so.
+//! `dynamixel-sdk` 4.1.0: see `tests/servo_bus/dynamixel_tables.rs`. Where those two differ, a comment says so.
 
 mod items;
 mod models;

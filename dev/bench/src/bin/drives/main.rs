@@ -9,13 +9,13 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use sinew_bench::emulated::{self, count_runs};
-use sinew_servo_bus::{Effort, Feedback};
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Condition, CurrentSettings, CutOff, DriveSettings, Drives, Encoder, PositionSettings,
 };
 use sinew_rig::board::BoardRig;
+use sinew_servo_bus::{Effort, Feedback};
 
 /// An arm of 18 XL330, one to one (`build.rs`).
 static RIG: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/arm_18.rig"));

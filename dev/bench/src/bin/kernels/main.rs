@@ -15,7 +15,7 @@ use sinew_bench::emulated::{
     self, FRAMES, GRAVITY_M_S2, LAG_FRAMES, controller, count, count_tick, enlarge, inverse,
 };
 use sinew_bench::rig::{DT_S, Rig};
-use sinew_bench::{Root, figure, poses, states};
+use sinew_bench::{Frames, Root, figure, poses, states};
 use sinew_core::control::{Limited, TorqueLimit};
 use sinew_core::dynamics::{
     ArticulatedBody, CompositeBody, Resolved, forward_dynamics, mass_matrix, resolved_acceleration,
@@ -34,8 +34,6 @@ use sinew_core::{
     BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets,
     StateInputError, Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
-use sinew_firmware::frames::ShowFrames;
-use sinew_firmware::show::{self, Show};
 
 /// The commands on their way that observers have room for.
 const ROOM: usize = 8;
@@ -74,7 +72,7 @@ fn core_tick<const N: usize>(
 #[inline(never)]
 fn board_tick<const N: usize>(
     tracker: &mut Tracker<N, ROOM>,
-    frames: &mut ShowFrames<'_, N>,
+    frames: &mut Frames<'_, N>,
     index: usize,
     measured: &[Transform],
 ) -> Result<(), StepError> {
@@ -317,20 +315,11 @@ fn ticks_of_boards<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]; FRAMES],
 ) -> Result<(), &'static str> {
-    let mut performance = *frames;
-    for frame in &mut performance {
+    let mut enlarged = *frames;
+    for frame in &mut enlarged {
         enlarge(frame);
     }
-    let mut bytes = [0; 16_000];
-    let mut length = 0;
-    let poses = performance[LAG_FRAMES..].iter().map(|frame| &frame[..]);
-    show::write(tree.bodies(), DT_S, poses, |piece| {
-        let slot = bytes.get_mut(length..length + piece.len()).ok_or("the show is too long")?;
-        slot.copy_from_slice(piece);
-        length += piece.len();
-        Ok::<(), &'static str>(())
-    })?;
-    let show = Show::parse(&bytes[..length]).map_err(|_| "the show is not valid")?;
+    let enlarged = &enlarged[LAG_FRAMES..];
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
     for (name, method) in
         [("board_world", MethodName::World), ("board_recommended", MethodName::Recommended)]
@@ -338,7 +327,7 @@ fn ticks_of_boards<const N: usize>(
         let settings = Settings { method, ..Settings::default() };
         let mut tracker = Tracker::new(tree.clone(), &settings, timing)
             .map_err(|_| "there is no such tracker")?;
-        let mut performance = ShowFrames::new(show);
+        let mut performance = Frames::new(enlarged);
         count_tick::<N, _>(name, |run| {
             board_tick(&mut tracker, &mut performance, run, &frames[run])
         })?;
@@ -346,7 +335,7 @@ fn ticks_of_boards<const N: usize>(
     // No tick is like the one before: one of every four is left out.
     let mut tracker = Tracker::new(tree.clone(), &Settings::recommended(), timing)
         .map_err(|_| "there is no such tracker")?;
-    let mut performance = ShowFrames::new(show);
+    let mut performance = Frames::new(enlarged);
     count_tick::<N, _>("board_recommended_after_jumps", |run| {
         if run % 3 == 0 {
             tracker.skip(1);
@@ -368,7 +357,6 @@ fn types<const N: usize>() {
         ("ProjectionWorkspace", size_of::<ProjectionWorkspace<N>>()),
         ("Observer", size_of::<Observer<N, ROOM>>()),
         ("Tracker", size_of::<Tracker<N, ROOM>>()),
-        ("ShowFrames", size_of::<ShowFrames<'_, N>>()),
     ] {
         hprintln!("type={} bodies={} bytes={}", name, N, bytes);
     }

@@ -3,6 +3,13 @@
 use core::array;
 use core::f32::consts::{PI, TAU};
 
+use sinew_firmware::controller::{
+    Controller as Loop, ControllerSettings, Inputs, ServoSetup, Start, Wire, exchange,
+};
+use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
+use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, State};
+use sinew_rig::board::BoardRig;
 use sinew_servo_bus::dynamixel::{
     self, Device, Mode, ServoSetup as OnBus, Settings,
     table::{Table, address},
@@ -13,13 +20,6 @@ use sinew_servo_bus::{
     Command as BusCommand, CommandError, Compared, EncodeError, Feedback, Health, Limit, Line,
     Request, Schedule, ServoBus, Timing,
 };
-use sinew_firmware::controller::{
-    Controller as Loop, ControllerSettings, Inputs, ServoSetup, Start, Wire, exchange,
-};
-use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
-use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
-use sinew_firmware::supervisor::{Command, FaultSet, Feed, State};
-use sinew_rig::board::BoardRig;
 
 /// The arm's compact form.
 pub(crate) type Rig<const B: usize, const N: usize> = BoardRig<B, N, N>;

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use sinew_board_client::Board;
-use sinew_nucleo::Heard;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Feed, State};
+use sinew_nucleo::Heard;
 
 use crate::stand::{
     Emulated, LOWER_S, Rig, SECOND, arm_it, load, ready, servos_on, set_lowering, until,

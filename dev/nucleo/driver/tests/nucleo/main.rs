@@ -1,5 +1,6 @@
 //! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
 
+mod chip;
 mod faults;
 mod hang;
 mod in_process;
@@ -7,8 +8,8 @@ mod servos;
 mod stand;
 mod walk;
 
-use sinew_nucleo::Heard;
 use sinew_link::message::Command;
+use sinew_nucleo::Heard;
 
 use stand::{Rig, SECOND, TORQUE_OFF, connected};
 

@@ -5,11 +5,13 @@ use std::time::Duration;
 use std::{env, fs};
 
 use sinew_board_client::{Board, ClientError, Line as Link, item};
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
 use sinew_mocap::files::ClipFile;
+use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
+use sinew_performance::play::{Drive, Memory, Options, Parts, put_servos};
+use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
 use sinew_rig::import::Options as Import;
 use sinew_rig::new::arm;
@@ -20,8 +22,6 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::line::Line;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
-use sinew_sim::performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
-use sinew_sim::play::{Drive, Memory, Options, Parts, put_servos};
 
 pub(crate) const SECOND: Duration = Duration::from_secs(1);
 /// Torque off to all, as servos of two makers know it.
@@ -67,7 +67,7 @@ impl Rig {
     pub(crate) fn walking_op3(data: &Path) -> Self {
         let import = Import { repair_inertia: true, ..Import::default() };
         let op3 = data.join("urdf/robotis-op3/robotis_op3.urdf");
-        let mut description = sinew_sim::rig::load(&op3, &import).unwrap().description;
+        let mut description = sinew_performance::rig::load(&op3, &import).unwrap().description;
         put_servos(&mut description, &["xm430".parse().unwrap()]).unwrap();
         let servos = Servos::of(&description, &description.mechanism().unwrap()).unwrap();
         let options = Options { drive: Some(Drive::Position), ..Options::of_board() };

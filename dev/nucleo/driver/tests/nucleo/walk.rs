@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use sinew_board_client::{Board, Line};
-use sinew_nucleo::Burst;
 use sinew_firmware::supervisor;
 use sinew_link::Decoder;
 use sinew_link::message::{Command, Feed, Part, Parts as Told, State, ToHost};
+use sinew_nucleo::Burst;
 
 use crate::in_process::{Exchange, InProcess};
 use crate::stand::{Emulated, Rig, SECOND, TORQUE_OFF, arm_it, load, ready, until};

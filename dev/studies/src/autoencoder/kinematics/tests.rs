@@ -2,8 +2,8 @@
 
 use candle_core::{Device, Var};
 use glam::DQuat;
-use sinew_sim::builtin;
-use sinew_sim::random::{Random, Subject};
+use sinew_figure::builtin;
+use sinew_host_util::random::{Random, Subject};
 
 use super::*;
 use crate::autoencoder::data::forward_kinematics;

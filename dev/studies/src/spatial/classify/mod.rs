@@ -4,8 +4,8 @@ mod nearest;
 mod report;
 
 use serde::Serialize;
-use sinew_sim::random::{Random, Subject};
-use sinew_sim::spatial::{Measure, Measuring, SpatialRig};
+use sinew_host_util::random::{Random, Subject};
+use sinew_pose_metrics::spatial::{Measure, Measuring, SpatialRig};
 
 pub use nearest::Nearest;
 pub(crate) use report::paper;

@@ -2,8 +2,7 @@
 //! sequences.
 
 use rayon::prelude::*;
-
-use sinew_sim::spatial::{MeasuredPose, Measuring, Metric, Workspace};
+use sinew_pose_metrics::spatial::{MeasuredPose, Measuring, Metric, Workspace};
 
 /// For every pose of some sequences the distance of the nearest pose of every other sequence.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +86,7 @@ fn of_pair(
 
 #[cfg(test)]
 mod tests {
-    use sinew_sim::spatial::{Measure, SpatialRig};
+    use sinew_pose_metrics::spatial::{Measure, SpatialRig};
 
     use super::*;
     use crate::recordings::Recordings;

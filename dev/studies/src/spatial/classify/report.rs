@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use sinew_sim::spatial::{Measure, Metric, Weighting};
+use sinew_pose_metrics::spatial::{Measure, Metric, Weighting};
 
 use super::super::classes::TwoClasses;
 use super::super::cost::Cost;

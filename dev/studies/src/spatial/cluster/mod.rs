@@ -6,8 +6,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_sim::random::{Random, Subject};
-use sinew_sim::spatial::{Distances, Measure, MeasuredPose, Measuring, SpatialRig, Workspace};
+use sinew_host_util::random::{Random, Subject};
+use sinew_pose_metrics::spatial::{
+    Distances, Measure, MeasuredPose, Measuring, SpatialRig, Workspace,
+};
 
 pub use report::{json, tables};
 pub(crate) use report::{over_pairs, paper};

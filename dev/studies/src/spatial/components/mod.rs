@@ -11,15 +11,14 @@ use std::iter;
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
 use sinew_mocap::Skeleton;
+use sinew_pose_metrics::spatial::{
+    Distances, Measure, Measuring, Metric, SpatialError, SpatialRig, Weighting, Workspace,
+};
 
 use super::isomap::along_neighbours;
 use super::mds::{Embedding, classical, spectrum};
 use crate::recordings::{CMU_KINDS, Class, DataSet, Pose, Recordings, Sequence};
 pub use report::{json, tables};
-use sinew_sim::spatial::{
-    Distances, Measure, Measuring, Metric, SpatialError, SpatialRig, Weighting, Workspace,
-};
-
 /// What is tried.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {

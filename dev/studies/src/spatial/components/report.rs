@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::Table;
 use serde_json::{Value, json};
-use sinew_sim::spatial::{Metric, Weighting};
+use sinew_pose_metrics::spatial::{Metric, Weighting};
 
 use super::{Figure, OfRecording, Part, Plan, Study, mode_of_paper};
 use crate::recordings::{Class, Sequence};

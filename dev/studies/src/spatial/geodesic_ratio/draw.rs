@@ -1,6 +1,6 @@
 //! Pairs of poses, drawn at random.
 
-use sinew_sim::random::{Random, Subject};
+use sinew_host_util::random::{Random, Subject};
 
 use crate::recordings::{Class, Pose, Recordings, Sequence};
 

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3, EulerRot};
 /// Coordinates of a ball joint that a straight line is drawn in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Line {
-    /// Rotation vectors: the geodesic line of the measures, [`sinew_sim::spatial::Metric::Line`].
+    /// Rotation vectors: the geodesic line of the measures, [`sinew_pose_metrics::spatial::Metric::Line`].
     RotationVectors,
     /// Unit quaternions: every joint along its own shortest way.
     GreatArcs,

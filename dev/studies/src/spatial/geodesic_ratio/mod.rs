@@ -12,8 +12,8 @@ use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sinew_core::JointKind;
 use sinew_core::projection::JointRange;
-use sinew_sim::geodesic::{self, JointPosition, Options, Rig, RigError, RigJoint};
-use sinew_sim::spatial::{SpatialError, SpatialRig};
+use sinew_pose_metrics::geodesic::{self, JointPosition, Options, Rig, RigError, RigJoint};
+use sinew_pose_metrics::spatial::{SpatialError, SpatialRig};
 
 use crate::recordings::{Class, Pose, Recordings};
 pub use draw::{Moment, Pairing};

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use sinew_board_client::{BoardServos, SerialBoard};
-use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
+use sinew_performance::play::{Line, Parts};
 use sinew_servo_sim::rig::RigServo;
-use sinew_sim::play::{Line, Parts};
+use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 
 use super::Findings;
 use super::Verdict::{Doubtful, Ok as Well, Wrong};

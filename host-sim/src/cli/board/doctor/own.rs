@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Cycles, Health, Item, Parts as Told, Place, State, Version};
-use sinew_sim::play::Parts;
+use sinew_performance::play::Parts;
 
 use super::Findings;
 use super::Verdict::{Doubtful, Ok as Well, Wrong};
@@ -33,15 +33,21 @@ pub(super) fn look(
         Doubtful,
         "link",
         &format!("version {} on the board, {own} here", about.protocol),
-        "`sinew flash` brings the firmware of this release",
+        "`sinew board flash` brings the firmware of this release",
     );
     let has_rig = about.rig != 0;
     let rig = if has_rig { format!("{:08x}", about.rig) } else { "none".to_owned() };
-    findings.expect(has_rig, Wrong, "rig", &rig, "`sinew upload rig FILE` stores one");
+    findings.expect(has_rig, Wrong, "rig", &rig, "`sinew board upload rig FILE` stores one");
     if let Some(parts) = parts {
         let is_same = crc(parts) == Some(about.rig);
         let found = if is_same { "is the file's" } else { "is not the file's" };
-        findings.expect(is_same, Wrong, "rig", found, "`sinew upload rig FILE` stores the file's");
+        findings.expect(
+            is_same,
+            Wrong,
+            "rig",
+            found,
+            "`sinew board upload rig FILE` stores the file's",
+        );
     }
     stored(board, findings)?;
     let mut is_limp = false;
@@ -55,7 +61,13 @@ pub(super) fn look(
     let faults = board.fault_log()?;
     let names: Vec<String> = faults.iter().map(|record| named(record.fault)).collect();
     let found = if names.is_empty() { "none are kept".to_owned() } else { names.join("; ") };
-    findings.expect(names.is_empty(), Doubtful, "faults", &found, "`sinew faults` says what to do");
+    findings.expect(
+        names.is_empty(),
+        Doubtful,
+        "faults",
+        &found,
+        "`sinew board faults` says what to do",
+    );
     Ok(is_limp && board.needs(1).is_ok())
 }
 

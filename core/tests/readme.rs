@@ -1,8 +1,0 @@
-//! The first example stands in the README, too: as it is.
-
-#[test]
-fn the_readme_has_the_example_as_it_is() {
-    let (readme, example) =
-        (include_str!("../README.md"), include_str!("../examples/six_joints.rs"));
-    assert!(readme.contains(&format!("```rust\n{example}```\n")), "copy the example to README.md");
-}

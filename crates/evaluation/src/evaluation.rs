@@ -1,0 +1,250 @@
+//! The evaluation itself: what is run, and what comes of it.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sinew_core::tracker::MethodName;
+use sinew_figure::Dimensions;
+use sinew_rig::mechanism::Freedom;
+
+use super::detail::Detail;
+use super::error::{EvaluateError, RunError};
+use super::likeness::Likeness;
+use super::metrics::Errors;
+use super::rig::Rig;
+use super::setup::Setup;
+use super::take::Take;
+use super::track::{self, track};
+
+/// What to evaluate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Protocol {
+    /// What all runs have in common; the next two vary it.
+    pub setup: Setup,
+    /// Factors on the figure's dimensions; the clip keeps its own.
+    pub scales: Vec<f64>,
+    /// Methods to compare.
+    pub methods: Vec<MethodName>,
+    /// Use only this much of the beginning of every clip, in seconds.
+    pub seconds: Option<f64>,
+}
+
+impl Default for Protocol {
+    /// The paper's: its three methods on a figure of equal and of 1.1 times the dimensions.
+    fn default() -> Self {
+        Self {
+            setup: Setup::default(),
+            scales: vec![1.0, 1.1],
+            methods: MethodName::PAPER.to_vec(),
+            seconds: None,
+        }
+    }
+}
+
+/// The whole result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// What people call the rig; `None` for the paper's figure.
+    pub rig: Option<String>,
+    /// Names of the bodies whose errors count, all but the base of a user's rig on a stand.
+    pub bodies: Vec<String>,
+    /// Whether the base is free and driven from outside, rather than held by a stand.
+    pub driven: bool,
+    /// What all runs had in common.
+    pub setup: Setup,
+    /// The clips in their order.
+    pub clips: Vec<ClipLength>,
+    /// One per scale, in the protocol's order.
+    pub figures: Vec<FigureResult>,
+}
+
+/// How much of a clip was evaluated.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ClipLength {
+    /// The clip's name.
+    pub name: String,
+    /// Number of simulation steps.
+    pub frames: usize,
+}
+
+/// Results of a figure of one scale.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureResult {
+    /// Factor on the dimensions.
+    pub scale: f64,
+    /// One per method, in the protocol's order.
+    pub methods: Vec<MethodResult>,
+}
+
+/// Results of one method on one figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodResult {
+    /// The method.
+    pub method: MethodName,
+    /// Over all clips.
+    pub total: Errors,
+    /// By clip, in the clips' order.
+    pub clips: Vec<Errors>,
+    /// More of each clip, in the same order.
+    pub details: Vec<Detail>,
+    /// The rig against the performer of each clip, in the same order.
+    pub likeness: Vec<Likeness>,
+}
+
+impl Evaluation {
+    /// How the base of a user's rig is held.
+    pub fn base(&self) -> Option<&'static str> {
+        let how = if self.driven { "driven from outside" } else { "held by a stand" };
+        self.rig.as_ref().map(|_| how)
+    }
+
+    /// Number of simulation steps of one figure with one method.
+    pub fn frames(&self) -> usize {
+        self.clips.iter().map(|clip| clip.frames).sum()
+    }
+}
+
+impl MethodResult {
+    /// The rig against the performers of all clips; `None` if the motions are no performers'.
+    pub fn likeness(&self) -> Option<Likeness> {
+        let mut all = Likeness::default();
+        self.likeness.iter().for_each(|likeness| all.merge(likeness));
+        (!all.total.is_empty()).then_some(all)
+    }
+}
+
+impl FigureResult {
+    /// The result of one method, if it was evaluated.
+    pub fn method(&self, name: MethodName) -> Option<&MethodResult> {
+        self.methods.iter().find(|result| result.method == name)
+    }
+}
+
+impl Protocol {
+    /// The setup of one figure and method.
+    pub fn setup_of(&self, scale: f64, method: MethodName) -> Setup {
+        let mut setup = self.setup.clone();
+        setup.dimensions = Dimensions { scale, ..setup.dimensions };
+        setup.controller = setup.controller.with_method(method);
+        setup
+    }
+}
+
+/// Steps that a whole evaluation takes, for a progress bar.
+pub fn steps_of_all(takes: &[impl Take], protocol: &Protocol) -> usize {
+    let frames: usize = takes.iter().map(|take| track::step_count(take, protocol.seconds)).sum();
+    frames * protocol.scales.len() * protocol.methods.len()
+}
+
+/// Tracks every motion with every method on a rig of every scale. Runs in parallel; the result does not
+/// depend on the number of threads. `progress` gets the number of steps done, now and then.
+///
+/// # Errors
+/// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,
+/// never part of a mean.
+pub fn evaluate<T: Take>(
+    takes: &[T],
+    protocol: &Protocol,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Evaluation, EvaluateError> {
+    if takes.is_empty() {
+        return Err(EvaluateError::NoClips);
+    }
+    for scale in &protocol.scales {
+        for method in &protocol.methods {
+            protocol.setup_of(*scale, *method).check()?;
+        }
+    }
+    let mut runs = Vec::new();
+    for scale in &protocol.scales {
+        for method in &protocol.methods {
+            for (stream, take) in (0..).zip(takes) {
+                runs.push((*scale, *method, take, stream));
+            }
+        }
+    }
+    // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
+    let results: Vec<Result<Run, EvaluateError>> = runs
+        .par_iter()
+        .map(|(scale, method, take, stream)| {
+            let setup = protocol.setup_of(*scale, *method);
+            let mut run = Run::default();
+            let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
+                run.errors.add_step(&step);
+                run.detail.add(&step.off[step.rig.first_judged()..]);
+                let Likeness { retargeting, total } = &mut run.likeness;
+                for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
+                    take.limb_errors_deg(step.frame, poses, &mut |angle| angles.take(angle));
+                }
+            })
+            .map_err(|kind| EvaluateError::Run {
+                clip: take.name().to_owned(),
+                scale: *scale,
+                method: *method,
+                kind,
+            })?;
+            progress(steps);
+            Ok(run)
+        })
+        .collect();
+
+    let clips = takes
+        .iter()
+        .map(|take| ClipLength {
+            name: take.name().to_owned(),
+            frames: track::step_count(take, protocol.seconds),
+        })
+        .collect();
+    let mut results = results.into_iter();
+    let mut figures = Vec::with_capacity(protocol.scales.len());
+    for scale in &protocol.scales {
+        let mut methods = Vec::with_capacity(protocol.methods.len());
+        for method in &protocol.methods {
+            let runs = results.by_ref().take(takes.len()).collect::<Result<Vec<_>, _>>()?;
+            let mut result = MethodResult {
+                method: *method,
+                total: Errors::default(),
+                clips: Vec::with_capacity(runs.len()),
+                details: Vec::with_capacity(runs.len()),
+                likeness: Vec::with_capacity(runs.len()),
+            };
+            for Run { errors, detail, likeness } in runs {
+                result.total.merge(&errors);
+                result.clips.push(errors);
+                result.details.push(detail);
+                result.likeness.push(likeness);
+            }
+            methods.push(result);
+        }
+        figures.push(FigureResult { scale: *scale, methods });
+    }
+    let rig = takes.iter().find_map(|take| take.rig_name().map(str::to_owned));
+    // It has been made in every run.
+    let made = takes.first().and_then(|take| Rig::of(take, &protocol.setup).ok());
+    let links = made.as_ref().map_or(&[][..], |rig| &rig.links()[rig.first_judged()..]);
+    let bodies = links.iter().map(|link| link.name.clone()).collect();
+    let driven = made.is_some_and(|rig| rig.links()[0].joint == Freedom::Free);
+    Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
+}
+
+/// One motion, tracked by one rig with one method.
+#[derive(Debug, Default)]
+struct Run {
+    errors: Errors,
+    detail: Detail,
+    likeness: Likeness,
+}
+
+/// Errors of one run, and its number of steps.
+///
+/// # Errors
+/// [`RunError`].
+pub fn run(
+    take: &dyn Take,
+    setup: &Setup,
+    seconds: Option<f64>,
+    stream: u64,
+) -> Result<(Errors, usize), RunError> {
+    let mut errors = Errors::default();
+    let steps = track(take, setup, seconds, stream, |step| errors.add_step(&step))?;
+    Ok((errors, steps))
+}

@@ -1,0 +1,77 @@
+//! Where an axis goes, and when.
+
+use sinew_host_util::random::{Random, Subject};
+
+use super::Exercises;
+use super::axis::Axis;
+
+/// The places that an axis goes through.
+#[derive(Debug, Clone)]
+pub(super) struct Course {
+    pub(super) home: f64,
+    /// In the order of time: when each begins and how long it takes, in s, and where it leads.
+    pub(super) moves: Vec<Move>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Move {
+    pub(super) from_s: f64,
+    pub(super) duration_s: f64,
+    pub(super) to: f64,
+}
+
+impl Course {
+    pub(super) fn end_s(&self) -> f64 {
+        self.moves.last().map_or(0.0, |last| last.from_s + last.duration_s)
+    }
+
+    /// Goes on to a place, from a time on.
+    fn go(&mut self, axis: &Axis, from_s: f64, to: f64, share: f64) {
+        let from = self.moves.last().map_or(self.home, |last| last.to);
+        self.moves.push(Move { from_s, duration_s: axis.duration_s(to - from, share), to });
+    }
+
+    /// Where it is at a time.
+    pub(super) fn at(&self, time_s: f64) -> f64 {
+        let begun = self.moves.partition_point(|one| one.from_s <= time_s);
+        let Some(last) = begun.checked_sub(1) else { return self.home };
+        let from = last.checked_sub(1).map_or(self.home, |before| self.moves[before].to);
+        let Move { from_s, duration_s, to } = self.moves[last];
+        if time_s - from_s >= duration_s {
+            return to;
+        }
+        let t = (time_s - from_s) / duration_s;
+        from + (to - from) * t * t * t * (10.0 + t * (6.0 * t - 15.0))
+    }
+}
+
+/// Every axis goes to one end, to the other, and home, one after the other.
+pub(super) fn in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Course>> {
+    let mut now_s = 0.0;
+    let mut course = |axis: &Axis| {
+        let mut course = Course { home: axis.home, moves: Vec::new() };
+        for to in [axis.least, axis.most, axis.home] {
+            course.go(axis, now_s, to, share);
+            now_s = course.end_s();
+        }
+        course
+    };
+    axes.iter().map(|axes| axes.iter().map(&mut course).collect()).collect()
+}
+
+/// Every axis goes anywhere in its range and on, each in its own time.
+pub(super) fn together(axes: &[Vec<Axis>], share: f64, settings: &Exercises) -> Vec<Vec<Course>> {
+    let mut number = 0;
+    let mut course = |axis: &Axis| {
+        let mut random = Random::numbered(settings.seed, number, Subject::Exercise);
+        number += 1;
+        let mut course = Course { home: axis.home, moves: Vec::new() };
+        // A rig whose range is a point stays there.
+        while course.end_s() < settings.seconds && axis.most > axis.least {
+            let from_s = course.end_s();
+            course.go(axis, from_s, random.between(axis.least, axis.most), share);
+        }
+        course
+    };
+    axes.iter().map(|axes| axes.iter().map(&mut course).collect()).collect()
+}

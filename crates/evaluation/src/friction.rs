@@ -1,0 +1,79 @@
+//! Friction that the drives know and feed forward.
+
+use glam::DVec3;
+use sinew_core::Wrench;
+use sinew_core::glam::Vec3;
+use sinew_figure::plant::Pose;
+use sinew_rig::drive::Friction;
+use sinew_rig::mechanism::{Freedom, Link};
+
+use super::controller::narrow;
+use super::reference::{Performance, rotation_vector};
+
+/// The drives of a rig whose joints have friction.
+pub(super) struct FrictionFeed {
+    /// Of each body's joint: its friction along every freedom, and the most that its drive gives.
+    joints: Vec<(Friction, f32)>,
+    now: Vec<Pose>,
+    next: Vec<Pose>,
+}
+
+impl FrictionFeed {
+    /// That of a rig; `None` if no joint has friction.
+    pub(super) fn of(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
+        let joint = |link: &Link| {
+            // What is finite in f64 stays so.
+            let [coulomb, viscous] =
+                [link.friction, link.damping].map(|x| x.min(f64::from(f32::MAX)));
+            let friction = Friction::new(narrow(coulomb), narrow(viscous));
+            let most = match link.joint {
+                Freedom::Prismatic(_) => link.effort,
+                _ => link.effort.min(torque_limit_nm),
+            };
+            (friction.expect("checked with the rig to be from 0"), narrow(most))
+        };
+        let joints: Vec<_> = links.iter().map(joint).collect();
+        let rubs = joints.iter().any(|(friction, _)| !friction.is_none());
+        rubs.then(|| Self { joints, now: Vec::new(), next: Vec::new() })
+    }
+
+    /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to
+    /// have from a frame to the next, as far as the drives can. Returns how many drives could not.
+    pub(super) fn add(
+        &mut self,
+        performance: &Performance<'_>,
+        frame: usize,
+        wrenches: &mut [Wrench],
+    ) -> usize {
+        let Performance { take, setup, links } = *performance;
+        take.joint_poses(setup, frame, &mut self.now);
+        take.joint_poses(setup, frame + 1, &mut self.next);
+        let poses = self.now.iter().zip(&self.next);
+        let mut limited = 0;
+        let joints = links.iter().zip(&self.joints).zip(poses).zip(wrenches);
+        for (((link, (friction, most)), (now, next)), wrench) in joints {
+            if friction.is_none() || link.joint == Freedom::Free {
+                continue;
+            }
+            let moved = now.inside(next);
+            let [spin_rad_s, slide_m_s] =
+                [rotation_vector(moved.rotation), moved.position_m].map(|way| way / take.dt_s());
+            let placement = Pose { rotation: link.rotation, position_m: link.position_m };
+            let (turns, slides) = link.joint.axes(&link.joint.along(&placement.inside(now)));
+            let takes = |axes: &[DVec3], speed: DVec3| -> Vec3 {
+                let along =
+                    |axis: &DVec3| axis.as_vec3() * friction.effort(narrow(axis.dot(speed)));
+                axes.iter().map(along).sum()
+            };
+            let [moment_nm, force_n] = [
+                wrench.moment_nm + takes(&turns, spin_rad_s),
+                wrench.force_n + takes(&slides, slide_m_s),
+            ];
+            let within =
+                Wrench::new(moment_nm.clamp_length_max(*most), force_n.clamp_length_max(*most));
+            limited += usize::from(within != Wrench::new(moment_nm, force_n));
+            *wrench = within;
+        }
+        limited
+    }
+}

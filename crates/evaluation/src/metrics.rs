@@ -1,0 +1,195 @@
+//! How far the measured figure is from the desired one, in the world, as the paper reports it.
+
+use serde::{Deserialize, Serialize};
+use sinew_figure::plant::Pose;
+
+use super::off::Off;
+use super::{Rig, Step};
+
+/// Errors over all bodies and over the leaves (of the figure: head, hands, feet) alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Errors {
+    /// Over all bodies.
+    pub all: ErrorTotals,
+    /// Over the leaves.
+    pub leaf: ErrorTotals,
+    /// Of whole poses, every joint by what it moves: see [`Levers`](super::Levers).
+    pub weighted: WeightedTotals,
+    /// The widest gap at a joint, in metres: what the plant's constraints let through.
+    pub widest_gap_m: f64,
+    /// How often a joint was not given the torque that it wanted.
+    pub limited: u64,
+}
+
+/// Sums and maxima of the errors of many poses.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ErrorTotals {
+    /// Number of poses.
+    pub n: u64,
+    angular_sum_rad: f64,
+    linear_sum_m: f64,
+    angular_max_rad: f64,
+    linear_max_m: f64,
+}
+
+/// Sum and maximum of the importance-weighted errors of many poses.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WeightedTotals {
+    /// Number of poses of the whole figure.
+    pub n: u64,
+    sum_m: f64,
+    max_m: f64,
+}
+
+impl Errors {
+    /// Adds one step: the poses of all bodies where they should be and where they are.
+    pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
+        let off: Vec<Off> = Off::of_all(desired, measured).collect();
+        self.add_off(&off, rig.levers().error_m(desired, measured), rig);
+    }
+
+    fn add_off(&mut self, off: &[Off], weighted_m: f64, rig: &Rig) {
+        self.weighted.add(weighted_m);
+        for (body, off) in off.iter().enumerate().skip(rig.first_judged()) {
+            self.all.add(off);
+            if rig.is_leaf(body) {
+                self.leaf.add(off);
+            }
+        }
+    }
+
+    /// Adds one step of a run.
+    pub fn add_step(&mut self, step: &Step<'_>) {
+        let weighted_m = step.rig.levers().error_m(step.desired, step.measured);
+        self.add_off(step.off, weighted_m, step.rig);
+        self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
+        self.limited += step.limited as u64;
+    }
+
+    /// Adds the totals of another run.
+    pub fn merge(&mut self, other: &Self) {
+        self.all.merge(&other.all);
+        self.leaf.merge(&other.leaf);
+        self.weighted.merge(&other.weighted);
+        self.widest_gap_m = self.widest_gap_m.max(other.widest_gap_m);
+        self.limited += other.limited;
+    }
+}
+
+impl ErrorTotals {
+    pub(super) fn add(&mut self, off: &Off) {
+        let Off { angular_rad, linear_m } = *off;
+        self.n += 1;
+        self.angular_sum_rad += angular_rad;
+        self.linear_sum_m += linear_m;
+        self.angular_max_rad = self.angular_max_rad.max(angular_rad);
+        self.linear_max_m = self.linear_max_m.max(linear_m);
+    }
+
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.angular_sum_rad += other.angular_sum_rad;
+        self.linear_sum_m += other.linear_sum_m;
+        self.angular_max_rad = self.angular_max_rad.max(other.angular_max_rad);
+        self.linear_max_m = self.linear_max_m.max(other.linear_max_m);
+    }
+
+    /// Mean angular error in degrees.
+    pub fn angular_mean_deg(&self) -> f64 {
+        (self.angular_sum_rad / self.n as f64).to_degrees()
+    }
+
+    /// Mean linear error in centimetres.
+    pub fn linear_mean_cm(&self) -> f64 {
+        self.linear_sum_m / self.n as f64 * 100.0
+    }
+
+    /// Largest angular error in degrees.
+    pub fn angular_max_deg(&self) -> f64 {
+        self.angular_max_rad.to_degrees()
+    }
+
+    /// Largest linear error in centimetres.
+    pub fn linear_max_cm(&self) -> f64 {
+        self.linear_max_m * 100.0
+    }
+
+    /// Means and maxima in the order of the paper's tables: mean angular (deg), mean linear (cm), maximum
+    /// angular (deg), maximum linear (cm).
+    pub fn figures(&self) -> [f64; 4] {
+        [
+            self.angular_mean_deg(),
+            self.linear_mean_cm(),
+            self.angular_max_deg(),
+            self.linear_max_cm(),
+        ]
+    }
+}
+
+impl WeightedTotals {
+    fn add(&mut self, error_m: f64) {
+        self.n += 1;
+        self.sum_m += error_m;
+        self.max_m = self.max_m.max(error_m);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.sum_m += other.sum_m;
+        self.max_m = self.max_m.max(other.max_m);
+    }
+
+    /// Mean in centimetres.
+    pub fn mean_cm(&self) -> f64 {
+        self.sum_m / self.n as f64 * 100.0
+    }
+
+    /// Maximum in centimetres.
+    pub fn max_cm(&self) -> f64 {
+        self.max_m * 100.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::Levers;
+    use sinew_figure::fixture;
+
+    fn pose(rotation_vector: DVec3, position_m: DVec3) -> Pose {
+        Pose { rotation: DQuat::from_scaled_axis(rotation_vector), position_m }
+    }
+
+    #[test]
+    fn means_and_maxima_are_those_of_known_errors() {
+        let mechanism = fixture::mechanism();
+        let levers = Levers::none(&mechanism);
+        let rig = Rig::with_levers(mechanism, levers);
+        let still = vec![pose(DVec3::ZERO, DVec3::ZERO); rig.links().len()];
+        let mut off = still.clone();
+        // Body 3, the head, is a leaf; body 0, the pelvis, is not.
+        off[3] = pose(DVec3::new(0.0, 0.18, 0.0), DVec3::new(0.0, 0.03, 0.04));
+        off[0] = pose(DVec3::ZERO, DVec3::new(0.36, 0.0, 0.0));
+        // The other sign of a quaternion is the same orientation.
+        off[7].rotation = -off[7].rotation;
+        let mut errors = Errors::default();
+        errors.add(&still, &off, &rig);
+        let mut twice = errors;
+        twice.merge(&errors);
+        for errors in [errors, twice] {
+            assert!((errors.all.angular_mean_deg() - 0.01f64.to_degrees()).abs() < 1e-12);
+            assert!((errors.all.linear_mean_cm() - 41.0 / 18.0).abs() < 1e-12);
+            assert!((errors.leaf.linear_mean_cm() - 1.0).abs() < 1e-12);
+            assert!((errors.leaf.linear_max_cm() - 5.0).abs() < 1e-12);
+            assert!((errors.all.linear_max_cm() - 36.0).abs() < 1e-12);
+            assert!((errors.all.angular_max_deg() - 0.18f64.to_degrees()).abs() < 1e-12);
+            // Without levers, what the root is off.
+            assert!((errors.weighted.mean_cm() - 36.0).abs() < 1e-12);
+            assert!((errors.weighted.max_cm() - 36.0).abs() < 1e-12);
+        }
+        assert_eq!((errors.all.n, errors.leaf.n, twice.all.n), (18, 5, 36));
+        assert_eq!((errors.weighted.n, twice.weighted.n), (1, 2));
+    }
+}

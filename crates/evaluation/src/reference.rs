@@ -1,0 +1,120 @@
+//! The motion as the controller, the plant and the measurement of errors take it.
+
+use glam::{DQuat, DVec3};
+use sinew_core::Transform;
+use sinew_core::tracker::{Frame, FrameSource, before_the_first};
+use sinew_figure::plant::{MovingPose, Pose};
+use sinew_rig::mechanism::{Freedom, Link};
+
+use super::setup::Setup;
+use super::take::Take;
+
+/// A motion that the bodies of a rig perform.
+#[derive(Clone, Copy)]
+pub(super) struct Performance<'a> {
+    pub(super) take: &'a dyn Take,
+    pub(super) setup: &'a Setup,
+    pub(super) links: &'a [Link],
+}
+
+impl Performance<'_> {
+    /// Puts the world poses of the bodies in one frame into `out`, in the motion's own dimensions.
+    pub(super) fn desired(&self, frame: usize, out: &mut Vec<Pose>) {
+        self.world_poses(frame, |_, pose| pose.position_m, out);
+    }
+
+    /// The same on the rig.
+    fn on_rig(&self, frame: usize) -> Vec<Pose> {
+        let mut poses = Vec::new();
+        let position_m = |link: &Link, pose: &Pose| match link.joint {
+            Freedom::Prismatic(_) | Freedom::Free => pose.position_m,
+            _ => link.position_m,
+        };
+        self.world_poses(frame, position_m, &mut poses);
+        poses
+    }
+
+    fn world_poses(
+        &self,
+        frame: usize,
+        position_m: impl Fn(&Link, &Pose) -> DVec3,
+        out: &mut Vec<Pose>,
+    ) {
+        self.take.joint_poses(self.setup, frame, out);
+        for (body, link) in self.links.iter().enumerate() {
+            if let Some(parent) = link.parent {
+                let pose = out[body];
+                out[body] = out[parent].child(position_m(link, &pose), pose.rotation);
+            }
+        }
+    }
+
+    /// The rig at the first frame, with the velocity of its first step.
+    pub(super) fn start(&self) -> Vec<MovingPose> {
+        let [now, next] = [0, 1].map(|frame| self.on_rig(frame));
+        let steps = now.iter().zip(&next);
+        steps.map(|(now, next)| moving(now, next, self.take.dt_s())).collect()
+    }
+}
+
+/// The frames of a performance, as the tracker asks for them.
+pub(super) struct Frames<'a> {
+    performance: Performance<'a>,
+    poses: Vec<Pose>,
+    joints: Vec<Transform>,
+}
+
+impl<'a> Frames<'a> {
+    pub(super) fn new(performance: Performance<'a>) -> Self {
+        Self { performance, poses: Vec::new(), joints: Vec::new() }
+    }
+
+    fn read(&mut self, frame: usize) {
+        let Performance { take, setup, .. } = self.performance;
+        take.joint_poses(setup, frame, &mut self.poses);
+        let single =
+            |pose: &Pose| Transform::new(pose.rotation.as_quat(), pose.position_m.as_vec3());
+        self.joints.clear();
+        self.joints.extend(self.poses.iter().map(single));
+    }
+}
+
+impl FrameSource for Frames<'_> {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        if let Ok(index) = usize::try_from(index) {
+            self.read(index);
+        } else {
+            // They move on as they do in the first step.
+            self.read(1);
+            let second = self.joints.clone();
+            self.read(0);
+            for (joint, second) in self.joints.iter_mut().zip(&second) {
+                *joint = before_the_first(joint, second, index.unsigned_abs());
+            }
+        }
+        Frame::Poses(&self.joints)
+    }
+}
+
+/// A body at a pose with the velocity that leads from there to the next.
+fn moving(pose: &Pose, next: &Pose, dt_s: f64) -> MovingPose {
+    MovingPose {
+        pose: *pose,
+        angular_rad_s: rotation_vector(next.rotation * pose.rotation.conjugate()) / dt_s,
+        linear_m_s: (next.position_m - pose.position_m) / dt_s,
+    }
+}
+
+/// Poses one step before the start, from which backward differences give the start's velocity.
+pub(super) fn one_step_before(start: &[MovingPose], dt_s: f64) -> Vec<Pose> {
+    let before = |start: &MovingPose| Pose {
+        rotation: DQuat::from_scaled_axis(start.angular_rad_s * -dt_s) * start.pose.rotation,
+        position_m: start.pose.position_m - start.linear_m_s * dt_s,
+    };
+    start.iter().map(before).collect()
+}
+
+/// Axis times angle, by the shorter way.
+pub(super) fn rotation_vector(q: DQuat) -> DVec3 {
+    if q.w < 0.0 { (-q).to_scaled_axis() } else { q.to_scaled_axis() }
+}

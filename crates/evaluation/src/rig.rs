@@ -1,0 +1,135 @@
+//! A rig that is evaluated.
+
+use glam::DVec3;
+use sinew_core::{Transform, Tree, TreeError};
+use sinew_figure::plant::Pose;
+use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+
+use super::error::RunError;
+use super::levers::Levers;
+use super::setup::Setup;
+use super::take::Take;
+
+/// As many bodies as a rig may have. The levers weigh two points of each, and the core's sets hold 128.
+pub const CAPACITY: usize = 64;
+
+/// A mechanism, and what follows from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    mechanism: Mechanism,
+    levers: Levers,
+    leaves: Vec<bool>,
+    first_judged: usize,
+}
+
+impl Rig {
+    /// The rig of a motion in a setup.
+    ///
+    /// # Errors
+    /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
+    pub fn of(take: &dyn Take, setup: &Setup) -> Result<Self, RunError> {
+        let rig = Self::new(take.mechanism(setup)?)?;
+        let stands = rig.links().first().is_some_and(|base| base.joint == Freedom::Fixed);
+        Ok(Self { first_judged: usize::from(take.rig_name().is_some() && stands), ..rig })
+    }
+
+    /// The rig of a mechanism.
+    ///
+    /// # Errors
+    /// [`RunError`] if its measures do not survive f32, or it has no surface.
+    pub fn new(mechanism: Mechanism) -> Result<Self, RunError> {
+        let levers = Levers::of(&mechanism)?;
+        Ok(Self::with_levers(mechanism, levers))
+    }
+
+    pub(crate) fn with_levers(mechanism: Mechanism, levers: Levers) -> Self {
+        let mut leaves = vec![true; mechanism.bodies.len()];
+        for parent in mechanism.bodies.iter().filter_map(|link| link.parent) {
+            leaves[parent] = false;
+        }
+        Self { mechanism, levers, leaves, first_judged: 0 }
+    }
+
+    /// Its bodies and joints.
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// The bodies and their joints, parents before children.
+    pub fn links(&self) -> &[Link] {
+        &self.mechanism.bodies
+    }
+
+    /// What a turn of each joint moves.
+    pub fn levers(&self) -> &Levers {
+        &self.levers
+    }
+
+    /// The first body whose error counts: the base of a user's rig on a stand cannot be off, and would only make means
+    /// smaller. A figure whose pelvis is fixed counts whole, as it always has.
+    pub fn first_judged(&self) -> usize {
+        self.first_judged
+    }
+
+    /// Whether no joint hangs on a body.
+    pub fn is_leaf(&self, body: usize) -> bool {
+        self.leaves.get(body).copied().unwrap_or_default()
+    }
+
+    /// The rig as the controller knows it, in f32.
+    ///
+    /// # Errors
+    /// [`TreeError`] if there are more than [`CAPACITY`] bodies, or a number does not survive f32.
+    pub fn tree(&self) -> Result<Tree<CAPACITY>, TreeError> {
+        self.mechanism.tree()
+    }
+
+    /// The gap between the two sides of a body's joint in m, from the bodies' poses in the world: what the plant's
+    /// constraints let through.
+    pub fn gap_m(&self, body: usize, poses: &[Pose]) -> f64 {
+        let link = &self.links()[body];
+        let Some(parent) = link.parent.map(|parent| &poses[parent]) else { return 0.0 };
+        match link.joint {
+            Freedom::Free => 0.0,
+            Freedom::Prismatic(_) => {
+                let off_m = parent.to_local(poses[body].position_m)
+                    - position_m(link, parent, &poses[body]);
+                off_m.length()
+            }
+            _ => {
+                let joint = parent.position_m + parent.rotation * link.position_m;
+                joint.distance(poses[body].position_m)
+            }
+        }
+    }
+
+    /// What the joints' sensors tell of the bodies' poses in the world: of each joint its pose in the parent's frame,
+    /// of the root that in the world.
+    ///
+    /// Positions are the model's but for slides. A plant's bodies may drift apart at the joints by millimetres; a
+    /// sensor in a joint does not see that, and a rig's bearings do not do it.
+    pub fn joint_poses(&self, poses: &[Pose], out: &mut Vec<Transform>) {
+        out.clear();
+        out.extend(self.links().iter().zip(poses).map(|(link, pose)| {
+            let Some(parent) = link.parent.map(|parent| &poses[parent]) else {
+                return Transform::new(pose.rotation.as_quat(), pose.position_m.as_vec3());
+            };
+            let relative = parent.rotation.conjugate() * pose.rotation;
+            Transform::new(relative.as_quat(), position_m(link, parent, pose).as_vec3())
+        }));
+    }
+}
+
+/// Position of a joint's body in its parent's frame in m, as far as the joint lets it move.
+#[inline]
+fn position_m(link: &Link, parent: &Pose, body: &Pose) -> DVec3 {
+    match link.joint {
+        Freedom::Prismatic(axis) => {
+            let axis = link.rotation * axis;
+            let off_m = parent.to_local(body.position_m) - link.position_m;
+            link.position_m + axis * axis.dot(off_m)
+        }
+        Freedom::Free => parent.to_local(body.position_m),
+        _ => link.position_m,
+    }
+}

@@ -1,0 +1,266 @@
+//! The journal of a sweep: a line per finished unit, written at once.
+//!
+//! The first line says what sweep it is. A line that was cut off by a crash is the last one; it is dropped
+//! and its unit run again.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+use super::error::{SweepError, io};
+use super::plan::{ClipIdentity, Plan, Unit};
+use crate::Errors;
+
+/// The journal's file in a sweep's folder.
+pub(super) const NAME: &str = "journal.jsonl";
+
+/// The most work that a crash of the machine costs; that of the program alone costs none.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
+
+/// What came of a unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// How far the figure was off.
+    Errors(Errors),
+    /// The figure was lost, or could not be built: why.
+    Lost(String),
+}
+
+/// What a reader of the journal should know.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Notice {
+    /// Finished units were found.
+    #[error("goes on with {0} finished runs")]
+    Resumed(usize),
+    /// The last line was cut off.
+    #[error("the last line was cut off; its run is made again")]
+    Torn,
+}
+
+/// The finished units of a sweep, on disk and in memory.
+#[derive(Debug)]
+pub struct Journal {
+    folder: PathBuf,
+    path: PathBuf,
+    file: File,
+    synced: Instant,
+    outcomes: BTreeMap<Unit, Outcome>,
+}
+
+/// The first line.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Head {
+    schema: String,
+    version: String,
+    cells: usize,
+    cells_sha256: String,
+    seconds: Option<f64>,
+    clips: Vec<ClipIdentity>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Line {
+    cell: usize,
+    clip: usize,
+    outcome: Outcome,
+    /// Of the three above: changed digits are still numbers.
+    sum: String,
+}
+
+impl Line {
+    fn new(Unit { cell, clip }: Unit, outcome: Outcome) -> Self {
+        let text =
+            serde_json::to_string(&(cell, clip, &outcome)).expect("plain data turns into JSON");
+        let digest: [u8; 32] = Sha256::digest(text).into();
+        let sum = digest[..8].iter().fold(String::new(), |sum, byte| sum + &format!("{byte:02x}"));
+        Self { cell, clip, outcome, sum }
+    }
+}
+
+impl Head {
+    fn of(plan: &Plan) -> Self {
+        Self {
+            schema: "sinew-sweep/3".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            cells: plan.cells.len(),
+            cells_sha256: plan.cells_sha256(),
+            seconds: plan.seconds,
+            clips: plan.clips.clone(),
+        }
+    }
+
+    /// What makes this the head of another sweep.
+    fn difference(&self, other: &Self) -> Option<&'static str> {
+        [
+            (self.schema != other.schema, "file formats"),
+            (self.version != other.version, "program versions"),
+            (self.cells != other.cells || self.cells_sha256 != other.cells_sha256, "grids"),
+            (self.seconds != other.seconds, "--seconds"),
+            (self.clips != other.clips, "clips"),
+        ]
+        .into_iter()
+        .find_map(|(differ, what)| differ.then_some(what))
+    }
+}
+
+impl Journal {
+    /// Opens the journal of a plan in `folder`, or begins it. Nobody else can write to it meanwhile.
+    ///
+    /// # Errors
+    /// [`SweepError`] if the journal is of another sweep, in use or damaged; it is left as it is.
+    pub fn open(folder: &Path, plan: &Plan) -> Result<(Self, Vec<Notice>), SweepError> {
+        fs::create_dir_all(folder).map_err(io(folder))?;
+        let path = folder.join(NAME);
+        let mut options = OpenOptions::new();
+        let mut file = options
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(io(&path))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(SweepError::Busy { journal: path }),
+            Err(TryLockError::Error(source)) => return Err(io(&path)(source)),
+        }
+        let mut notices = Vec::new();
+        let bytes = sinew_mocap::read::bytes(&path).map_err(io(&path))?;
+        let whole = whole_lines(&bytes);
+        let outcomes = read(whole, &path, plan)?;
+        let (whole, length) = (whole.len(), bytes.len());
+        // Only now: a journal of another sweep is left as it is.
+        if whole < length {
+            notices.push(Notice::Torn);
+            file.set_len(whole as u64).map_err(io(&path))?;
+        }
+        file.seek(SeekFrom::End(0)).map_err(io(&path))?;
+        let synced = Instant::now();
+        let mut journal = Self { folder: folder.to_path_buf(), path, file, synced, outcomes };
+        if whole == 0 {
+            journal.append(&Head::of(plan))?;
+            journal.sync()?;
+        }
+        if !journal.outcomes.is_empty() {
+            notices.push(Notice::Resumed(journal.outcomes.len()));
+        }
+        Ok((journal, notices))
+    }
+
+    /// Where the journal lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Whether a unit is finished.
+    pub fn has(&self, unit: Unit) -> bool {
+        self.outcomes.contains_key(&unit)
+    }
+
+    /// What came of a unit.
+    pub(super) fn outcome(&self, unit: Unit) -> Option<&Outcome> {
+        self.outcomes.get(&unit)
+    }
+
+    /// Adds a finished unit.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn add(&mut self, unit: Unit, outcome: Outcome) -> Result<(), SweepError> {
+        self.append(&Line::new(unit, outcome.clone()))?;
+        self.outcomes.insert(unit, outcome);
+        if self.synced.elapsed() >= SYNC_EVERY {
+            self.sync()?;
+        }
+        Ok(())
+    }
+
+    /// Waits until all finished units are on the disk.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub(super) fn sync(&mut self) -> Result<(), SweepError> {
+        self.file.sync_data().map_err(io(&self.path))?;
+        self.synced = Instant::now();
+        Ok(())
+    }
+
+    /// Takes over what the journal in another folder has; returns how many units were new.
+    ///
+    /// # Errors
+    /// [`SweepError`] if it is of another sweep, damaged, or has another result for a unit.
+    pub fn take_over(&mut self, plan: &Plan, folder: &Path) -> Result<usize, SweepError> {
+        let path = folder.join(NAME);
+        let bytes = sinew_mocap::read::bytes(&path).map_err(io(&path))?;
+        let whole = whole_lines(&bytes);
+        if whole.is_empty() {
+            let what = "expected the journal of a sweep, found nothing".to_owned();
+            return Err(SweepError::Damaged { journal: path, line: 1, what });
+        }
+        let mut new = 0;
+        for (unit, outcome) in read(whole, &path, plan)? {
+            match self.outcomes.get(&unit) {
+                None => {
+                    self.add(unit, outcome)?;
+                    new += 1;
+                }
+                Some(ours) if *ours == outcome => {}
+                Some(_) => {
+                    let clip = plan.clips[unit.clip].name.clone();
+                    return Err(SweepError::Contradiction { journal: path, cell: unit.cell, clip });
+                }
+            }
+        }
+        Ok(new)
+    }
+
+    /// One write for the whole line: a killed process leaves no line half written but by the system's own
+    /// failure.
+    fn append(&mut self, line: &impl Serialize) -> Result<(), SweepError> {
+        let mut text = serde_json::to_string(line).expect("plain data turns into JSON");
+        text.push('\n');
+        self.file.write_all(text.as_bytes()).map_err(io(&self.path))
+    }
+}
+
+/// The lines that have an end: a crash may cut the last one anywhere, within a character, too.
+fn whole_lines(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    &bytes[..end]
+}
+
+/// The finished units in a journal's whole lines.
+fn read(bytes: &[u8], path: &Path, plan: &Plan) -> Result<BTreeMap<Unit, Outcome>, SweepError> {
+    let damaged =
+        |line: usize, what: String| SweepError::Damaged { journal: path.to_path_buf(), line, what };
+    let mut outcomes = BTreeMap::new();
+    for (number, line) in (1..).zip(bytes.split_inclusive(|byte| *byte == b'\n')) {
+        if number == 1 {
+            let head: Head =
+                serde_json::from_slice(line).map_err(|error| damaged(number, error.to_string()))?;
+            if let Some(what) = head.difference(&Head::of(plan)) {
+                return Err(SweepError::Foreign { journal: path.to_path_buf(), what });
+            }
+            continue;
+        }
+        let Line { cell, clip, outcome, sum } =
+            serde_json::from_slice(line).map_err(|error| damaged(number, error.to_string()))?;
+        if cell >= plan.cells.len() || clip >= plan.clips.len() {
+            return Err(damaged(number, format!("there is no cell {cell} on clip {clip}")));
+        }
+        let unit = Unit { cell, clip };
+        if Line::new(unit, outcome.clone()).sum != sum {
+            return Err(damaged(number, "its checksum is of other contents".to_owned()));
+        }
+        if outcomes.insert(unit, outcome).is_some() {
+            return Err(damaged(number, format!("cell {cell} on clip {clip} is there twice")));
+        }
+    }
+    Ok(outcomes)
+}

@@ -1,0 +1,315 @@
+//! Puts guard, steps, sway and moves together to the pose of every moment.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::ik;
+use super::skeleton::{
+    ABDOMEN, ANKLE_HEIGHT_M, ANKLE_TO_BALL_M, FOREARM_M, Frame, HEAD, PELVIS, Pose, SHANK_M, Side,
+    THIGH_M, THORAX, UPPER_ARM_M, offset_m,
+};
+use super::stance::{self, Footwork, Stance, Sway};
+use super::timing::{Track, Track3};
+use crate::BODY_COUNT;
+
+/// What one strike adds to the guard: zero at its start and at its end.
+///
+/// Vectors in the stance's axes, metres and radians; turns are angles about x, y, z.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Move {
+    pub pelvis_shift: Track3,
+    pub pelvis_turn: Track3,
+    /// Of the thorax against the pelvis.
+    pub trunk_turn: Track3,
+    pub arms: [ArmMove; 2],
+    pub legs: [LegMove; 2],
+}
+
+/// What one strike adds to an arm in guard.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ArmMove {
+    pub wrist: Track3,
+    /// Of the direction the elbow points in.
+    pub elbow: Track3,
+    pub pronation: Track,
+    /// The shoulder forwards, as angle of the clavicle.
+    pub protraction: Track,
+    /// The shoulder upwards, as angle of the clavicle.
+    pub elevation: Track,
+}
+
+/// What one strike adds to a leg on the floor.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LegMove {
+    /// Turn of the foot on its ball.
+    pub pivot: Track,
+    /// Pitch of the foot on its ball, heel up.
+    pub heel: Track,
+    pub ankle: Track3,
+    /// Of the direction the knee points in.
+    pub knee: Track3,
+    /// 0: the foot is held by the floor; 1: by its shank.
+    pub loose: Track,
+    /// Of a loose foot, toes down.
+    pub plantarflexion: Track,
+}
+
+/// The stance, and pelvis, abdomen and thorax in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Trunk {
+    stance_m: DVec3,
+    /// Rotation from the stance's axes to the world's.
+    axes: DQuat,
+    pub pelvis: Frame,
+    pub abdomen: Frame,
+    pub thorax: Frame,
+}
+
+/// A fighter in one clip.
+#[derive(Debug, Clone)]
+pub(super) struct Performer {
+    footwork: Footwork,
+    sway: Sway,
+    moves: Vec<Move>,
+    guard: Guard,
+}
+
+/// The arms in guard.
+#[derive(Debug, Clone, Copy)]
+struct Guard {
+    /// Rotation of the thorax in guard, in the stance's axes.
+    thorax: DQuat,
+    /// Wrist and direction of the elbow on each side, in the thorax's frame.
+    arms: [(DVec3, DVec3); 2],
+}
+
+/// Share of the trunk's turn that the abdomen takes; the rest is the thorax's.
+const ABDOMEN_SHARE: f64 = 0.45;
+/// Share of the trunk's turn that an arm in guard follows: it stays between chin and opponent.
+const GUARD_FOLLOWS: f64 = 0.5;
+/// Extension of the wrist per radian of elbow flexion: bent in guard, straight at impact.
+const WRIST_PER_ELBOW: f64 = 0.09;
+/// Farthest turn and nod of the head.
+const HEAD_LIMIT_DEG: [f64; 2] = [75.0, 40.0];
+/// Eyes above the neck's joint.
+const EYES_M: DVec3 = DVec3::new(0.0, 0.15, 0.10);
+
+impl Performer {
+    /// A fighter who steps and sways; moves are pushed one by one.
+    pub(super) fn new(footwork: Footwork, sway: Sway) -> Self {
+        let neutral = trunk(
+            &Stance { origin_m: DVec3::ZERO, heading_rad: 0.0 },
+            stance::PELVIS_M,
+            radians(stance::PELVIS_TURN_DEG),
+            radians(stance::TRUNK_TURN_DEG),
+        )
+        .thorax;
+        let to_thorax = neutral.rotation.conjugate();
+        let arms = Side::BOTH.map(|side| {
+            let wrist = stance::WRISTS_M[side.index()] - neutral.origin_m;
+            (to_thorax * wrist, to_thorax * stance::ELBOWS[side.index()])
+        });
+        let guard = Guard { thorax: neutral.rotation, arms };
+        Self { footwork, sway, moves: Vec::new(), guard }
+    }
+
+    /// Adds a move.
+    pub(super) fn push(&mut self, strike: Move) {
+        self.moves.push(strike);
+    }
+
+    /// The same performer with one more move.
+    pub(super) fn with(&self, strike: Move) -> Self {
+        let mut performer = self.clone();
+        performer.push(strike);
+        performer
+    }
+
+    fn sum<T: core::iter::Sum>(&self, part: impl Fn(&Move) -> T) -> T {
+        self.moves.iter().map(part).sum()
+    }
+
+    /// The stance at a time.
+    pub(super) fn stance(&self, time_s: f64) -> Stance {
+        self.footwork.stance(time_s)
+    }
+
+    /// The trunk at a time.
+    pub(super) fn trunk(&self, time_s: f64) -> Trunk {
+        let shift = self.sway.shift_m(time_s) + self.sum(|m| m.pelvis_shift.at(time_s));
+        let pelvis_turn =
+            self.sway.pelvis_turn_rad(time_s) + self.sum(|m| m.pelvis_turn.at(time_s));
+        let trunk_turn = self.sway.trunk_turn_rad(time_s) + self.sum(|m| m.trunk_turn.at(time_s));
+        trunk(
+            &self.stance(time_s),
+            stance::PELVIS_M + shift,
+            radians(stance::PELVIS_TURN_DEG) + pelvis_turn,
+            radians(stance::TRUNK_TURN_DEG) + trunk_turn,
+        )
+    }
+
+    fn clavicle(&self, time_s: f64, side: Side) -> DQuat {
+        let protraction = self.sum(|m| m.arms[side.index()].protraction.at(time_s));
+        let elevation = self.sum(|m| m.arms[side.index()].elevation.at(time_s));
+        DQuat::from_rotation_y(-side.sign() * protraction)
+            * DQuat::from_rotation_z(side.sign() * elevation)
+    }
+
+    /// World position of the shoulder.
+    pub(super) fn shoulder_m(&self, time_s: f64, side: Side) -> DVec3 {
+        let clavicle =
+            self.trunk(time_s).thorax.child(side.clavicle(), self.clavicle(time_s, side));
+        clavicle.point(offset_m(side.clavicle() + 1))
+    }
+
+    /// World position of the hip.
+    pub(super) fn hip_m(&self, time_s: f64, side: Side) -> DVec3 {
+        self.trunk(time_s).pelvis.point(offset_m(side.thigh()))
+    }
+
+    /// World position of the wrist and direction of the elbow if the arm stayed in guard.
+    pub(super) fn guard_arm(&self, time_s: f64, side: Side) -> (DVec3, DVec3) {
+        self.guard_arm_on(&self.trunk(time_s), time_s, side)
+    }
+
+    /// The same on the trunk of that time.
+    fn guard_arm_on(&self, trunk: &Trunk, time_s: f64, side: Side) -> (DVec3, DVec3) {
+        let Trunk { axes, thorax, .. } = *trunk;
+        let frame = Frame {
+            rotation: (axes * self.guard.thorax).slerp(thorax.rotation, GUARD_FOLLOWS),
+            ..thorax
+        };
+        let (wrist, elbow) = self.guard.arms[side.index()];
+        (frame.point(wrist) + axes * self.sway.wrist_m(time_s, side), frame.rotation * elbow)
+    }
+
+    /// World position of the ball of a foot on the floor.
+    pub(super) fn ball_m(&self, time_s: f64, side: Side) -> DVec3 {
+        self.footwork.ball_m(time_s, side)
+    }
+
+    /// World position of the ankle and rotation of the foot if it stayed on the floor.
+    pub(super) fn planted_foot(&self, time_s: f64, side: Side) -> Frame {
+        let turn = self.footwork.foot_rad(time_s, side)
+            + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
+        let heel = stance::HEELS_DEG[side.index()].to_radians()
+            + self.sum(|m| m.legs[side.index()].heel.at(time_s));
+        let rotation = DQuat::from_rotation_y(turn) * DQuat::from_rotation_x(heel);
+        let ankle_from_ball = DVec3::new(0.0, ANKLE_HEIGHT_M, -ANKLE_TO_BALL_M);
+        Frame { rotation, origin_m: self.ball_m(time_s, side) + rotation * ankle_from_ball }
+    }
+
+    /// Direction of the knee if the foot stayed on the floor: above the toes.
+    pub(super) fn planted_knee(&self, time_s: f64, side: Side) -> DVec3 {
+        let turn = self.footwork.foot_rad(time_s, side)
+            + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
+        DQuat::from_rotation_y(turn) * DVec3::Z
+    }
+
+    /// The pose at a time.
+    pub(super) fn pose(&self, time_s: f64) -> Pose {
+        let trunk = self.trunk(time_s);
+        let mut rotation = vec![DQuat::IDENTITY; BODY_COUNT];
+        rotation[PELVIS] = trunk.pelvis.rotation;
+        rotation[ABDOMEN] = relative(&trunk.pelvis, trunk.abdomen.rotation);
+        rotation[THORAX] = relative(&trunk.abdomen, trunk.thorax.rotation);
+        rotation[HEAD] = head(&trunk);
+        for side in Side::BOTH {
+            rotation[side.clavicle()..=side.hand()]
+                .copy_from_slice(&self.arm(time_s, &trunk, side));
+            rotation[side.thigh()..=side.foot()].copy_from_slice(&self.leg(time_s, &trunk, side));
+        }
+        Pose { root_m: trunk.pelvis.origin_m, rotation }
+    }
+
+    /// Rotations of clavicle, upper arm, forearm and hand.
+    fn arm(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 4] {
+        let sign = side.sign();
+        let axes = trunk.axes;
+        let (wrist, elbow) = self.guard_arm_on(trunk, time_s, side);
+        let wrist = wrist + axes * self.sum(|m| m.arms[side.index()].wrist.at(time_s));
+        let elbow = elbow + axes * self.sum(|m| m.arms[side.index()].elbow.at(time_s));
+        let pronation = stance::PRONATION_DEG.to_radians()
+            + self.sum(|m| m.arms[side.index()].pronation.at(time_s));
+
+        let clavicle_turn = self.clavicle(time_s, side);
+        let clavicle = trunk.thorax.child(side.clavicle(), clavicle_turn);
+        let shoulder = clavicle.point(offset_m(side.clavicle() + 1));
+        let limb = ik::solve(shoulder, wrist, UPPER_ARM_M, FOREARM_M, elbow);
+        // In the rest pose the arm lies along x and flexes forwards, about y.
+        let upper = from_axes(limb.upper * sign, limb.hinge * -sign);
+        let flexion = DQuat::from_rotation_y(-sign * limb.flexion_rad);
+        [
+            clavicle_turn,
+            relative(&clavicle, upper),
+            flexion * DQuat::from_rotation_x(pronation),
+            DQuat::from_rotation_z(sign * WRIST_PER_ELBOW * limb.flexion_rad),
+        ]
+    }
+
+    /// Rotations of thigh, shank and foot.
+    fn leg(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 3] {
+        let Trunk { axes, pelvis, .. } = *trunk;
+        let planted = self.planted_foot(time_s, side);
+        let ankle = planted.origin_m + axes * self.sum(|m| m.legs[side.index()].ankle.at(time_s));
+        let knee = self.planted_knee(time_s, side)
+            + axes * self.sum(|m| m.legs[side.index()].knee.at(time_s));
+        let loose = self.sum(|m| m.legs[side.index()].loose.at(time_s));
+        let plantarflexion = self.sum(|m| m.legs[side.index()].plantarflexion.at(time_s));
+
+        let hip = pelvis.point(offset_m(side.thigh()));
+        let limb = ik::solve(hip, ankle, THIGH_M, SHANK_M, knee);
+        // In the rest pose the leg hangs along -y and flexes about x.
+        let thigh = from_axes(limb.hinge, -limb.upper);
+        let flexion = DQuat::from_rotation_x(limb.flexion_rad);
+        let shank = thigh * flexion;
+        let on_floor = shank.conjugate() * planted.rotation;
+        let foot = on_floor.slerp(DQuat::from_rotation_x(plantarflexion), loose);
+        [relative(&pelvis, thigh), flexion, foot]
+    }
+}
+
+fn trunk(stance: &Stance, pelvis_m: DVec3, pelvis_turn: DVec3, trunk_turn: DVec3) -> Trunk {
+    let axes = stance.rotation();
+    let pelvis = Frame {
+        rotation: axes * from_turn(pelvis_turn),
+        origin_m: stance.origin_m + axes * pelvis_m,
+    };
+    let abdomen = pelvis.child(ABDOMEN, from_turn(trunk_turn * ABDOMEN_SHARE));
+    let thorax = abdomen.child(THORAX, from_turn(trunk_turn * (1.0 - ABDOMEN_SHARE)));
+    Trunk { stance_m: stance.origin_m, axes, pelvis, abdomen, thorax }
+}
+
+/// The head looks at the opponent as far as the neck allows.
+fn head(trunk: &Trunk) -> DQuat {
+    let Trunk { stance_m, axes, thorax, .. } = *trunk;
+    let opponent = stance_m + axes * stance::OPPONENT_M;
+    let gaze = thorax.rotation.conjugate() * (opponent - thorax.point(offset_m(HEAD) + EYES_M));
+    let turn = libm::atan2(gaze.x, gaze.z);
+    let nod = -libm::atan2(gaze.y, libm::hypot(gaze.x, gaze.z));
+    let [turn_limit, nod_limit] = HEAD_LIMIT_DEG.map(f64::to_radians);
+    from_turn(DVec3::new(softly_limited(nod, nod_limit), softly_limited(turn, turn_limit), 0.0))
+}
+
+/// Heading about y, then pitch about x, then roll about z.
+fn from_turn(turn: DVec3) -> DQuat {
+    DQuat::from_rotation_y(turn.y) * DQuat::from_rotation_x(turn.x) * DQuat::from_rotation_z(turn.z)
+}
+
+/// The rotation that has these x and y axes, unit and at right angles.
+fn from_axes(x: DVec3, y: DVec3) -> DQuat {
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
+}
+
+fn relative(parent: &Frame, world: DQuat) -> DQuat {
+    (parent.rotation.conjugate() * world).normalize()
+}
+
+/// About the angle itself when small, never past the limit.
+fn softly_limited(angle: f64, limit: f64) -> f64 {
+    angle / libm::sqrt(1.0 + (angle / limit) * (angle / limit))
+}
+
+/// Degrees to radians.
+pub(super) fn radians(degrees: DVec3) -> DVec3 {
+    degrees * 1.0_f64.to_radians()
+}

@@ -1,0 +1,266 @@
+//! What happens in each clip: strikes in shuffled order, steps between them, all from seeds.
+
+use glam::{DQuat, DVec3};
+use sinew_host_util::random::{Random, Subject};
+
+use super::skeleton::Side;
+use super::stance::{Stance, Step};
+use super::{RATE_HZ, kicks, punches};
+use Side::{Left as Lead, Right as Rear};
+use StrikeKind::{Cross, FrontKick, Hook, Jab, RoundhouseKick, SideKick, Uppercut};
+
+/// A kind of strike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StrikeKind {
+    /// Straight punch of the leading hand.
+    Jab,
+    /// Straight punch of the rear hand.
+    Cross,
+    /// Level swing with a bent arm.
+    Hook,
+    /// Rising punch with a bent arm.
+    Uppercut,
+    /// Straight kick forwards with the ball of the foot.
+    FrontKick,
+    /// Straight kick sideways with the edge of the foot.
+    SideKick,
+    /// Level swing of the leg, instep first.
+    RoundhouseKick,
+}
+
+impl StrikeKind {
+    /// Whether a leg strikes.
+    pub const fn is_kick(self) -> bool {
+        matches!(self, Self::FrontKick | Self::SideKick | Self::RoundhouseKick)
+    }
+
+    /// How much higher or lower than the key pose it may aim, as pitch.
+    const fn heights_rad(self) -> (f64, f64) {
+        match self {
+            Self::Jab | Self::Cross => (-0.08, 0.12),
+            Self::Hook | Self::Uppercut => (-0.05, 0.08),
+            Self::FrontKick => (-0.05, 0.28),
+            Self::SideKick => (-0.08, 0.18),
+            Self::RoundhouseKick => (-0.05, 0.32),
+        }
+    }
+}
+
+/// A strike that a clip holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strike {
+    /// The kind.
+    pub kind: StrikeKind,
+    /// The side of the fist or foot that strikes.
+    pub side: Side,
+    /// When it leaves the guard, in seconds from the first frame.
+    pub start_s: f64,
+    /// When fist or foot is at the target.
+    pub impact_s: f64,
+    /// When the fighter is back in guard.
+    pub end_s: f64,
+}
+
+/// A strike as the performer is given it, who always leads with the left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Cue {
+    pub kind: StrikeKind,
+    pub side: Side,
+    pub start_s: f64,
+    /// Speed as a multiple of the key poses' own.
+    pub tempo: f64,
+    /// Turn of hips and trunk as a multiple of the key poses' own.
+    pub power: f64,
+    /// Aim above the key poses' own, as pitch.
+    pub height_rad: f64,
+}
+
+impl Cue {
+    /// Impact and end, in seconds from the first frame.
+    fn timing_s(&self) -> (f64, f64) {
+        let (impact_s, end_s) = if self.kind.is_kick() {
+            kicks::timing_s(self.kind)
+        } else {
+            punches::timing_s(self.kind, self.side)
+        };
+        (self.start_s + impact_s / self.tempo, self.start_s + end_s / self.tempo)
+    }
+}
+
+/// One clip, before it is performed.
+#[derive(Debug, Clone)]
+pub(super) struct Script {
+    pub name: String,
+    pub seed: u64,
+    /// The side that leads; for a right lead the performance is mirrored.
+    pub lead: Side,
+    /// Number of frames to record.
+    pub frames: u32,
+    pub first: Stance,
+    pub steps: Vec<Step>,
+    pub cues: Vec<Cue>,
+}
+
+impl Script {
+    /// The strikes as the clip shows them.
+    pub(super) fn strikes(&self) -> impl Iterator<Item = Strike> {
+        self.cues.iter().map(|cue| {
+            let side = if self.lead == Side::Left { cue.side } else { cue.side.opposite() };
+            let (impact_s, end_s) = cue.timing_s();
+            Strike { kind: cue.kind, side, start_s: cue.start_s, impact_s, end_s }
+        })
+    }
+}
+
+/// Ten strikes of a clip and the time for each with the step that follows.
+struct Programme {
+    slot_s: f64,
+    strikes: [(StrikeKind, Side); 10],
+}
+
+const PUNCHES_A: Programme = Programme {
+    slot_s: PUNCH_SLOT_S,
+    strikes: [
+        (Jab, Lead),
+        (Jab, Lead),
+        (Jab, Lead),
+        (Cross, Rear),
+        (Cross, Rear),
+        (Hook, Lead),
+        (Hook, Lead),
+        (Hook, Rear),
+        (Uppercut, Lead),
+        (Uppercut, Rear),
+    ],
+};
+const PUNCHES_B: Programme = Programme {
+    slot_s: PUNCH_SLOT_S,
+    strikes: [
+        (Jab, Lead),
+        (Jab, Lead),
+        (Cross, Rear),
+        (Cross, Rear),
+        (Cross, Rear),
+        (Hook, Lead),
+        (Hook, Rear),
+        (Uppercut, Lead),
+        (Uppercut, Rear),
+        (Uppercut, Rear),
+    ],
+};
+const KICKS_A: Programme = Programme {
+    slot_s: KICK_SLOT_S,
+    strikes: [
+        (FrontKick, Lead),
+        (FrontKick, Rear),
+        (FrontKick, Rear),
+        (FrontKick, Rear),
+        (SideKick, Lead),
+        (SideKick, Lead),
+        (SideKick, Rear),
+        (RoundhouseKick, Lead),
+        (RoundhouseKick, Rear),
+        (RoundhouseKick, Rear),
+    ],
+};
+const KICKS_B: Programme = Programme {
+    slot_s: KICK_SLOT_S,
+    strikes: [
+        (FrontKick, Lead),
+        (FrontKick, Rear),
+        (FrontKick, Rear),
+        (SideKick, Lead),
+        (SideKick, Lead),
+        (SideKick, Rear),
+        (RoundhouseKick, Lead),
+        (RoundhouseKick, Rear),
+        (RoundhouseKick, Rear),
+        (RoundhouseKick, Rear),
+    ],
+};
+
+const PUNCH_SLOT_S: f64 = 1.70;
+const KICK_SLOT_S: f64 = 2.17;
+/// Guard before the first strike.
+const LEAD_IN_S: f64 = 0.30;
+/// Guard after the last step: enough for the differences that the evaluation forms at the end.
+const LEAD_OUT_S: f64 = 0.20;
+/// A strike begins this long after its slot, at least and at most: hips move before the limb.
+const SLOT_TO_START_S: (f64, f64) = (0.08, 0.18);
+
+/// Fastest step, in metres per second of the whole stance, and farthest.
+const STEP_SPEED_M_S: f64 = 0.5;
+const STEP_M: f64 = 0.20;
+/// The fighter stays this close to where it began.
+const RING_M: f64 = 0.8;
+/// Turn of the stance in one step and in all.
+const STEP_TURN_DEG: f64 = 8.0;
+const LARGEST_TURN_DEG: f64 = 25.0;
+
+/// The twelve clips: 80 punches and 40 kicks, each stance in half of them.
+///
+/// Every programme is fought in both stances equally often, so left and right strike equally often.
+pub(super) fn scripts() -> Vec<Script> {
+    let punches = [
+        &PUNCHES_A, &PUNCHES_A, &PUNCHES_B, &PUNCHES_B, &PUNCHES_A, &PUNCHES_A, &PUNCHES_B,
+        &PUNCHES_B,
+    ];
+    let kicks = [&KICKS_A, &KICKS_A, &KICKS_B, &KICKS_B];
+    let numbered = |name: &'static str, programmes: &[&'static Programme], first_seed: u64| {
+        let clips: Vec<Script> = (1_u64..)
+            .zip(programmes)
+            .map(|(number, programme)| {
+                let lead = if number % 2 == 1 { Side::Left } else { Side::Right };
+                script(format!("{name}_{number:02}"), first_seed + number, lead, programme)
+            })
+            .collect();
+        clips
+    };
+    let mut scripts = numbered("punches", &punches, 100);
+    scripts.extend(numbered("kicks", &kicks, 200));
+    scripts
+}
+
+fn script(name: String, seed: u64, lead: Side, programme: &Programme) -> Script {
+    let mut random = Random::new(seed, Subject::Script);
+    let mut footwork = Random::new(seed, Subject::Footwork);
+    let mut strikes = programme.strikes;
+    random.shuffle(&mut strikes);
+
+    let first = Stance { origin_m: DVec3::ZERO, heading_rad: 0.0 };
+    let mut at = first;
+    let (mut cues, mut steps) = (Vec::new(), Vec::new());
+    let mut slot_s = LEAD_IN_S;
+    for (kind, side) in strikes {
+        let (lowest_rad, highest_rad) = kind.heights_rad();
+        let cue = Cue {
+            kind,
+            side,
+            start_s: slot_s + random.between(SLOT_TO_START_S.0, SLOT_TO_START_S.1),
+            tempo: random.between(0.95, 1.06),
+            power: random.between(0.85, 1.08),
+            height_rad: random.between(lowest_rad, highest_rad),
+        };
+        slot_s += programme.slot_s;
+        let step = Step { start_s: cue.timing_s().1, end_s: slot_s, to: at };
+        at = next_stance(&mut footwork, &at, step.end_s - step.start_s);
+        steps.push(Step { to: at, ..step });
+        cues.push(cue);
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
+    let frames = libm::ceil((slot_s + LEAD_OUT_S) * RATE_HZ) as u32;
+    Script { name, seed, lead, frames, first, steps, cues }
+}
+
+/// A step any way, but not out of the ring.
+fn next_stance(random: &mut Random, at: &Stance, time_s: f64) -> Stance {
+    let longest_m = STEP_M.min(STEP_SPEED_M_S * time_s);
+    let length_m = longest_m * random.between(0.5, 1.0);
+    let way = DQuat::from_rotation_y(random.between(0.0, core::f64::consts::TAU)) * DVec3::Z;
+    let outwards = (at.origin_m + way * length_m).length() > RING_M;
+    let origin_m = at.origin_m + way * if outwards { -length_m } else { length_m };
+
+    let turn = random.between(-STEP_TURN_DEG, STEP_TURN_DEG).to_radians();
+    let largest = LARGEST_TURN_DEG.to_radians();
+    Stance { origin_m, heading_rad: (at.heading_rad + turn).clamp(-largest, largest) }
+}

@@ -1,0 +1,256 @@
+//! The segments of a subject: shape, length and mass, checked against each other.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::error::{InputError, Values, values};
+use super::inputs::{Inputs, Metres};
+use super::masses::Masses;
+use super::shape::{Piece, Shape};
+use crate::placement::Part;
+
+/// A segment of a subject.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Its cross-sections.
+    pub shape: Shape,
+    /// Its length along the longitudinal axis in metres.
+    pub length_m: f64,
+    /// Its mass in kg.
+    pub mass_kg: f64,
+}
+
+impl Segment {
+    /// Volume of its solid in m³.
+    pub fn volume_m3(&self) -> f64 {
+        self.shape.solid(self.length_m).volume_m3
+    }
+
+    /// Mass over volume in kg/m³.
+    pub fn density_kg_m3(&self) -> f64 {
+        self.mass_kg / self.volume_m3()
+    }
+}
+
+/// The segment of each part, in the order of [`Part::ALL`].
+///
+/// # Errors
+/// [`InputError`] if a girth does not go round its breadth, or a mass or a density cannot be.
+pub(super) fn segments(inputs: &Inputs) -> Result<[Segment; Part::ALL.len()], InputError> {
+    let i = inputs;
+    let masses = Masses::of(i);
+    let trunk = Trunk::of(i)?;
+    let trunk_kg_m3 = masses.trunk / trunk.weighted_volume_m3(i);
+    let make = |part| {
+        let (shape, length) = match part {
+            Part::LowerTrunk => (trunk.lower, i.lower_trunk_length_m),
+            Part::MidTrunk => (trunk.mid, i.mid_trunk_length_m),
+            Part::Thorax => (trunk.upper(Piece::Middle), i.upper_trunk_length_m),
+            Part::Shoulder => (trunk.upper(Piece::Side), i.upper_trunk_length_m),
+            Part::Head => (ellipsoid(i.head_circumference_m), i.head_length_m),
+            Part::UpperArm => (
+                cone(i.axillary_arm_circumference_m, i.elbow_circumference_m),
+                i.upper_arm_length_m,
+            ),
+            Part::Forearm => {
+                (cone(i.elbow_circumference_m, i.wrist_circumference_m), i.forearm_length_m)
+            }
+            Part::Hand => (ellipsoid(i.fist_circumference_m), i.wrist_to_knuckle_m),
+            Part::Thigh => (thigh(i)?, i.thigh_length_m),
+            Part::Shank => {
+                (cone(i.knee_circumference_m, i.ankle_circumference_m), i.shank_length_m)
+            }
+            Part::Foot => (foot(i)?, i.foot_length_m),
+        };
+        let length_m = length.get();
+        let volume_m3 = shape.solid(length_m).volume_m3;
+        let mass_kg = match part {
+            Part::LowerTrunk | Part::MidTrunk => trunk_kg_m3 * ABDOMEN * volume_m3,
+            Part::Thorax | Part::Shoulder => trunk_kg_m3 * THORAX * volume_m3,
+            Part::Head => masses.head,
+            Part::UpperArm => masses.upper_arm,
+            Part::Forearm => masses.forearm,
+            Part::Hand => masses.hand,
+            Part::Thigh => masses.thigh,
+            Part::Shank => masses.shank,
+            Part::Foot => masses.foot,
+        };
+        let segment = Segment { shape, length_m, mass_kg };
+        check(part, i, &segment)?;
+        Ok(segment)
+    };
+    let made = Part::ALL.into_iter().map(make).collect::<Result<Vec<_>, _>>()?;
+    Ok(core::array::from_fn(|part| made[part]))
+}
+
+/// Relative density of the upper trunk, which holds the lungs, and of the other two parts.
+const THORAX: f64 = 0.92;
+const ABDOMEN: f64 = 1.01;
+
+/// The shapes of the trunk's parts. They share the trunk's mass by relative density times volume.
+struct Trunk {
+    upper_a_m: f64,
+    upper_b_m: f64,
+    mid: Shape,
+    lower: Shape,
+}
+
+impl Trunk {
+    fn of(i: &Inputs) -> Result<Self, InputError> {
+        let upper_a_m = half_breadth(&values!(i; chest_breadth_m, xyphion_breadth_m));
+        let upper_b_m = other_semi_axis(
+            "upper trunk",
+            values!(i; chest_circumference_m, xyphion_circumference_m),
+            values!(i; chest_breadth_m, xyphion_breadth_m),
+        )?;
+        let xyphion_b_m = other_semi_axis(
+            "mid trunk",
+            values!(i; xyphion_circumference_m),
+            values!(i; xyphion_breadth_m),
+        )?;
+        let omphalion_b_m = other_semi_axis(
+            "mid trunk",
+            values!(i; omphalion_circumference_m),
+            values!(i; omphalion_breadth_m),
+        )?;
+        let lower_b_m = other_semi_axis(
+            "lower trunk",
+            values!(i; omphalion_circumference_m, hip_circumference_m),
+            values!(i; omphalion_breadth_m, hip_breadth_m),
+        )?;
+        Ok(Self {
+            upper_a_m,
+            upper_b_m,
+            // The body's joint is at its lower end.
+            mid: Shape::Elliptical {
+                a_m: [i.omphalion_breadth_m.get() / 2.0, i.xyphion_breadth_m.get() / 2.0],
+                b_m: [omphalion_b_m, xyphion_b_m],
+            },
+            lower: Shape::Column {
+                a_m: half_breadth(&values!(i; omphalion_breadth_m, hip_breadth_m)),
+                b_m: lower_b_m,
+                piece: Piece::Whole,
+            },
+        })
+    }
+
+    fn upper(&self, piece: Piece) -> Shape {
+        Shape::Column { a_m: self.upper_a_m, b_m: self.upper_b_m, piece }
+    }
+
+    fn weighted_volume_m3(&self, i: &Inputs) -> f64 {
+        let volume = |shape: Shape, length: Metres| shape.solid(length.get()).volume_m3;
+        THORAX * volume(self.upper(Piece::Whole), i.upper_trunk_length_m)
+            + ABDOMEN * volume(self.mid, i.mid_trunk_length_m)
+            + ABDOMEN * volume(self.lower, i.lower_trunk_length_m)
+    }
+}
+
+fn ellipsoid(circumference: Metres) -> Shape {
+    Shape::Ellipsoid { radius_m: circumference.get() / TAU }
+}
+
+fn cone(near: Metres, far: Metres) -> Shape {
+    Shape::Cone { radius_m: [near.get() / TAU, far.get() / TAU] }
+}
+
+/// An ellipse at the hip, a circle at the knee.
+fn thigh(i: &Inputs) -> Result<Shape, InputError> {
+    let depths = values!(i; upper_thigh_depth_m);
+    let b_m = half_breadth(&depths);
+    let a_m = other_semi_axis("thigh", values!(i; upper_thigh_circumference_m), depths)?;
+    let knee_m = i.knee_circumference_m.get() / TAU;
+    Ok(Shape::Elliptical { a_m: [a_m, knee_m], b_m: [b_m, knee_m] })
+}
+
+/// A circle at the heel, an ellipse at the toes. The sources disagree on the ellipse's height; here it follows
+/// from the mean girth as the depth of the trunk does.
+fn foot(i: &Inputs) -> Result<Shape, InputError> {
+    let breadths = values!(i; foot_breadth_m, toe_breadth_m);
+    let a_m = half_breadth(&breadths);
+    let girths = values!(i; ball_circumference_m, toe_circumference_m);
+    let b_m = other_semi_axis("foot", girths, breadths)?;
+    let heel_m = i.heel_circumference_m.get() / TAU;
+    Ok(Shape::Elliptical { a_m: [heel_m, a_m], b_m: [heel_m, b_m] })
+}
+
+/// Half the mean breadth.
+fn half_breadth(breadths: &Values) -> f64 {
+    breadths.mean() / 2.0
+}
+
+/// The semi-axis of an ellipse across the one that is half the breadth, from its perimeter π (a + b), nearly.
+fn other_semi_axis(
+    segment: &'static str,
+    girths: Values,
+    breadths: Values,
+) -> Result<f64, InputError> {
+    let a_m = half_breadth(&breadths);
+    let b_m = girths.mean() / PI - a_m;
+    if b_m > 0.0 {
+        return Ok(b_m);
+    }
+    let least_m = FRAC_PI_2 * breadths.mean();
+    Err(InputError::Girth { segment, girths, breadths, least_m })
+}
+
+/// Densities that a segment may have in kg/m³: outside of it one of its inputs is in another unit, or wrong.
+const DENSITY_KG_M3: core::ops::RangeInclusive<f64> = 850.0..=1250.0;
+
+fn check(part: Part, inputs: &Inputs, segment: &Segment) -> Result<(), InputError> {
+    let (name, values) = measured(part, inputs);
+    let mass_kg = segment.mass_kg;
+    if mass_kg <= 0.0 {
+        return Err(InputError::Mass { segment: name, mass_kg, values });
+    }
+    let density_kg_m3 = segment.density_kg_m3();
+    if DENSITY_KG_M3.contains(&density_kg_m3) {
+        return Ok(());
+    }
+    let volume_m3 = segment.volume_m3();
+    Err(InputError::Density { segment: name, density_kg_m3, mass_kg, volume_m3, values })
+}
+
+/// Name of a part, and the inputs that its mass and its shape are computed from.
+fn measured(part: Part, i: &Inputs) -> (&'static str, Values) {
+    match part {
+        // They share one mass, so that each density depends on all.
+        Part::LowerTrunk | Part::MidTrunk | Part::Thorax | Part::Shoulder => (
+            "trunk",
+            values!(i; mass_kg, trunk_length_m, upper_trunk_length_m, mid_trunk_length_m,
+                lower_trunk_length_m, chest_circumference_m, xyphion_circumference_m,
+                omphalion_circumference_m, hip_circumference_m, chest_breadth_m, xyphion_breadth_m,
+                omphalion_breadth_m, hip_breadth_m),
+        ),
+        Part::Head => ("head", values!(i; mass_kg, head_length_m, head_circumference_m)),
+        Part::UpperArm => (
+            "upper arm",
+            values!(i; mass_kg, upper_arm_length_m, axillary_arm_circumference_m,
+                elbow_circumference_m),
+        ),
+        Part::Forearm => (
+            "forearm",
+            values!(i; forearm_length_m, forearm_circumference_m, elbow_circumference_m,
+                wrist_circumference_m),
+        ),
+        Part::Hand => (
+            "hand",
+            values!(i; wrist_to_knuckle_m, fist_circumference_m, wrist_circumference_m,
+                wrist_breadth_m),
+        ),
+        Part::Thigh => (
+            "thigh",
+            values!(i; mass_kg, thigh_length_m, upper_thigh_circumference_m, upper_thigh_depth_m,
+                knee_circumference_m),
+        ),
+        Part::Shank => (
+            "shank",
+            values!(i; shank_length_m, calf_circumference_m, knee_circumference_m,
+                ankle_circumference_m),
+        ),
+        Part::Foot => (
+            "foot",
+            values!(i; mass_kg, foot_length_m, heel_circumference_m, ball_circumference_m,
+                toe_circumference_m, ankle_circumference_m, foot_breadth_m, toe_breadth_m),
+        ),
+    }
+}

@@ -1,0 +1,150 @@
+//! The skeletons that are known, and by what.
+
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+use sinew_mocap::Skeleton;
+
+use super::{Error, Mapping};
+
+/// A known skeleton.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// What it is, in a line.
+    pub about: &'static str,
+    /// Its mapping.
+    pub mapping: Mapping,
+}
+
+/// Every skeleton that is known.
+pub fn known() -> &'static [Known] {
+    static KNOWN: LazyLock<Vec<Known>> = LazyLock::new(|| {
+        macro_rules! mappings {
+            ($($name:literal),* $(,)?) => {
+                [$(include_str!(concat!("../../mappings/", $name, ".toml"))),*]
+            };
+        }
+        let files = mappings!(
+            "sinew",
+            "cgspeed_mb",
+            "cgspeed_mb_asf",
+            "asfamc",
+            "cmu_asf",
+            "cgspeed_daz",
+            "m21",
+            "bandai",
+            "geno",
+            "deepmimic",
+            "mixamo",
+            "mixamo_body",
+            "lafan1",
+            "xsens_mvn",
+            "xsens_bvh",
+            "axis_neuron",
+            "rokoko",
+            "mocopi",
+            "makehuman",
+            "makehuman_walks",
+            "second_life",
+        );
+        let read = |text: &'static str| Known {
+            about: about(text),
+            mapping: Mapping::parse(text).expect("the tests read every file"),
+        };
+        files.into_iter().map(read).collect()
+    });
+    &KNOWN
+}
+
+/// The first sentence of a file's comment, as far as its first line goes.
+fn about(text: &'static str) -> &'static str {
+    text.lines().next().and_then(|line| line.strip_prefix("# ")).unwrap_or_default()
+}
+
+/// The known mappings whose signature `skeleton` bears; of several those that ask for most.
+fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
+    let asks = |mapping: &Mapping| {
+        let signature = &mapping.signature;
+        let of = [&signature.joints, &signature.zero_offsets, &signature.nonzero_offsets];
+        of.iter().map(|joints| joints.len()).sum::<usize>()
+    };
+    let all = known().iter().map(|known| &known.mapping);
+    let mut matching: Vec<_> = all.filter(|mapping| mapping.signature.matches(skeleton)).collect();
+    let most = matching.iter().map(|mapping| asks(mapping)).max();
+    matching.retain(|mapping| Some(asks(mapping)) == most);
+    matching
+}
+
+/// The known mapping whose signature `skeleton` bears; of several the one that asks for most.
+///
+/// # Errors
+/// [`Error::NoneMatches`] with the joints found and the mappings tried, or [`Error::SeveralMatch`] with their names if
+/// several ask for as much.
+pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
+    let best = matching(skeleton);
+    match best[..] {
+        [mapping] => Ok(mapping),
+        [] => Err(Error::NoneMatches {
+            found: joint_names(skeleton),
+            tried: names(known().iter().map(|known| &known.mapping)),
+            nearest: nearest(skeleton).map_or_else(String::new, |(mapping, lacking)| {
+                let why = if lacking.is_empty() {
+                    "all of its joints are there, but other offsets are zero".to_owned()
+                } else {
+                    format!("the clip lacks its {}", lacking.join(", "))
+                };
+                format!(" The nearest is `{}`: {why}.", mapping.name)
+            }),
+        }),
+        _ => Err(Error::SeveralMatch { names: names(best.into_iter()) }),
+    }
+}
+
+/// Names of mappings, for a message.
+pub(super) fn names<'a>(mappings: impl Iterator<Item = &'a Mapping>) -> String {
+    mappings.map(|mapping| mapping.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// The joints of a skeleton for a message, not all of a long list.
+pub(super) fn joint_names(skeleton: &Skeleton) -> String {
+    const SHOWN_MAX: usize = 40;
+    let names: Vec<_> =
+        skeleton.joints.iter().take(SHOWN_MAX).map(|joint| joint.name.as_str()).collect();
+    let rest = skeleton.joints.len() - names.len();
+    let names = names.join(", ");
+    if rest > 0 { format!("{names} and {rest} more") } else { names }
+}
+
+/// The known mapping that is the skeleton's own, else the one of whose signature's joints `skeleton` has the largest
+/// share, behind any prefix; and those it lacks.
+pub fn nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
+    if let [own, ..] = matching(skeleton)[..] {
+        return Some((own, Vec::new()));
+    }
+    known()
+        .iter()
+        .map(|known| (&known.mapping, lacking(&known.mapping, skeleton)))
+        .filter(|(mapping, lacking)| lacking.len() < mapping.signature.joints.len())
+        .min_by_key(|(mapping, lacking)| lacking.len() * 1000 / mapping.signature.joints.len())
+}
+
+/// The joints of a signature that a skeleton lacks, behind the prefix with which it lacks least.
+fn lacking(mapping: &'static Mapping, skeleton: &Skeleton) -> Vec<&'static str> {
+    let wanted: Vec<&'static str> = mapping.signature.joints.iter().map(String::as_str).collect();
+    let found: BTreeSet<&str> = skeleton.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let prefixes =
+        wanted.iter().flat_map(|name| found.iter().filter_map(move |full| full.strip_suffix(name)));
+    let prefixes: BTreeSet<(usize, &str)> = prefixes.map(|prefix| (prefix.len(), prefix)).collect();
+    let behind = |prefix: &str| -> Vec<&'static str> {
+        let is_there = |name: &&str| found.contains(format!("{prefix}{name}").as_str());
+        wanted.iter().copied().filter(|name| !is_there(name)).collect()
+    };
+    // Of what is behind one most is there: single names end like others by chance.
+    prefixes
+        .into_iter()
+        .map(|(_, prefix)| behind(prefix))
+        .filter(|lacking| 2 * lacking.len() < wanted.len())
+        .chain([behind("")])
+        .min_by_key(Vec::len)
+        .unwrap_or_default()
+}

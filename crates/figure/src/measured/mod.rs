@@ -1,0 +1,175 @@
+//! How large what a file holds is, and which way up: said by the user, told by the file, or guessed from the body, and
+//! then said so. All commands that read a clip or a character ask here.
+
+mod unit;
+mod up;
+
+use std::fmt::{self, Display, Formatter};
+
+use glam::DVec3;
+use sinew_mocap::{Recording, Up, axis_name};
+use sinew_retarget::skeleton::{BODY_HEIGHT_M, SkeletonMatch};
+
+use crate::mapping::Mapping;
+
+pub use up::UpGuess;
+
+/// What the user says of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Told {
+    /// Length of its unit, in metres.
+    pub metres_per_unit: Option<f64>,
+    /// The axis that points up.
+    pub up: Option<Up>,
+}
+
+/// A mapping that a recording is read by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct By<'a> {
+    /// The mapping.
+    pub mapping: &'a Mapping,
+    /// Whether the user gave it: then its unit is the user's word, not what files of this skeleton usually have.
+    pub is_given: bool,
+}
+
+/// Unit, up and height of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Length of the file's unit, in metres; `None` where nothing tells it.
+    pub metres_per_unit: Option<f64>,
+    /// Why this unit, or why none is known.
+    pub unit_reason: String,
+    /// Which axis points up.
+    pub up: UpGuess,
+    /// Height of the standing body by the lengths of its bones, in the file's unit; of what is no human body the extent
+    /// along up.
+    pub height_units: f64,
+    /// Whether the skeleton is a human body's.
+    pub is_body: bool,
+}
+
+/// Sizes from joint to joint that are believed of what is no human body, m: from a hand's to a horse's with a neck.
+const OTHER_SIZE_M: std::ops::RangeInclusive<f64> = 0.05..=5.0;
+
+impl Measured {
+    /// Measures a recording. `matched` is its skeleton's match.
+    pub fn new(
+        recording: &Recording,
+        matched: &SkeletonMatch,
+        by: Option<By<'_>>,
+        told: Told,
+    ) -> Self {
+        let of_mapping = by.and_then(|by| Some((by.mapping.up?, "as the mapping says")));
+        Self::by_word(recording, matched, by, told, of_mapping)
+    }
+
+    /// Measures the rest pose of what comes in metres with y up: so its format says.
+    pub fn of_format(rest: &Recording, matched: &SkeletonMatch) -> Self {
+        Self::by_word(rest, matched, None, Told::default(), Some((Up::Y, "as its format says")))
+    }
+
+    fn by_word(
+        recording: &Recording,
+        matched: &SkeletonMatch,
+        by: Option<By<'_>>,
+        told: Told,
+        said: Option<(Up, &str)>,
+    ) -> Self {
+        let up = UpGuess::of(recording, matched, told.up, said);
+        let body = matched.unit.as_ref().map(|unit| unit.height).filter(|height| *height > 0.0);
+        let (metres_per_unit, unit_reason) =
+            match unit::of(recording, matched, by, told.metres_per_unit) {
+                Ok((metres, reason)) => (Some(metres), reason),
+                Err(reason) => (None, reason),
+            };
+        let height_units = body.unwrap_or_else(|| up::extents(recording, up.axis)[0]);
+        Self { metres_per_unit, unit_reason, up, height_units, is_body: body.is_some() }
+    }
+
+    /// With this unit where nothing tells it, in metres.
+    #[must_use]
+    pub fn or_unit(mut self, metres_per_unit: Option<f64>) -> Self {
+        if self.metres_per_unit.is_none() && metres_per_unit.is_some() {
+            self.unit_reason = format!("taken so: {}; see --metres-per-unit", self.unit_reason);
+            self.metres_per_unit = metres_per_unit;
+        }
+        self
+    }
+
+    /// Its height, m.
+    pub fn height_m(&self) -> Option<f64> {
+        self.metres_per_unit.map(|metres| metres * self.height_units)
+    }
+
+    /// Length of the unit, or why it is not known and what to do.
+    ///
+    /// # Errors
+    /// The reason, as a sentence that goes on behind the file's name.
+    pub fn unit(&self) -> Result<f64, String> {
+        self.metres_per_unit.ok_or_else(|| {
+            format!(
+                "the unit of length is not known: {}; give it with --metres-per-unit",
+                self.unit_reason
+            )
+        })
+    }
+
+    /// The recording in metres, y up.
+    ///
+    /// # Errors
+    /// Those of [`unit`](Self::unit).
+    pub fn apply(&self, mut recording: Recording) -> Result<Recording, String> {
+        // It overrules the file's own.
+        recording.metres_per_unit = Some(self.unit()?);
+        Ok(recording.in_metres(1.0).upright(self.up.axis, self.up.rest))
+    }
+
+    /// What is not believable of it.
+    pub fn warnings(&self) -> Vec<String> {
+        let range = if self.is_body { BODY_HEIGHT_M } else { OTHER_SIZE_M };
+        let size = self.height_m().filter(|height_m| !range.contains(height_m)).map(|height_m| {
+            format!(
+                "warning: {} is {height_m:.3} m tall, and {} to {} m is believable: is the unit another? See \
+                 --metres-per-unit",
+                if self.is_body { "the body" } else { "it" },
+                range.start(),
+                range.end(),
+            )
+        });
+        size.into_iter().chain(self.up.doubt.clone()).collect()
+    }
+}
+
+/// Height, unit and up on one line.
+impl Display for Measured {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let what = if self.is_body { "tall" } else { "high" };
+        match (self.height_m(), self.metres_per_unit) {
+            (Some(height_m), Some(unit)) => {
+                write!(
+                    f,
+                    "{height_m:.2} m {what}; a unit is {} m ({})",
+                    short(unit),
+                    self.unit_reason
+                )?;
+            }
+            _ => write!(f, "{:.2} units {what} ({})", self.height_units, self.unit_reason)?,
+        }
+        write!(f, "; {} is up ({})", axis_name(self.up.axis), self.up.reason)
+    }
+}
+
+/// A number of metres with as many digits as a person needs.
+fn short(metres: f64) -> String {
+    let text = format!("{metres:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Extents of a recording's joints and ends in its first whole frame, else at rest: along up, and the largest across.
+/// In the file's unit.
+pub fn extents(recording: &Recording, up: DVec3) -> [f64; 2] {
+    up::extents(recording, up)
+}
+
+#[cfg(test)]
+mod tests;

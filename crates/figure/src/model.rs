@@ -1,0 +1,110 @@
+//! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
+
+use glam::DVec3;
+use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use thiserror::Error;
+
+use super::body::{BODIES, Root};
+use super::de_leva;
+use super::hanavan::{self, Subject};
+use super::placement::{Placement, Skeleton};
+use crate::FigureMotion;
+use crate::plant::{MassProperties, link};
+
+/// The figure as a mechanism: where its joints are, and the mass properties of its bodies.
+///
+/// Built from de Leva's segment table or from the Hanavan-Kwon solids of a measured subject, on the joints that
+/// a clip's skeleton has. How segments lie on it is said in `placement.rs`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyModel {
+    /// Position of joint `i` in the frame of body `i`'s parent, in metres; zero for the root.
+    pub offset_m: Vec<DVec3>,
+    /// Mass properties by body.
+    pub bodies: Vec<MassProperties>,
+}
+
+/// Why a clip's skeleton cannot be given a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum BodyModelError {
+    /// A dimension is NaN or infinite.
+    #[error("the offset or the end of the {0} is not finite")]
+    NonFinite(&'static str),
+    /// A limb must have a length.
+    #[error("the {0} has no length: its joint and the next one are at the same place")]
+    NoLength(&'static str),
+    /// Left and right, or up, cannot be told.
+    #[error(
+        "the hips are at the same place, or the neck is level with them: left and up cannot be told"
+    )]
+    NoOrientation,
+}
+
+impl BodyModel {
+    /// The mean man of de Leva's table, 73 kg, with the dimensions of a clip.
+    ///
+    /// # Errors
+    /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
+    pub fn from_motion(motion: &FigureMotion) -> Result<Self, BodyModelError> {
+        let placement = Placement::new(Skeleton::of(motion))?;
+        Ok(Self { offset_m: motion.offset_m.clone(), bodies: de_leva::bodies(&placement)? })
+    }
+
+    /// A measured subject on the joints of a clip: its masses and cross-sections, and lengths as said in
+    /// [`hanavan`].
+    ///
+    /// # Errors
+    /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
+    pub fn hanavan_kwon(motion: &FigureMotion, subject: &Subject) -> Result<Self, BodyModelError> {
+        let placement = Placement::new(Skeleton::of(motion))?;
+        Ok(Self {
+            offset_m: motion.offset_m.clone(),
+            bodies: hanavan::bodies(&placement, subject)?,
+        })
+    }
+
+    /// The same figure with all dimensions times `factor`, at the same density.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        self.scaled_by(&[factor; BODIES.len()])
+    }
+
+    /// The same figure with every body in its own factor's dimensions, at the same density. A joint lies on
+    /// its parent body and moves with that.
+    #[must_use]
+    pub fn scaled_by(&self, factors: &[f64]) -> Self {
+        let offset_m = |(body, offset_m): (usize, &DVec3)| {
+            *offset_m * factors[BODIES[body].parent.unwrap_or(body)]
+        };
+        let scaled = |(body, factor): (&MassProperties, &f64)| body.scaled(*factor);
+        Self {
+            offset_m: self.offset_m.iter().enumerate().map(offset_m).collect(),
+            bodies: self.bodies.iter().zip(factors).map(scaled).collect(),
+        }
+    }
+
+    /// Mass of the whole figure in kg.
+    pub fn mass_kg(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass_kg).sum()
+    }
+
+    /// The figure as a mechanism: the root as given, all other joints spherical, without friction or ranges.
+    pub fn mechanism(&self, root: Root) -> Mechanism {
+        let bodies = BODIES.iter().zip(&self.offset_m).zip(&self.bodies);
+        let bodies = bodies.map(|((place, offset_m), mass)| {
+            let joint = match (place.parent, root) {
+                (Some(_), _) => Freedom::Spherical,
+                (None, Root::Driven) => Freedom::Free,
+                (None, Root::Fixed) => Freedom::Fixed,
+            };
+            Link {
+                name: place.name.to_owned(),
+                joint_name: place.name.to_owned(),
+                ..link(place.parent, joint, *offset_m, mass)
+            }
+        });
+        Mechanism { bodies: bodies.collect(), linked: Vec::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,83 @@
+//! Clips on their own skeletons, for what compares and joins motions.
+
+use sinew_mocap::damage::take_out_jumps;
+use sinew_mocap::files::ClipFile;
+use sinew_mocap::{Clip, Recording, format, gaps};
+
+use super::{Error, Notice, Settings, believed, in_metres, noticed, tpose, unfilled};
+use crate::mapping::{self, Binding, Mapping, NoRate};
+
+/// A clip on its own skeleton at its own rate, and what its file tells besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedClip {
+    /// The motion; its first frame is the first that is no inserted T-pose.
+    pub clip: Clip,
+    /// Frames of the file before that.
+    pub skipped: usize,
+    /// Length of the file's unit, in metres.
+    pub metres_per_unit: f64,
+    /// How the skeleton maps on the figure; `None` if it is no human's.
+    pub mapping: Option<Mapping>,
+}
+
+/// The unit of a skeleton whose file does not tell it, and whose height does not either.
+const UNIT_M: f64 = 0.01;
+
+/// Reads one clip of any skeleton, skips an inserted T-pose and fills gaps. It is neither low-passed nor resampled.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::Mapping`] if the mapping given does not fit, [`Error::NoRate`], [`Error::Unit`],
+/// [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
+pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Vec<Notice>), Error> {
+    let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
+    let name = || file.path.display().to_string();
+    let of_mapping =
+        |source: mapping::Error| Error::Mapping { clip: name(), source: source.into() };
+    // A skeleton that is no human's has none.
+    let found = mapping::found(&recording, settings.mapping.as_ref()).ok();
+    let (mapping, proposed) =
+        found.map_or((None, None), |found| (Some(found.mapping.into_owned()), found.proposed));
+    let told_s = recording.frame_time_s.or_else(|| mapping.as_ref()?.rate_hz.map(f64::recip));
+    let frame_time_s = told_s.ok_or_else(|| Error::NoRate {
+        clip: name(),
+        source: NoRate { mapping: mapping.as_ref().map_or_else(String::new, |m| m.name.clone()) },
+    })?;
+    let known = mapping.as_ref().filter(|_| proposed.is_none());
+    // A human's body tells its unit, and is refused where it does not.
+    let otherwise = mapping.is_none().then_some(UNIT_M);
+    let (mut recording, measured) = in_metres(recording, known, otherwise, settings, &name())?;
+    let metres_per_unit = measured.metres_per_unit.unwrap_or(UNIT_M);
+    let binding = match &mapping {
+        None => None,
+        Some(mapping) => Some(Binding::new(mapping, &recording.skeleton).map_err(of_mapping)?),
+    };
+    if let Some(binding) = &binding {
+        believed(&name(), binding, &recording)?;
+    }
+    let mut notices = noticed(&measured, &mut recording);
+    notices.extend(proposed.map(Notice::MappingProposed));
+    if recording.frame_time_s.is_none() {
+        notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
+    }
+    let recorded = recording.frames.len();
+    let skipped =
+        usize::from(tpose::is_inserted(&recording, |body| binding.as_ref()?.joint_of(body)));
+    if skipped > 0 {
+        notices.push(Notice::TPoseSkipped);
+    }
+    recording.frames.drain(..skipped);
+    if recording.frames.is_empty() {
+        let rate_hz = frame_time_s.recip();
+        return Err(Error::TooShort { clip: name(), frames: 0, rate_hz, skipped, recorded });
+    }
+    let jumps = take_out_jumps(&mut recording, frame_time_s).after(skipped);
+    let (clip, filled) = gaps::fill(recording, frame_time_s, settings.gap_max_s)
+        .map_err(|source| unfilled(&name(), &jumps, source.after(skipped)))?;
+    if !jumps.is_empty() {
+        notices.push(Notice::Jumps(jumps));
+    }
+    if !filled.gaps.is_empty() {
+        notices.push(Notice::GapsFilled(filled.after(skipped)));
+    }
+    Ok((LoadedClip { clip, skipped, metres_per_unit, mapping }, notices))
+}

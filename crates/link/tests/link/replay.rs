@@ -1,0 +1,62 @@
+//! The corpus through the fuzz targets of `../fuzz`.
+
+use std::collections::BTreeSet;
+
+use sinew_link::message::{ToController, ToHost};
+use sinew_link::{Decoder, Message};
+
+use crate::common;
+use crate::corpus;
+use crate::decoders;
+
+/// What kinds of messages are in bytes.
+fn kinds<M: Message + std::fmt::Debug>(bytes: &[u8], name: fn(&M) -> String) -> BTreeSet<String> {
+    let (mut decoder, mut kinds) = (Decoder::<M>::new(), BTreeSet::new());
+    decoder.feed(bytes, |message| _ = kinds.insert(name(&message)));
+    kinds
+}
+
+/// The first words of a text.
+fn first(text: &str) -> String {
+    text.chars().take_while(|c| c.is_alphanumeric()).collect()
+}
+
+fn of_controller(message: &ToController) -> String {
+    match message {
+        ToController::Hello(_) => "Hello".to_owned(),
+        ToController::Command(command) => first(&format!("{:?}", command.item)),
+        ToController::Stream(stream) => first(&format!("{:?}", stream.item)),
+    }
+}
+
+fn of_host(message: &ToHost) -> String {
+    first(&format!("{message:?}"))
+}
+
+/// Each message that there is, and streams that are cut, bent and stuffed.
+#[test]
+fn streams() {
+    let (mut said, mut answered) = (BTreeSet::new(), BTreeSet::new());
+    for bytes in corpus::inputs("stream") {
+        decoders::stream(&bytes);
+        said.extend(kinds(&bytes, of_controller));
+        answered.extend(kinds(&bytes, of_host));
+    }
+    // Greeting, commands, streams.
+    assert_eq!(said.len(), 1 + common::messages::COMMANDS + 4, "{said:?}");
+    assert_eq!(answered.len(), 4, "{answered:?}");
+}
+
+#[test]
+fn bodies() {
+    for bytes in corpus::inputs("body") {
+        decoders::body(&bytes);
+    }
+}
+
+#[test]
+fn controllers() {
+    for bytes in corpus::inputs("controller") {
+        decoders::controller(&bytes);
+    }
+}

@@ -1,0 +1,427 @@
+//! A rig's motion as a show.
+
+use std::borrow::Cow;
+use std::cell::RefCell;
+
+use sinew_retarget::feasibility::{
+    CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
+    Report, RigMotion, check, rate_at_rows, refit,
+};
+use sinew_rig::board::BoardRig;
+use sinew_rig::mechanism::Freedom;
+use sinew_rig::{Description, Mechanism};
+use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
+use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
+use thiserror::Error;
+
+/// As many channels as the largest rig has.
+const CHANNELS: usize = 256;
+/// As much as any board holds: the CRC does not depend on it.
+const BODIES: usize = 64;
+const FREEDOMS: usize = 128;
+const SERVOS: usize = 64;
+/// How often a second a show is looked at.
+pub const CHECK_HZ: f64 = 250.0;
+/// The same of a show that shall exceed nothing: between two looks it may swing out for a few milliseconds.
+const FITTED_HZ: f64 = 1000.0;
+/// How often at least it is looked at before that: at its samples, where its accelerations are largest.
+const ROUGH_HZ: f64 = 100.0;
+/// How often a motion is fitted for one show.
+const FITS: usize = 12;
+/// How much nearer to its motion a show is brought each time, and at most, in shares of its largest error: a curve of
+/// short spans in whole steps has accelerations in proportion to its step.
+const NEARER: f64 = 0.25;
+const NEAREST: f64 = 1.0 / 256.0;
+/// How long before and after an excess it is as near, and how long it takes to be as far off as before, s: an error of
+/// 0.25 degrees that comes and goes in 0.4 s asks for 0.1 rad/s².
+const AROUND_S: f64 = 0.03;
+const BESIDE_S: f64 = 0.4;
+
+/// Why a motion is no show.
+#[derive(Debug, Error)]
+pub enum BakeError {
+    /// The show's own bounds.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// What was written is no show that plays.
+    #[error("the show does not play: {0}")]
+    Show(#[from] ShowError),
+    /// A rate that a show cannot state.
+    #[error("rate: expected a whole number of samples a second, or one over 1.001, found {0}")]
+    Rate(f64),
+    /// The motion cannot be brought within the rig's limits.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The fitted motion cannot be led to its beginning.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+    /// The show cannot be looked at.
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    /// What a show rounds leads beyond a limit, however often the motion is fitted.
+    #[error(
+        "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --tolerance-deg, or more room in \
+         rig.toml, helps, and a longer --loop-blend-s of a loop",
+        kind.name(),
+        kind.shown(*slides, *value),
+        kind.shown(*slides, *limit)
+    )]
+    Rounded {
+        /// The freedom.
+        joint: String,
+        /// Whether it slides.
+        slides: bool,
+        /// Of what.
+        kind: Kind,
+        /// What it is.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+}
+
+/// A show of a rig's motion.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// The show, and its errors at the samples.
+    pub written: Written,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+    /// Its degrees of freedom that move.
+    pub freedoms: usize,
+}
+
+impl Baked {
+    /// Minutes of such a motion that so many bytes hold.
+    pub fn minutes_in(&self, bytes: usize) -> f64 {
+        let per_s = self.written.bytes.len() as f64 / self.duration_s;
+        bytes as f64 / per_s / 60.0
+    }
+}
+
+/// What a show tells beside the motion.
+#[derive(Debug, Clone, Default)]
+pub struct Marks {
+    /// Rows of the motion, with names.
+    pub cues: Vec<(u32, String)>,
+    /// Of the first row.
+    pub time_code: Option<TimeCode>,
+    /// Rows of the motion and of the one that it was slowed down from: see [`course`].
+    pub course: Vec<(u32, u32)>,
+    /// Whether the show goes round: the last row of its motion is the first again.
+    pub is_loop: bool,
+}
+
+impl Marks {
+    /// A fit's motion, with nothing beside it.
+    ///
+    /// # Errors
+    /// None: as [`Baker::bake_within`] asks for it.
+    pub fn of_none(fit: &Fit) -> Result<(Cow<'_, RigMotion>, Self), BakeError> {
+        Ok((Cow::Borrowed(&fit.motion), Self::default()))
+    }
+}
+
+/// How a fit goes through the given motion, for the time code to follow: pairs of their rows, between which the error
+/// is at most half a frame and what rounding to rows adds. Empty if it was not slowed down.
+pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
+    let dt_s = fit.motion.dt_s;
+    let most = 0.5 / f64::from(time_code.frames_per_second) / dt_s;
+    let given: Vec<f64> = fit.given_s.iter().map(|given_s| given_s / dt_s).collect();
+    if given.iter().enumerate().all(|(row, given)| (given - row as f64).abs() < 1e-6) {
+        return Vec::new();
+    }
+    let mut pairs = Vec::new();
+    let (mut first, mut slopes) = (0, [f64::NEG_INFINITY, f64::INFINITY]);
+    for row in 1..given.len() {
+        // The slopes that come near enough to each row since the last pair.
+        let far = (row - first) as f64;
+        let way = given[row] - given[first];
+        let to = [f64::max(slopes[0], (way - most) / far), f64::min(slopes[1], (way + most) / far)];
+        let is_straight = to[0] <= way / far && way / far <= to[1];
+        if is_straight {
+            slopes = to;
+            continue;
+        }
+        first = row - 1;
+        pairs.push(first);
+        let way = given[row] - given[first];
+        slopes = [way - most, way + most];
+    }
+    pairs.push(given.len() - 1);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows, below 2^30")]
+    pairs.into_iter().map(|row| (row as u32, given[row].round() as u32)).collect()
+}
+
+/// What shows of one rig have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct Baker<'a> {
+    /// The rig.
+    pub mechanism: &'a Mechanism,
+    /// The CRC of its compact form, or 0.
+    pub rig: u32,
+    /// How near a show is to its motion.
+    pub settings: Settings,
+}
+
+impl Baker<'_> {
+    /// Writes a show of a rig's motion.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the motion is beyond what a show holds.
+    pub fn bake(&self, motion: &RigMotion, marks: &Marks) -> Result<Baked, BakeError> {
+        let content = Content::of(self.mechanism, motion, marks)?;
+        content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
+    }
+
+    /// Makes a show of a fitted motion that itself keeps to all limits. Where it does not, by what it rounds, it is
+    /// brought nearer to the motion; if that does not help, the motion is fitted once more, tighter. `given`: the
+    /// motion before the fit; `of_fit`: what is shown of a fit.
+    ///
+    /// # Errors
+    /// [`BakeError`] if there is no such show.
+    pub fn bake_within(
+        &self,
+        limits: &Limits,
+        given: &RigMotion,
+        mut fitted: Fit,
+        of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, Marks), BakeError>,
+    ) -> Result<(Fit, Baked, Report), BakeError> {
+        let mut tight = limits.clone();
+        let mut fits = 0;
+        loop {
+            let (baked, report) = {
+                let (motion, marks) = of_fit(&fitted)?;
+                self.bake_near(limits, &motion, &marks)?
+            };
+            let Some(worst) = report.excesses.first() else { return Ok((fitted, baked, report)) };
+            loop {
+                if fits == FITS {
+                    return Err(rounded(limits, worst));
+                }
+                fits += 1;
+                tight = tight.tightened(&report);
+                let before = fitted.motion.fingerprint();
+                // The motion, which may be long, is not held while the next one is made.
+                let progress = fitted.into_progress();
+                fitted = refit(self.mechanism, &tight, given, &progress, FitSettings::default())?;
+                // Of the same motion the show would be the same.
+                if fitted.motion.fingerprint() != before {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Makes a show that is as near to its motion as it must be to keep to the limits; if none does, one that is as
+    /// near as can be.
+    fn bake_near(
+        &self,
+        limits: &Limits,
+        motion: &RigMotion,
+        marks: &Marks,
+    ) -> Result<(Baked, Report), BakeError> {
+        let content = Content::of(self.mechanism, motion, marks)?;
+        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
+        loop {
+            let baked = content.baked(&mut writer)?;
+            let played = Played::new(&baked.written.bytes)?;
+            let rough_hz = rate_at_rows(ROUGH_HZ, motion.dt_s);
+            let mut report = check(self.mechanism, limits, &played, rough_hz)?;
+            if report.excesses.is_empty() {
+                report = check(self.mechanism, limits, &played, FITTED_HZ)?;
+            }
+            let mut is_nearer = false;
+            for excess in &report.excesses {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "not negative, and saturates"
+                )]
+                let sample = |time_s: f64| (time_s / motion.dt_s).max(0.0).round() as usize;
+                let samples = sample(excess.from_s - AROUND_S)..sample(excess.to_s + AROUND_S) + 1;
+                let beside = sample(BESIDE_S);
+                for joint in self.causes(limits.freedoms[excess.freedom].joint, excess.kind) {
+                    is_nearer |=
+                        writer.bring_nearer(joint, samples.clone(), beside, [NEARER, NEAREST]);
+                }
+            }
+            if !is_nearer {
+                return Ok((baked, report));
+            }
+        }
+    }
+
+    /// The joints whose curves can be why one of them is beyond a limit.
+    fn causes(&self, joint: usize, kind: Kind) -> impl Iterator<Item = usize> {
+        let supports = |a, b| self.mechanism.supports(a, b);
+        let is_cause = move |other: &usize| match kind {
+            Kind::Effort => supports(joint, *other) || supports(*other, joint),
+            Kind::Speed | Kind::Acceleration => joint == *other,
+            // A fit leaves room for errors of positions, and those of an instant do not heat.
+            Kind::Range | Kind::LinkedRange | Kind::Heat => false,
+        };
+        (0..self.mechanism.bodies.len()).filter(is_cause)
+    }
+}
+
+/// What a show has of a motion, and beside it.
+struct Content<'a> {
+    joints: Vec<Joint>,
+    q: Vec<f64>,
+    rate: Rate,
+    cues: Vec<(u32, &'a str)>,
+    marks: &'a Marks,
+    freedoms: usize,
+    duration_s: f64,
+}
+
+impl<'a> Content<'a> {
+    fn of(mechanism: &Mechanism, motion: &RigMotion, marks: &'a Marks) -> Result<Self, BakeError> {
+        // Behind the last sample of a loop comes the first.
+        let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
+        let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
+        let cue = |(row, name): &'a (u32, String)| ((*row).min(last), name.as_str());
+        let kinds = mechanism.bodies.iter().map(|link| link.joint.kind());
+        let moving = mechanism.bodies.iter().filter(|link| link.joint != Freedom::Free);
+        Ok(Self {
+            joints: kinds.map(Joint::from).collect(),
+            q: rows.iter().flatten().copied().collect(),
+            rate: rate(motion.dt_s)?,
+            cues: marks.cues.iter().map(cue).collect(),
+            marks,
+            freedoms: moving.map(|link| link.joint.kind().degrees_of_freedom()).sum(),
+            duration_s: motion.duration_s(),
+        })
+    }
+
+    fn motion(&self, rig: u32) -> Motion<'_> {
+        let Marks { time_code, course, is_loop, .. } = self.marks;
+        Motion {
+            joints: &self.joints,
+            q: &self.q,
+            rate: self.rate,
+            is_loop: *is_loop,
+            rig,
+            cues: &self.cues,
+            time_code: *time_code,
+            course,
+        }
+    }
+
+    fn baked(&self, writer: &mut Writer<'_>) -> Result<Baked, BakeError> {
+        let written = writer.write()?;
+        // What was written is opened as a board opens it.
+        Show::open(&written.bytes)?.check_blocks()?;
+        Ok(Baked { written, duration_s: self.duration_s, freedoms: self.freedoms })
+    }
+}
+
+fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
+    let freedom = &limits.freedoms[worst.freedom];
+    let (joint, slides) = (freedom.name.clone(), freedom.slides);
+    let Excess { kind, value, limit, .. } = *worst;
+    BakeError::Rounded { joint, slides, kind, value, limit }
+}
+
+/// A rate as a show has it: whole samples in whole seconds.
+fn rate(dt_s: f64) -> Result<Rate, BakeError> {
+    let hz = dt_s.recip();
+    // 1001: the rates of television.
+    for seconds in [1_u32, 1001] {
+        let samples = hz * f64::from(seconds);
+        if (samples - samples.round()).abs() < 1e-6 * samples && (1.0..1e6).contains(&samples) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "1 to 1e6"
+            )]
+            return Ok(Rate { samples: samples.round() as u32, seconds });
+        }
+    }
+    Err(BakeError::Rate(hz))
+}
+
+/// A show as it is played, with the derivatives of its curve: what [`check`](sinew_retarget::feasibility::check) looks
+/// at.
+#[derive(Debug)]
+pub struct Played<'a> {
+    player: RefCell<(Player<'a, CHANNELS>, State)>,
+}
+
+/// Coordinates with their derivatives, as a board has them.
+#[derive(Debug)]
+struct State {
+    q: Vec<f32>,
+    qd: Vec<f32>,
+    qdd: Vec<f32>,
+}
+
+impl<'a> Played<'a> {
+    /// Opens a show.
+    ///
+    /// # Errors
+    /// [`ShowError`] if it is none, or larger than any rig.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ShowError> {
+        let show = Show::open(bytes)?;
+        show.check_blocks()?;
+        let none = vec![0.0; show.degrees_of_freedom()];
+        let state = State { q: vec![0.0; show.channel_count()], qd: none.clone(), qdd: none };
+        Ok(Self { player: RefCell::new((Player::new(show)?, state)) })
+    }
+
+    /// The motion that the show has, a row every `dt_s`.
+    pub fn motion(&self, dt_s: f64) -> RigMotion {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
+        let last = (self.duration_s() / dt_s).round() as usize;
+        let row = |index: usize| {
+            let mut instant = Instant::default();
+            self.at(index as f64 * dt_s, &mut instant);
+            instant.q
+        };
+        RigMotion { dt_s, rows: (0..=last).map(row).collect() }
+    }
+}
+
+impl Performance for Played<'_> {
+    fn duration_s(&self) -> f64 {
+        f64::from(self.player.borrow().0.show().duration_s())
+    }
+
+    fn at(&self, time_s: f64, instant: &mut Instant) {
+        let (player, State { q, qd, qdd }) = &mut *self.player.borrow_mut();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let position = player.show().position_at_us((time_s.max(0.0) * 1e6).round() as u64);
+        // Its blocks were checked.
+        let _ = player.state_at(position, q, qd, qdd);
+        let wide = |numbers: &[f32], out: &mut Vec<f64>| {
+            out.clear();
+            out.extend(numbers.iter().map(|x| f64::from(*x)));
+        };
+        wide(q, &mut instant.q);
+        wide(qd, &mut instant.qd);
+        wide(qdd, &mut instant.qdd);
+    }
+}
+
+/// The CRC of a rig's compact form, by which a board knows that a show is its own; 0 with the reason, if no board holds
+/// the rig.
+pub fn rig_hash(rig: &Description, mechanism: &Mechanism) -> (u32, Option<String>) {
+    let none = |why: String| (0, Some(format!("the show names no rig: no board holds it: {why}")));
+    let board = match BoardRig::<BODIES, FREEDOMS, SERVOS>::bake(rig, mechanism) {
+        Ok(board) => board,
+        Err(error) => return none(error.to_string()),
+    };
+    let mut bytes = vec![0; 1 << 16];
+    let crc = board.encode(&mut bytes).map(|length| {
+        bytes
+            .get(..length)
+            .and_then(|bytes| bytes.last_chunk::<4>())
+            .copied()
+            .map(u32::from_le_bytes)
+    });
+    match crc {
+        Ok(crc) => (crc.unwrap_or(0), None),
+        Err(error) => none(error.to_string()),
+    }
+}

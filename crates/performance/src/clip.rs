@@ -1,0 +1,236 @@
+//! A clip of any skeleton, read and cleaned for a rig.
+
+use sinew_figure::builtin;
+use sinew_figure::mapping;
+use sinew_figure::measured::{By, Measured, Told};
+use sinew_figure::pipeline::tpose;
+use sinew_mocap::damage::{LongBone, check_bones, take_out_jumps};
+use sinew_mocap::files::ClipFile;
+use sinew_mocap::filter::LowPass;
+use sinew_mocap::resample::resample;
+use sinew_mocap::{Clip, Recording, format, gaps};
+use sinew_retarget::performer::PerformerJoints;
+use sinew_retarget::skeleton::SkeletonMatch;
+use sinew_retarget::{Landmark, LandmarkMap, Side};
+use thiserror::Error;
+
+/// The longest gap that is filled, s.
+const GAP_MAX_S: f64 = 0.5;
+
+/// The longest bone that is believed, m: as long as the tallest figure.
+const BONE_MAX_M: f64 = 3.0;
+
+/// How a clip is prepared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClipSettings {
+    /// Cutoff of the low-pass, Hz; `None`: the frames as they are.
+    pub cutoff_hz: Option<f64>,
+    /// What the user says of the file.
+    pub told: Told,
+}
+
+impl Default for ClipSettings {
+    fn default() -> Self {
+        Self { cutoff_hz: Some(6.0), told: Told::default() }
+    }
+}
+
+/// A clip in metres, y up, without an inserted T-pose.
+#[derive(Debug, Clone)]
+pub struct PreparedClip {
+    /// The motion.
+    pub clip: Clip,
+    /// Time of its first frame, from the first row of the file, s.
+    pub start_s: f64,
+    /// Which joint is which landmark.
+    pub matched: SkeletonMatch,
+    /// How it was measured.
+    pub measured: Measured,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// Why a clip was not prepared.
+#[derive(Debug, Error)]
+pub enum ClipError {
+    /// The file is no motion.
+    #[error(transparent)]
+    Read(#[from] format::Error),
+    /// There is no such file.
+    #[error("{clip}: no such file, and no built-in clip: these are {}", built_in.join(", "))]
+    Missing {
+        /// What was asked for.
+        clip: String,
+        /// The built-in clips.
+        built_in: Vec<String>,
+    },
+    /// Nothing tells the rate.
+    #[error(
+        "{clip}: the file does not tell its frame rate; expected a format that does, such as BVH"
+    )]
+    NoRate {
+        /// The file.
+        clip: String,
+    },
+    /// Nothing tells the unit of length.
+    #[error("{clip}: {reason}")]
+    NoUnit {
+        /// The file.
+        clip: String,
+        /// Why not.
+        reason: String,
+    },
+    /// Too little is left.
+    #[error("{clip}: expected at least 2 frames, found {frames}")]
+    TooShort {
+        /// The file.
+        clip: String,
+        /// Frames.
+        frames: usize,
+    },
+    /// A bone is longer than any body.
+    #[error("{clip}: {source}")]
+    Bone {
+        /// The file.
+        clip: String,
+        /// Which.
+        source: LongBone,
+    },
+    /// A gap is too long.
+    #[error("{clip}: {source}")]
+    Gap {
+        /// The file.
+        clip: String,
+        /// Where.
+        source: gaps::Unfillable,
+    },
+    /// A joint cannot be low-passed.
+    #[error("{clip}: {source}")]
+    Filter {
+        /// The file.
+        clip: String,
+        /// Where.
+        source: sinew_mocap::filter::RotationsCancel,
+    },
+}
+
+impl PreparedClip {
+    /// Reads a clip, finds its landmarks and its unit, turns it upright, skips an inserted T-pose, fills gaps and
+    /// low-passes.
+    ///
+    /// # Errors
+    /// [`ClipError`] names the file and what would be right.
+    pub fn read(file: &ClipFile, settings: ClipSettings) -> Result<Self, ClipError> {
+        let name = file.path.display().to_string();
+        let built_in = || builtin::clips().into_iter().find(|clip| clip.name == name);
+        let recording = match format::read(&file.path) {
+            Ok(recording) => Recording { name: file.name.clone(), ..recording },
+            // Only where there is no such file.
+            Err(error) => match built_in().filter(|_| !file.path.exists()) {
+                Some(clip) => clip,
+                None if file.path.exists() => return Err(error.into()),
+                None => {
+                    let built_in = builtin::clips().into_iter().map(|clip| clip.name).collect();
+                    return Err(ClipError::Missing { clip: name, built_in });
+                }
+            },
+        };
+        Self::prepare(recording, &name, settings)
+    }
+
+    fn prepare(
+        recording: Recording,
+        name: &str,
+        settings: ClipSettings,
+    ) -> Result<Self, ClipError> {
+        let name = || name.to_owned();
+        // A known skeleton's files may have a rate that they do not tell.
+        let known = mapping::choose(&recording.skeleton).ok();
+        let known_s = known.and_then(|known| known.rate_hz).map(f64::recip);
+        let matched = SkeletonMatch::of_recording(&recording);
+        let by = known.map(|mapping| By { mapping, is_given: false });
+        let measured = Measured::new(&recording, &matched, by, settings.told);
+        let mut notes = vec![measured.to_string()];
+        notes.extend(measured.warnings());
+        notes.extend(recording.notes.iter().cloned());
+        if let (None, Some(frame_time_s)) = (recording.frame_time_s, known_s) {
+            let rate_hz = frame_time_s.recip();
+            notes.push(format!(
+                "taken as {rate_hz} Hz, as its skeleton's files: the file does not tell its rate"
+            ));
+        }
+        let frame_time_s = recording.frame_time_s.or(known_s);
+        let frame_time_s = frame_time_s.ok_or_else(|| ClipError::NoRate { clip: name() })?;
+        notes.extend(matched.findings.iter().cloned());
+        let mut recording = measured
+            .apply(recording)
+            .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;
+        check_bones(&recording, BONE_MAX_M)
+            .map_err(|source| ClipError::Bone { clip: name(), source })?;
+        let origin = |body: &str| matched.joint(landmark_of(body)?);
+        let t_pose = usize::from(tpose::is_inserted(&recording, origin));
+        if t_pose > 0 {
+            notes.push("skipped frame 0, an inserted T-pose".to_owned());
+        }
+        recording.frames.drain(..t_pose);
+        let frames = recording.frames.len();
+        if frames < 2 {
+            return Err(ClipError::TooShort { clip: name(), frames });
+        }
+        let jumps = take_out_jumps(&mut recording, frame_time_s).after(t_pose);
+        if !jumps.is_empty() {
+            notes.push(jumps.to_string());
+        }
+        let (mut clip, filled) =
+            gaps::fill(recording, frame_time_s, GAP_MAX_S).map_err(|source| {
+                let clip = if jumps.is_empty() { name() } else { format!("{}: {jumps}", name()) };
+                ClipError::Gap { clip, source: source.after(t_pose) }
+            })?;
+        if !filled.gaps.is_empty() {
+            notes.push(filled.after(t_pose).to_string());
+        }
+        let filter = settings.cutoff_hz.and_then(|hz| LowPass::new(clip.rate_hz(), hz));
+        if let Some(filter) = filter {
+            filter
+                .apply_to_clip(&mut clip)
+                .map_err(|source| ClipError::Filter { clip: name(), source })?;
+        }
+        let rate_hz = clip.rate_hz();
+        // Television's rates are 1000 / 1001 of a whole one; others that are not whole are roundings of a writer.
+        let is_whole = |hz: f64| (hz - hz.round()).abs() < 1e-6 * hz;
+        if !is_whole(rate_hz) && !is_whole(1.001 * rate_hz) {
+            let whole_hz = rate_hz.round().max(1.0);
+            notes.push(format!("resampled from {rate_hz:.3} to {whole_hz} Hz"));
+            clip = resample(&clip, whole_hz);
+        }
+        Ok(Self { clip, start_s: t_pose as f64 * frame_time_s, matched, measured, notes })
+    }
+
+    /// Keeps the first `seconds` of it.
+    pub fn cut(&mut self, seconds: f64) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let frames = (seconds / self.clip.frame_time_s).ceil().max(0.0) as usize;
+        self.clip.frames.truncate(frames.saturating_add(1).max(2));
+    }
+
+    /// The joints of the landmarks.
+    pub fn joints(&self) -> PerformerJoints {
+        let joints = LandmarkMap::of(|landmark| self.matched.joint(landmark));
+        PerformerJoints::of(&self.clip.skeleton, joints)
+    }
+}
+
+/// The landmark at the origin of a limb's body of the figure.
+fn landmark_of(body: &str) -> Option<Landmark> {
+    let (part, side) = body.rsplit_once('_')?;
+    let side = if side == "l" { Side::Left } else { Side::Right };
+    Some(match part {
+        "upper_arm" => Landmark::Shoulder(side),
+        "forearm" => Landmark::Elbow(side),
+        "hand" => Landmark::Wrist(side),
+        "thigh" => Landmark::Hip(side),
+        "shank" => Landmark::Knee(side),
+        "foot" => Landmark::Ankle(side),
+        _ => return None,
+    })
+}

@@ -1,0 +1,256 @@
+//! The client against a whole board, in simulated time.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Duration;
+use std::{fmt, io};
+
+use sinew_board_client::{Board, BoardServos, ClientError, Line, item};
+use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
+use sinew_firmware::supervisor::State as Of;
+use sinew_link::message::{
+    Applied, Command, Feed, Kind, Misfit, Parts as Told, Refusal, State, Version,
+};
+use sinew_retarget::feasibility::RigMotion;
+use sinew_rig::Description;
+use sinew_rig::new::{arm, face};
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::plant::RigPlant;
+use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
+use sinew_show::write::Settings as ShowSettings;
+
+use super::{Chip, SimulatedBoard};
+use crate::play::{Memory, Options, Parts};
+use crate::{Baker, Marks};
+
+const SECOND: Duration = Duration::from_secs(1);
+
+/// A board that its client and the test both hold; the line may be cut.
+struct Shared<'a> {
+    board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
+    is_cut: Rc<RefCell<bool>>,
+}
+
+impl fmt::Debug for Shared<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Shared").field("is_cut", &self.is_cut).finish_non_exhaustive()
+    }
+}
+
+impl Shared<'_> {
+    fn check(&self) -> io::Result<()> {
+        if *self.is_cut.borrow() { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+    }
+}
+
+impl Line for Shared<'_> {
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.check()?;
+        self.board.borrow_mut().send(bytes)
+    }
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        self.check()?;
+        self.board.borrow_mut().receive(into, wait)
+    }
+    fn now(&self) -> Duration {
+        self.board.borrow().now()
+    }
+}
+
+struct Desk<'a> {
+    client: Board<Shared<'a>>,
+    board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
+    is_cut: Rc<RefCell<bool>>,
+    parts: &'a Parts,
+    /// Of one second.
+    show: Vec<u8>,
+}
+
+/// Gives a test an arm of three servos on a board, with its rig stored or blank.
+fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
+    rig_on_desk(&arm(3).unwrap(), is_blank, test);
+}
+
+fn rig_on_desk(rig: &Description, is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
+    let run = || {
+        let mechanism = rig.mechanism().unwrap();
+        let parts = Parts::new(rig, &mechanism, Options::default()).unwrap();
+        let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
+        let (rig_crc, settings) = (parts.rig_crc(), ShowSettings::default());
+        let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+        let show = baker.bake(&motion, &Marks::default());
+        let show = show.unwrap().written.bytes;
+        let chip = Chip::blank();
+        if !is_blank {
+            SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
+        }
+        let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+        let plant = parts.plant(rig, &mechanism).unwrap();
+        let board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
+        let board = Rc::new(RefCell::new(board));
+        let is_cut = Rc::new(RefCell::new(false));
+        let line = Shared { board: Rc::clone(&board), is_cut: Rc::clone(&is_cut) };
+        let client = Board::connect(line, 7, SECOND).unwrap();
+        test(Desk { client, board, is_cut, parts: &parts, show });
+    };
+    std::thread::scope(|scope| {
+        let builder = std::thread::Builder::new().stack_size(64 << 20);
+        builder.spawn_scoped(scope, run).unwrap().join().unwrap();
+    });
+}
+
+impl Desk<'_> {
+    fn until(&mut self, state: State) {
+        let end = self.client.now() + 30 * SECOND;
+        while self.client.now() < end {
+            if self.client.fresh_state(SECOND).unwrap() == state {
+                return;
+            }
+        }
+        panic!("{state} does not come: {:?}", self.client.seen);
+    }
+
+    fn arm(&mut self) {
+        self.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        self.until(State::Limp);
+        let end = self.client.now() + 10 * SECOND;
+        while self.client.now() < end {
+            match self.client.ask(Command::Arm) {
+                Ok(_) => return self.until(State::Holding),
+                Err(ClientError::Refused(_)) => self.client.run(SECOND / 10).unwrap(),
+                Err(error) => panic!("{error}"),
+            }
+        }
+        panic!("it cannot be armed");
+    }
+}
+
+#[test]
+fn a_blank_board_takes_a_rig_and_a_show_and_plays_it() {
+    on_desk(true, |mut desk| {
+        assert_eq!(desk.client.about().rig, 0);
+        let rig = desk.parts.board_rig().unwrap();
+        let of_rig = item(Kind::Rig, RIG_SCHEMA, &rig, 0, "Ada").unwrap();
+        let mut seen = Vec::new();
+        desk.client.upload(&of_rig, &rig, &mut |next| seen.push(next)).unwrap();
+        assert!(seen.is_sorted() && seen.last() == Some(&of_rig.length), "{seen:?}");
+        assert_eq!(desk.client.about().rig, desk.parts.rig_crc());
+        assert_eq!(desk.board.borrow().starts(), 2);
+        let show = desk.show.clone();
+        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
+        assert_eq!(desk.client.slot_of(&of_show).unwrap(), None);
+        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
+        let slot = desk.client.slot_of(&of_show).unwrap().unwrap();
+        desk.client.ask(Command::LoadShow { slot }).unwrap();
+        desk.arm();
+        desk.client.ask(Command::Play(Feed::Show)).unwrap();
+        desk.until(State::Playing);
+        desk.until(State::Holding);
+        // Nothing is stored while the rig is armed.
+        let refused = desk.client.set_setting(6, 3.0).unwrap_err();
+        assert!(matches!(refused, ClientError::Refused(Refusal::State(State::Holding))));
+        desk.client.ask(Command::Stop).unwrap();
+        desk.until(State::Limp);
+        assert!(desk.client.seen.faults.is_empty(), "{:?}", desk.client.seen.faults);
+        desk.client.set_setting(6, 3.0).unwrap();
+        desk.client.reconnect(SECOND).unwrap();
+        assert!((desk.client.setting(6).unwrap() - 3.0).abs() < 1e-6);
+        // Its own supply was looked at while torque was on: the counter is of one start.
+        assert!(matches!(desk.client.ask(Command::ReadHealth), Ok(Applied::Health(_))));
+    });
+}
+
+#[test]
+fn versions_that_do_not_fit_are_both_named() {
+    on_desk(false, |desk| {
+        let Desk { client, board, is_cut, .. } = desk;
+        drop(client);
+        let board = Rc::into_inner(board).unwrap().into_inner();
+        let newer = Version { major: 2, minor: 3 };
+        let board = Rc::new(RefCell::new(board.speaking(newer).unwrap()));
+        let error = Board::connect(Shared { board, is_cut }, 8, SECOND).unwrap_err();
+        assert!(matches!(error, ClientError::Misfit(Misfit::Version { .. })), "{error}");
+        let text = error.to_string();
+        assert!(text.contains("2.3") && text.contains(&Version::CURRENT.to_string()), "{text}");
+    });
+}
+
+/// The board alone: it holds, is lowered, and is limp.
+#[test]
+fn a_board_that_is_unplugged_holds_and_then_is_limp() {
+    on_desk(false, |mut desk| {
+        let show = desk.show.clone();
+        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
+        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
+        desk.client.ask(Command::LoadShow { slot: 0 }).unwrap();
+        desk.arm();
+        desk.client.ask(Command::Play(Feed::Show)).unwrap();
+        desk.until(State::Playing);
+        *desk.is_cut.borrow_mut() = true;
+        let error = desk.client.step(SECOND).unwrap_err().to_string();
+        assert!(error.contains("unplugged") && error.contains("limp"), "{error}");
+        let mut board = desk.board.borrow_mut();
+        let begun_us = board.now_us();
+        let mut came = Vec::new();
+        while board.now_us() < begun_us + 10_000_000 && board.state() != Some(Of::Faulted) {
+            board.tick();
+            let state = board.state().unwrap();
+            if came.last().is_none_or(|(last, _)| *last != state) {
+                came.push((state, (board.now_us() - begun_us) / 1000));
+            }
+        }
+        let at = |of: Of| came.iter().find(|(state, _)| *state == of).map(|(_, ms)| *ms);
+        let [holds, lowers] = [Of::Holding, Of::Lowering].map(|of| at(of).unwrap());
+        // Heartbeats come every 50 ms, and the last may be that old.
+        assert!((150..=210).contains(&holds), "{came:?}");
+        assert!((1950..=2010).contains(&lowers), "{came:?}");
+        // Let go, and the lost link is latched.
+        assert!(at(Of::Faulted).is_some(), "{came:?}");
+    });
+}
+
+#[test]
+fn servos_are_reached_through_a_limp_board_alone() {
+    on_desk(false, |mut desk| {
+        desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        desk.until(State::Limp);
+        let baud = desk.parts.lines[0].baud;
+        let settings = Settings { patience: Duration::from_millis(3), tries: 2 };
+        let line = BoardServos::new(desk.client, 0).unwrap();
+        let mut client = Client::new(line, Protocol::Dynamixel, baud, settings).unwrap();
+        // The model number, and how long the answer took.
+        assert_eq!(client.read_bytes(1, 0, 2).unwrap().0.len(), 2);
+        let took = client.line_mut().took();
+        assert!(took > Duration::ZERO && took < Duration::from_millis(2), "{took:?}");
+        // More than an answer of the link carries.
+        assert_eq!(client.read_bytes(1, 0, 147).unwrap().0.len(), 147);
+        assert!(matches!(client.read_bytes(77, 0, 2), Err(ServiceError::Silent { id: 77, .. })));
+        // At another rate nobody hears it, and the line has its own again behind that.
+        client.set_baud(57_600).unwrap();
+        assert!(client.read_bytes(1, 0, 2).is_err());
+        let mut second = BoardServos::new(client.into_line().into_board(), 1).unwrap();
+        let none =
+            sinew_servo_tools::Exchange::set_baud(&mut second, baud).unwrap_err().to_string();
+        assert!(none.contains("no such line"), "{none}");
+        desk.client = second.into_board();
+        desk.arm();
+        let line = BoardServos::new(desk.client, 0).unwrap();
+        let armed = Client::new(line, Protocol::Dynamixel, baud, settings).unwrap_err().to_string();
+        assert!(armed.contains("the rig is holding"), "{armed}");
+    });
+}
+
+/// A Dynamixel's packet begins with 0xFF: the chip would take it for a write to its registers.
+#[test]
+fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
+    rig_on_desk(&face(), false, |mut desk| {
+        desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        desk.until(State::Limp);
+        let mut chip = BoardServos::new(desk.client, 0).unwrap();
+        let none =
+            sinew_servo_tools::Exchange::set_baud(&mut chip, 1_000_000).unwrap_err().to_string();
+        assert!(none.contains("no such line"), "{none}");
+        desk.client = chip.into_board();
+        desk.arm();
+    });
+}

@@ -1,0 +1,318 @@
+//! What a rig's controller, buses and simulated servos are made of.
+
+use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
+use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
+use sinew_rig::board::BakeError;
+use sinew_rig::description::Supply as RigSupply;
+use sinew_rig::mechanism::Freedom;
+use sinew_rig::{Description, Mechanism};
+use sinew_servo_bus::Schedule;
+use sinew_servo_sim::plant::RigPlant;
+use sinew_servo_sim::rig::{RigServosError, servos};
+use sinew_servo_sim::supply::Supply;
+use thiserror::Error;
+
+use super::Board;
+use super::line::{Line, lines};
+use super::schedule::{Load, Needs, RateError, choose};
+use super::servo_part::{Drive, ServoPart, drives, setup, single};
+use crate::rig_hash;
+
+/// What may be chosen. Default: what each servo can do, and the lines have time for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options {
+    /// How servos are driven.
+    pub drive: Option<Drive>,
+    /// Ticks a second.
+    pub rate_hz: Option<u32>,
+    /// Bits a second of all lines.
+    pub baud: Option<u32>,
+    /// For a board, in place of a loop in this program: what the board's processor computes in a tick counts, and its
+    /// clock divides to the rate of its lines.
+    pub is_of_board: bool,
+}
+
+impl Options {
+    /// What a board gets that nobody has asked for anything else.
+    pub fn of_board() -> Self {
+        Self { is_of_board: true, ..Self::default() }
+    }
+}
+
+/// Why a rig cannot be played on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PartsError {
+    /// It has no compact form.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// Its servos cannot be simulated.
+    #[error(transparent)]
+    Servos(#[from] RigServosError),
+    /// It travels.
+    #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
+    Travels,
+    /// It has no servos.
+    #[error("the rig has no servos")]
+    NoServos,
+    /// A servo is where its kind cannot be.
+    #[error("servo `{servo}` is a {model}: expected {expected}, found {found}")]
+    Address {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+        /// Where it could be.
+        expected: &'static str,
+        /// Where it is.
+        found: String,
+    },
+    /// Servos of two makers share a line.
+    #[error(
+        "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
+    )]
+    TwoProtocols {
+        /// The bus.
+        bus: String,
+        /// A servo.
+        one: String,
+        /// One of the other protocol.
+        other: String,
+    },
+    /// Servos on one drive, of which some take pulses.
+    #[error(
+        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
+         pulses"
+    )]
+    Mixed {
+        /// A servo that takes pulses.
+        one: String,
+        /// One that does not.
+        other: String,
+    },
+    /// A kind of servo has no current mode.
+    #[error(
+        "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"
+    )]
+    NoCurrent {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+    },
+    /// A line cannot have this rate.
+    #[error("--baud {baud}: bus {bus:?} can have {known}")]
+    Baud {
+        /// What was asked for.
+        baud: u32,
+        /// The bus.
+        bus: String,
+        /// What it could have.
+        known: String,
+    },
+    /// The lines have no time.
+    #[error(transparent)]
+    Rate(#[from] RateError),
+    /// Two servos have one id, or a number cannot be.
+    #[error("bus {bus:?}: {reason}")]
+    Bus {
+        /// The bus.
+        bus: String,
+        /// Why.
+        reason: sinew_servo_bus::SetupError,
+    },
+}
+
+/// Clock of the reference board's processor, an STM32F446, Hz.
+const BOARD_HZ: u32 = 180_000_000;
+
+/// All that a stand is made of.
+pub struct Parts {
+    pub(super) board: Board,
+    pub(super) settings: ControllerSettings,
+    pub(super) setups: Vec<ServoSetup>,
+    /// Of the line whose readings come latest.
+    pub(super) schedule: Schedule,
+    pub(super) schedules: Vec<Schedule>,
+    supply: Option<RigSupply>,
+    /// Lines, in the order in which the rig's servos name them.
+    pub lines: Vec<Line>,
+    /// Servos, in the rig's order.
+    pub servos: Vec<ServoPart>,
+    /// Names of the freedoms.
+    pub names: Vec<String>,
+    /// Whether a freedom slides: its numbers are m and N.
+    pub slides: Vec<bool>,
+    /// By freedom: how its servos are driven; none if none moves it.
+    pub drives: Vec<Option<Drive>>,
+    /// By freedom: its first servo.
+    pub first_servo: Vec<Option<usize>>,
+    /// Ticks a second.
+    pub rate_hz: u32,
+    /// What a tick takes the reference board besides its bus by the estimate, µs, and the ticks a second that it holds
+    /// with that; none if it holds none that servos of this drive need.
+    pub on_board: (u32, Option<u32>),
+}
+
+impl Parts {
+    /// Of a rig.
+    ///
+    /// # Errors
+    /// [`PartsError`] names the servo or the line, and what would be right.
+    pub fn new(
+        rig: &Description,
+        mechanism: &Mechanism,
+        options: Options,
+    ) -> Result<Self, PartsError> {
+        if mechanism.bodies.iter().any(|link| link.joint == Freedom::Free) {
+            return Err(PartsError::Travels);
+        }
+        let board = Board::bake(rig, mechanism)?;
+        let (rig_crc, _) = rig_hash(rig, mechanism);
+        let own = servos(rig, mechanism)?;
+        let mut lines = lines(&own, options)?;
+        let drives = drives(&board, &own, options.drive)?;
+        let mut parts = Vec::new();
+        for (index, (own, drive)) in own.into_iter().zip(drives).enumerate() {
+            let line = lines.iter().position(|line| line.name == own.bus).unwrap_or_default();
+            lines[line].servos.push(index);
+            parts.push(ServoPart { own, drive, place: (line, lines[line].servos.len() - 1) });
+        }
+        let setups: Vec<ServoSetup> = parts.iter().map(|part| setup(rig, part)).collect();
+        let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
+        let loads: Vec<(&str, Load)> =
+            lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
+        let compute_us = estimated_us(parts.len(), BOARD_HZ);
+        if options.is_of_board {
+            settings.compute_us = compute_us;
+        }
+        let needs = Needs { compute_us: settings.compute_us, stale_s: settings.stale_s };
+        let (rate_hz, schedules) = choose(&loads, options.rate_hz, needs)?;
+        let of_board = Needs { compute_us, ..needs };
+        let holds =
+            choose(&loads, Some(rate_hz), of_board).or_else(|_| choose(&loads, None, of_board));
+        let on_board = (compute_us, holds.ok().map(|(rate_hz, _)| rate_hz));
+        // The tracker's readings are of lines that close its loop, if any does.
+        let closes = loads.iter().any(|(_, load)| load.closes_loop);
+        let latest = loads
+            .iter()
+            .zip(&schedules)
+            .filter(|((_, load), _)| load.closes_loop == closes)
+            .map(|(_, schedule)| *schedule)
+            .max_by_key(Schedule::groups);
+        let schedule = latest.ok_or(PartsError::NoServos)?;
+        settings.tracker = tracker(&schedule);
+        let (drives, first_servo) = by_freedom(&board, &parts);
+        let slides = mechanism.bodies.iter().flat_map(|link| {
+            let is_slide = matches!(link.joint, Freedom::Prismatic(_));
+            std::iter::repeat_n(is_slide, link.joint.kind().degrees_of_freedom())
+        });
+        Ok(Self {
+            settings,
+            setups,
+            schedule,
+            schedules,
+            supply: rig.supply,
+            lines,
+            servos: parts,
+            names: mechanism.freedom_names(),
+            slides: slides.collect(),
+            drives,
+            first_servo,
+            rate_hz,
+            on_board,
+            board,
+        })
+    }
+
+    /// The CRC by which shows name this rig.
+    pub fn rig_crc(&self) -> u32 {
+        self.settings.rig_crc
+    }
+
+    /// Takes shows of another rig, too: of the same one before servos were put on it.
+    pub fn take_shows_of(&mut self, rig_crc: u32) {
+        self.settings.rig_crc = rig_crc;
+    }
+
+    /// The method of the tracker.
+    pub fn method(&self) -> MethodName {
+        self.settings.tracker.method
+    }
+
+    /// In how many ticks each servo of a line is read once.
+    pub fn groups(&self, line: usize) -> u32 {
+        self.schedules[line].groups()
+    }
+
+    /// Whether a freedom is moved by servos that tell nothing: what becomes of it nobody knows.
+    pub fn tells_nothing(&self, freedom: usize) -> bool {
+        self.drives[freedom] == Some(Drive::Pulses)
+    }
+
+    /// Length of a tick, µs.
+    pub fn tick_us(&self) -> u32 {
+        self.schedule.tick_us()
+    }
+
+    /// The rig on the shafts of its servos, whatever their line.
+    ///
+    /// # Errors
+    /// [`RigServosError`].
+    pub fn plant(
+        &self,
+        rig: &Description,
+        mechanism: &Mechanism,
+    ) -> Result<RigPlant, RigServosError> {
+        let servos = self.lines.iter().flat_map(|line| &line.servos);
+        let names: Vec<&str> = servos.map(|servo| self.servos[*servo].own.name.as_str()).collect();
+        RigPlant::new(rig, mechanism, &names)
+    }
+
+    /// Where a servo stands among all, line after line.
+    pub(super) fn place_on_bench(&self, servo: usize) -> usize {
+        let (line, place) = self.servos[servo].place;
+        place + self.lines[..line].iter().map(|line| line.servos.len()).sum::<usize>()
+    }
+
+    /// The voltage of what feeds all servos, if the rig's file says it.
+    pub fn supply_v(&self) -> Option<f32> {
+        self.supply.map(|supply| single(supply.voltage_v))
+    }
+
+    /// What feeds all servos, as the rig's file says.
+    pub(super) fn supply(&self) -> Option<Supply> {
+        self.supply.map(|supply| Supply::limited(supply.voltage_v, supply.current_a))
+    }
+
+    /// For a rig whose file says nothing: a supply for each line, of the voltage of its first servo.
+    pub(super) fn stiff_supplies(&self) -> Vec<Supply> {
+        let first = |line: &Line| &self.servos[line.servos[0]].own;
+        self.lines.iter().map(|line| Supply::stiff(first(line).kind.voltage_v)).collect()
+    }
+}
+
+/// The recommended tracking, or the one that bears later readings.
+fn tracker(schedule: &Schedule) -> TrackerSettings {
+    let latency_ticks = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
+    let timing = LoopTiming { dt_s: 1e-6 * schedule.tick_us() as f32, latency_ticks };
+    if timing.check_recommended().is_ok() {
+        TrackerSettings::recommended()
+    } else {
+        TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
+    }
+}
+
+fn by_freedom(board: &Board, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
+    let count = board.freedoms().len();
+    let (mut drives, mut first) = (vec![None; count], vec![None; count]);
+    for drive in board.drives() {
+        let servo = drive.servos.first().map(|servo| usize::from(*servo));
+        for freedom in &drive.freedoms {
+            let freedom = usize::from(*freedom);
+            first[freedom] = servo;
+            drives[freedom] = servo.map(|servo| servos[servo].drive);
+        }
+    }
+    (drives, first)
+}

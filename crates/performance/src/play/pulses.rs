@@ -1,0 +1,109 @@
+//! Servos that take pulses: hobby servos on a PCA9685.
+
+use std::f64::consts::FRAC_PI_2;
+
+use sinew_rig::servo::Address;
+use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
+use sinew_servo_bus::{Cost, Timing, Traffic};
+use sinew_servo_sim::bench::{Chip, OSCILLATOR_HZ};
+use sinew_servo_sim::firmware::pulse::{MIDDLE_US, QUARTER_TURN_US};
+use sinew_wiring::Pulses;
+
+use super::parts::Parts;
+use super::servo_part::{Drive, ServoPart, single};
+
+/// What boards talk to the chip at, bit/s: its fast mode.
+pub(super) const I2C_HZ: u32 = 400_000;
+/// Analog servos take 50 pulses a second.
+pub(super) const PULSES: Pulses = Pulses { oscillator_hz: OSCILLATOR_HZ, rate_hz: 50.0 };
+/// Bytes in front of the channels of a write: the chip's address, and the first register.
+const HEAD_LEN: u32 = 2;
+const CHANNEL_LEN: u32 = 4;
+
+/// The channel of a servo, if it takes pulses.
+pub(super) fn channel(address: Address) -> Option<u8> {
+    match address {
+        Address::Channel(channel) => Some(channel),
+        Address::Id(_) => None,
+    }
+}
+
+/// Nothing answers, so nothing is waited for.
+pub(super) const TIMING: Timing = Timing { baud: I2C_HZ, return_delay_us: 0, turnaround_us: 0 };
+
+/// What goes over I2C in a tick: one write from the first channel to the last.
+pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
+    let channels = || servos.iter().filter_map(|servo| channel(servo.own.address));
+    let written = match (channels().min(), channels().max()) {
+        (Some(first), Some(last)) => u32::from(last - first) + 1,
+        _ => 0,
+    };
+    Traffic {
+        servos: u32::try_from(servos.len()).unwrap_or(u32::MAX),
+        write: Cost { fixed: HEAD_LEN + CHANNEL_LEN * written, each: 0 },
+        ask: Cost::default(),
+        answer: Cost::default(),
+        delay_each: false,
+        ask_each: false,
+        extra: 0,
+    }
+}
+
+/// A servo on its channel: 1.5 ms in its middle, 1 ms more a quarter turn on, within its range.
+pub(super) fn setup(part: &ServoPart, range_rad: [f32; 2]) -> ChannelSetup {
+    let channel = channel(part.own.address).unwrap_or_default();
+    ChannelSetup { channel, pulse_us: range_rad.map(pulse_us), range_rad }
+}
+
+fn pulse_us(rad: f32) -> f32 {
+    single(MIDDLE_US + f64::from(rad) * QUARTER_TURN_US / FRAC_PI_2)
+}
+
+impl Parts {
+    /// Each servo that takes pulses, and the least and most of them within its joints' ranges, us.
+    pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
+        let mut all = Vec::new();
+        for drive in self.board.drives() {
+            let ranges: Vec<[f32; 2]> = (drive.freedoms.iter())
+                .map(|freedom| self.board.freedoms()[usize::from(*freedom)].range)
+                .collect();
+            // Shafts are farthest where each joint is at an end.
+            let corners: Vec<Vec<f32>> = (0..1_usize << ranges.len())
+                .map(|corner| {
+                    ranges.iter().enumerate().map(|(at, ends)| ends[(corner >> at) & 1]).collect()
+                })
+                .collect();
+            for (place, servo) in drive.servos.iter().map(|at| usize::from(*at)).enumerate() {
+                let part = &self.servos[servo];
+                if part.drive != Drive::Pulses {
+                    continue;
+                }
+                let own = self.board.servos()[servo].servo.settings();
+                let [least, most] = own.range_rad;
+                let mut pulses = [f32::INFINITY, f32::NEG_INFINITY];
+                for q in &corners {
+                    // A joint without a limit goes as far as its servo.
+                    let ends = drive.drive.at_joints(q).map_or(own.range_rad, |pose| {
+                        [own.gear * pose.servos()[place] + own.offset_rad; 2]
+                    });
+                    for us in ends.map(|rad| pulse_us(rad.clamp(least, most))) {
+                        pulses = [pulses[0].min(us), pulses[1].max(us)];
+                    }
+                }
+                all.push((part.own.name.as_str(), pulses));
+            }
+        }
+        all
+    }
+}
+
+/// How the chip's clock is divided.
+pub(super) fn prescale() -> Prescale {
+    PULSES.prescale().expect("the chip makes 50 pulses a second")
+}
+
+/// The chip of a line's servos, just switched on.
+pub(super) fn chip(servos: &[&ServoPart]) -> Chip {
+    let channels = servos.iter().filter_map(|servo| channel(servo.own.address));
+    Chip::new(channels.map(usize::from).collect())
+}

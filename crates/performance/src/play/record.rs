@@ -1,0 +1,249 @@
+//! A recording of a performance as a Parquet file: one row a tick.
+
+use std::io::{BufWriter, IntoInnerError};
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{
+    FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataWriter, RowGroupMetaData,
+};
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::Type;
+use sinew_host_util::output::Pending;
+use sinew_servo_sim::load::Plant;
+
+use super::parts::Parts;
+use super::stand::Stand;
+
+/// What a recording names itself.
+pub const SCHEMA: &str = "sinew-recording/1";
+/// Of the format's first version, as its writer makes it.
+const VERSION: i32 = 1;
+const CREATED_BY: &str = concat!("sinew ", env!("CARGO_PKG_VERSION"));
+/// Rows that are written at once, a part: 5 s at 500 Hz.
+const GROUP: usize = 2_500;
+/// What ends between the parts say of themselves.
+pub(super) const UNFINISHED: &str = "unfinished";
+/// So many times as long as the last end must be what was written since, before another one is.
+const END_SHARE: usize = 5;
+
+/// Columns of each joint.
+pub(super) const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
+/// Columns of each servo.
+pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
+
+/// Writes a recording.
+///
+/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick); of each joint
+/// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N) and `.limiter`; of each servo
+/// `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null. Joints are degrees of
+/// freedom; of a ball joint positions are the rotation vector's.
+///
+/// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
+/// too, where readers look over it: what was cut off is whole up to the last one.
+pub struct Recorder {
+    writer: SerializedFileWriter<BufWriter<Pending>>,
+    kept: Vec<KeyValue>,
+    /// Bytes up to the last end, and how many that has.
+    ended: usize,
+    end_len: usize,
+    time_s: Vec<Option<f64>>,
+    state: Vec<Option<ByteArray>>,
+    runs: Vec<Option<bool>>,
+    faults: Vec<Option<ByteArray>>,
+    joints: Vec<Joint>,
+    servos: Vec<[Vec<Option<f32>>; 3]>,
+}
+
+#[derive(Default)]
+struct Joint {
+    numbers: [Vec<Option<f32>>; 4],
+    limiter: Vec<Option<ByteArray>>,
+}
+
+impl Recorder {
+    /// Begins a file. `rig`: the rig's `rig.toml`, so that a report can draw it; `notes`: what else is kept with it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn new(
+        path: &Path,
+        parts: &Parts,
+        rig: &str,
+        notes: &[(&str, &str)],
+    ) -> Result<Self, ParquetError> {
+        let file = BufWriter::new(Pending::begin(path)?.kept());
+        let field = |name: &str, kind: PhysicalType| {
+            let logical = (kind == PhysicalType::BYTE_ARRAY).then_some(LogicalType::String);
+            Type::primitive_type_builder(name, kind)
+                .with_repetition(Repetition::OPTIONAL)
+                .with_logical_type(logical)
+                .build()
+                .map(Arc::new)
+        };
+        let mut fields = vec![field("time_s", PhysicalType::DOUBLE)?];
+        fields.push(field("state", PhysicalType::BYTE_ARRAY)?);
+        fields.push(field("runs", PhysicalType::BOOLEAN)?);
+        fields.push(field("faults", PhysicalType::BYTE_ARRAY)?);
+        for name in &parts.names {
+            for of in OF_JOINT {
+                fields.push(field(&format!("{name}.{of}"), PhysicalType::FLOAT)?);
+            }
+            fields.push(field(&format!("{name}.limiter"), PhysicalType::BYTE_ARRAY)?);
+        }
+        for servo in &parts.servos {
+            for of in OF_SERVO {
+                fields.push(field(
+                    &format!("{}.{of}", servo_name(parts, servo)),
+                    PhysicalType::FLOAT,
+                )?);
+            }
+        }
+        let schema = Arc::new(Type::group_type_builder("recording").with_fields(fields).build()?);
+        let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());
+        let mut kept = vec![note("schema", SCHEMA), note("rig", rig)];
+        kept.push(note("rate_hz", &parts.rate_hz.to_string()));
+        kept.extend(notes.iter().map(|(key, value)| note(key, value)));
+        let properties = WriterProperties::builder()
+            .set_created_by(CREATED_BY.to_owned())
+            .set_key_value_metadata(Some(kept.clone()))
+            .build();
+        Ok(Self {
+            writer: SerializedFileWriter::new(file, schema, Arc::new(properties))?,
+            kept,
+            ended: 0,
+            end_len: 0,
+            time_s: Vec::new(),
+            state: Vec::new(),
+            runs: Vec::new(),
+            faults: Vec::new(),
+            joints: parts.names.iter().map(|_| Joint::default()).collect(),
+            servos: parts.servos.iter().map(|_| Default::default()).collect(),
+        })
+    }
+
+    /// Takes a tick.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn note<P: Plant>(&mut self, stand: &Stand<'_, P>) -> Result<(), ParquetError> {
+        let report = stand.report();
+        self.time_s.push(Some(stand.time_s()));
+        self.state.push(Some(report.state.to_string().as_str().into()));
+        self.runs.push(Some(stand.runs()));
+        let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
+        self.faults.push((!faults.is_empty()).then(|| faults.join(", ").as_str().into()));
+        let [commanded, measured] = stand.freedoms();
+        for (index, joint) in self.joints.iter_mut().enumerate() {
+            let freedom = report.freedoms[index];
+            let told = |number| (!stand.parts.tells_nothing(index)).then_some(number);
+            let [measured, error] = [measured[index], freedom.error].map(told);
+            let numbers = [Some(commanded[index]), measured, error, Some(freedom.effort)];
+            for (column, number) in joint.numbers.iter_mut().zip(numbers) {
+                column.push(number);
+            }
+            joint.limiter.push(stand.limiter(index).map(|limiter| limiter.as_str().into()));
+        }
+        for (index, columns) in self.servos.iter_mut().enumerate() {
+            let told = &report.servos[index];
+            let numbers = [stand.current_a(index), told.temperature_c, told.voltage_v];
+            for (column, number) in columns.iter_mut().zip(numbers) {
+                column.push(number);
+            }
+        }
+        if self.time_s.len() == GROUP {
+            self.write()?;
+            self.end_between()?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is left, and the end of the file.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn end(mut self) -> Result<(), ParquetError> {
+        self.write()?;
+        let file = self.writer.into_inner()?;
+        file.into_inner().map_err(IntoInnerError::into_error)?.finish()?;
+        Ok(())
+    }
+
+    /// What makes a file of the parts until now, so that they outlive this program.
+    fn end_between(&mut self) -> Result<(), ParquetError> {
+        // It grows with each part: of a long recording it would take more than the parts.
+        if END_SHARE * self.end_len > self.writer.bytes_written() - self.ended {
+            return Ok(());
+        }
+        let parts = self.writer.flushed_row_groups().to_vec();
+        let rows = parts.iter().map(RowGroupMetaData::num_rows).sum();
+        let schema = Arc::new(self.writer.schema_descr().clone());
+        let unfinished = KeyValue::new(UNFINISHED.to_owned(), "true".to_owned());
+        let kept = self.kept.iter().cloned().chain([unfinished]).collect();
+        let by = Some(CREATED_BY.to_owned());
+        let file = FileMetaData::new(VERSION, rows, by, Some(kept), schema, None);
+        let mut end = Vec::new();
+        ParquetMetaDataWriter::new(&mut end, &ParquetMetaData::new(file, parts)).finish()?;
+        self.writer.write_all(&end)?;
+        self.writer.flush()?;
+        (self.ended, self.end_len) = (self.writer.bytes_written(), end.len());
+        Ok(())
+    }
+
+    fn write(&mut self) -> Result<(), ParquetError> {
+        let mut rows = self.writer.next_row_group()?;
+        let mut next = |column: Column<'_>| -> Result<(), ParquetError> {
+            let Some(mut chunk) = rows.next_column()? else { return Ok(()) };
+            match column {
+                Column::Time(values) => put::<DoubleType>(&mut chunk, values)?,
+                Column::Number(values) => put::<FloatType>(&mut chunk, values)?,
+                Column::Text(values) => put::<ByteArrayType>(&mut chunk, values)?,
+                Column::Flag(values) => put::<BoolType>(&mut chunk, values)?,
+            }
+            chunk.close()
+        };
+        next(Column::Time(&mut self.time_s))?;
+        next(Column::Text(&mut self.state))?;
+        next(Column::Flag(&mut self.runs))?;
+        next(Column::Text(&mut self.faults))?;
+        for joint in &mut self.joints {
+            for numbers in &mut joint.numbers {
+                next(Column::Number(numbers))?;
+            }
+            next(Column::Text(&mut joint.limiter))?;
+        }
+        for numbers in self.servos.iter_mut().flatten() {
+            next(Column::Number(numbers))?;
+        }
+        rows.close()?;
+        Ok(())
+    }
+}
+
+/// What a servo's columns are called: as it, unless a joint is called so, too.
+fn servo_name(parts: &Parts, servo: &super::ServoPart) -> String {
+    let name = &servo.own.name;
+    if parts.names.contains(name) { format!("{name}.servo") } else { name.clone() }
+}
+
+enum Column<'c> {
+    Time(&'c mut Vec<Option<f64>>),
+    Number(&'c mut Vec<Option<f32>>),
+    Text(&'c mut Vec<Option<ByteArray>>),
+    Flag(&'c mut Vec<Option<bool>>),
+}
+
+/// Writes a column, and empties it. Definition level 1 is a value, 0 is none.
+fn put<T: DataType>(
+    chunk: &mut SerializedColumnWriter<'_>,
+    values: &mut Vec<Option<T::T>>,
+) -> Result<(), ParquetError> {
+    let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+    let present: Vec<T::T> = values.drain(..).flatten().collect();
+    chunk.typed::<T>().write_batch(&present, Some(&levels), None)?;
+    Ok(())
+}

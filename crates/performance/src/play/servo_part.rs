@@ -1,0 +1,170 @@
+//! One servo of a rig that plays: how it is driven, and what the controller knows of it.
+
+use sinew_firmware::controller::ServoSetup;
+use sinew_firmware::drives::{
+    CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
+};
+use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+use sinew_rig::Description;
+use sinew_servo_bus::dynamixel;
+use sinew_servo_sim::registers::RegisterTable;
+use sinew_servo_sim::rig::RigServo;
+
+use super::Board;
+use super::parts::PartsError;
+
+/// Part of the stall current that is drawn at most: guess, room for what a supply sags.
+const CURRENT_SHARE: f64 = 0.8;
+/// What a Feetech bears, V: the least by its table; the most is a guess, 1.2 times the recommended.
+const FEETECH_V: (f32, f32) = (4.0, 1.2);
+/// A current drive lets go this much above where the detector of heat finds a fault, °C.
+const HOT_ROOM_C: f32 = 4.0;
+
+/// How a servo is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// By current: the loop is the tracker's.
+    Current,
+    /// By position: the loop is the servo's own.
+    Position,
+    /// By the length of pulses: the loop is the servo's own, and it tells nothing.
+    Pulses,
+}
+
+impl Drive {
+    /// As tables name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Current => "current",
+            Self::Position => "position",
+            Self::Pulses => "pulses",
+        }
+    }
+}
+
+/// One servo.
+#[derive(Debug, Clone)]
+pub struct ServoPart {
+    /// What is simulated of it.
+    pub own: RigServo,
+    /// How it is driven.
+    pub drive: Drive,
+    /// Where it is: a line, and a place there.
+    pub place: (usize, usize),
+}
+
+/// The mode of a Dynamixel.
+pub(super) fn mode(drive: Drive) -> dynamixel::Mode {
+    match drive {
+        Drive::Current => dynamixel::Mode::Current,
+        Drive::Position | Drive::Pulses => dynamixel::Mode::Position,
+    }
+}
+
+pub(super) fn table(servo: &RigServo) -> Option<RegisterTable> {
+    RegisterTable::of(&servo.kind.name)
+}
+
+/// Speed where the motor's own voltage is all that there is.
+pub(super) fn no_load_rad_s(servo: &RigServo) -> f64 {
+    servo.kind.voltage_v / servo.kind.torque_constant_nm_a
+}
+
+fn stall_a(servo: &RigServo) -> f64 {
+    servo.kind.voltage_v / servo.kind.resistance_ohm
+}
+
+pub(super) fn current_a(stall_a: f32) -> f32 {
+    single(CURRENT_SHARE) * stall_a
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a board computes in f32")]
+pub(super) fn single(number: f64) -> f32 {
+    number as f32
+}
+
+pub(super) fn encoder(part: &ServoPart) -> Encoder {
+    let turn_rad = single(part.own.kind.range_rad);
+    Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
+}
+
+/// How each servo is driven: by current if it can, unless one that shares its drive cannot; by pulses if it takes them.
+pub(super) fn drives(
+    board: &Board,
+    servos: &[RigServo],
+    asked: Option<Drive>,
+) -> Result<Vec<Drive>, PartsError> {
+    let can = |servo: &RigServo| match table(servo) {
+        Some(RegisterTable::Dynamixel(table)) => table.model.current.is_some(),
+        _ => false,
+    };
+    if asked == Some(Drive::Current)
+        && let Some(servo) = servos.iter().find(|servo| table(servo).is_some() && !can(servo))
+    {
+        let (servo, model) = (servo.name.clone(), servo.kind.name.clone());
+        return Err(PartsError::NoCurrent { servo, model });
+    }
+    let of = |servo: &RigServo| match table(servo) {
+        None => Drive::Pulses,
+        Some(_) if can(servo) => asked.unwrap_or(Drive::Current),
+        Some(_) => Drive::Position,
+    };
+    let mut drives: Vec<Drive> = servos.iter().map(of).collect();
+    for shared in board.drives() {
+        let all = || shared.servos.iter().map(|servo| usize::from(*servo));
+        let of_pulses = |servo: &usize| drives[*servo] == Drive::Pulses;
+        if let Some(one) = all().find(of_pulses)
+            && let Some(other) = all().find(|servo| !of_pulses(servo))
+        {
+            let [one, other] = [one, other].map(|servo| servos[servo].name.clone());
+            return Err(PartsError::Mixed { one, other });
+        }
+        if all().any(|servo| drives[servo] == Drive::Position) {
+            all().for_each(|servo| drives[servo] = Drive::Position);
+        }
+    }
+    Ok(drives)
+}
+
+/// What the controller knows of a servo.
+pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
+    let kind = &part.own.kind;
+    let model = rig.servo_model(&kind.name);
+    let stall_a = model.as_ref().map_or(stall_a(&part.own), |model| model.stall_current_a.value);
+    let stall_a = single(stall_a);
+    let stall_nm = model.map_or(kind.torque_constant_nm_a * f64::from(stall_a), |model| {
+        model.stall_torque_nm.value
+    });
+    let stall_nm = single(stall_nm);
+    let heat = HeatSettings::of_limit(single(kind.shutdown_c));
+    let cut_off =
+        CutOff { warm_c: heat.off_c, hot_c: heat.off_c + HOT_ROOM_C, ..CutOff::default() };
+    let encoder = encoder(part);
+    let voltage_v = single(kind.voltage_v);
+    let [least_v, most_v] = match table(&part.own) {
+        Some(RegisterTable::Dynamixel(table)) => {
+            table.model.voltage_limits.map(|deci| 0.1 * f32::from(deci))
+        }
+        _ => [FEETECH_V.0, FEETECH_V.1 * voltage_v],
+    };
+    ServoSetup {
+        drive: match part.drive {
+            Drive::Current => {
+                let current_a = current_a(stall_a);
+                DriveSettings::Current(CurrentSettings { encoder, current_a, cut_off })
+            }
+            Drive::Position => DriveSettings::Position(PositionSettings {
+                encoder,
+                cut_off,
+                ..PositionSettings::default()
+            }),
+            Drive::Pulses => DriveSettings::Target(TargetSettings { encoder: None }),
+        },
+        heat,
+        supply: SupplySettings::of(voltage_v, least_v, most_v),
+        winding: WindingSettings::of_stall(stall_a),
+        stall_a,
+        stall_nm,
+        shutdown_c: single(kind.shutdown_c),
+    }
+}

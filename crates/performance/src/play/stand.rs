@@ -1,0 +1,417 @@
+//! Servos, their lines and the controller, in lock-step: a tick a call.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use sinew_core::glam::Quat;
+use sinew_core::{JointKind, math};
+use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
+use sinew_servo_bus::{Effort, ServoBus as _, settings};
+use sinew_servo_sim::bench::{Bench, Branch};
+use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
+use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::{Hand, RigPlant};
+use sinew_servo_sim::registers::RegisterTable;
+use sinew_show::ShowError;
+use thiserror::Error;
+
+use super::bus::Buses;
+use super::exchange::exchange;
+use super::parts::{Parts, PartsError};
+use super::servo_part::{Drive, ServoPart, single};
+use super::twin::{Twin, TwinError};
+use super::{FREEDOMS, Loop, SERVOS, pulses};
+
+/// Registers of one servo.
+pub type Memory = [u8; MEMORY_LEN];
+
+/// Of FNV-1a, 64 bits.
+const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
+
+/// Why there is no stand.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StandError {
+    /// A line cannot be.
+    #[error(transparent)]
+    Parts(#[from] PartsError),
+    /// The controller does not take the rig.
+    #[error("the controller refuses the rig: {0}")]
+    Controller(#[from] ControllerError),
+    /// A servo cannot be simulated.
+    #[error("servo `{servo}`: {reason}")]
+    Servo {
+        /// Which.
+        servo: String,
+        /// Why.
+        reason: ServoError,
+    },
+    /// The show does not play on the rig.
+    #[error("the show does not play on this rig: {0}")]
+    Show(#[from] ShowError),
+}
+
+/// What was on the wires, and how often the time of a tick was not enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wires {
+    /// Bytes of the controller.
+    pub sent: u64,
+    /// Bytes of servos.
+    pub answered: u64,
+    /// FNV-1a of all of them, in their order.
+    pub hash: u64,
+}
+
+/// A rig on a stand, under its controller.
+pub struct Stand<'a, P> {
+    /// What it is made of.
+    pub parts: &'a Parts,
+    controller: Box<Loop<'a>>,
+    buses: Buses,
+    lines: Vec<Line<Branch<'a, P>>>,
+    wires: Wires,
+    ticks: u64,
+    /// Ticks that were not whole: the watchdog was not fed.
+    incomplete: u64,
+    last: Option<Incomplete>,
+    /// Another controller, whose packets the servos get.
+    twin: Option<Rc<RefCell<Twin>>>,
+}
+
+impl<'a, P: Plant> Stand<'a, P> {
+    /// A stand just before power comes on, each servo where the rig's home has it, set up as `sinew servo apply` would.
+    /// Without a show there is nothing to play.
+    /// `memories`: one for each servo; `plant`: what the servos move, line after line.
+    ///
+    /// # Errors
+    /// [`StandError`].
+    pub fn new(
+        parts: &'a Parts,
+        show: Option<&'a [u8]>,
+        memories: &'a mut [Memory],
+        plant: P,
+    ) -> Result<Self, StandError> {
+        let start = Start::default();
+        let controller =
+            Loop::new(&parts.board, &parts.settings, &parts.setups, &parts.schedule, start)?;
+        let mut controller = Box::new(controller);
+        controller.load_show(show)?;
+        Ok(Self {
+            parts,
+            controller,
+            buses: parts.all_buses()?,
+            lines: lines(parts, memories, plant)?,
+            wires: Wires::default(),
+            ticks: 0,
+            incomplete: 0,
+            last: None,
+            twin: None,
+        })
+    }
+
+    /// The same, with the packets of a twin, which must be those of the controller here.
+    #[must_use]
+    pub fn with_twin(mut self, twin: Twin) -> Self {
+        let twin = Rc::new(RefCell::new(twin));
+        self.buses = self.buses.with_twin(&twin);
+        self.twin = Some(twin);
+        self
+    }
+
+    /// Ticks and packets of the twin until now, if there is one.
+    ///
+    /// # Errors
+    /// What it said that was different, or why it is gone.
+    pub fn check_twin(&self) -> Result<Option<[u64; 2]>, TwinError> {
+        let Some(twin) = &self.twin else { return Ok(None) };
+        let twin = twin.borrow();
+        twin.check()?;
+        Ok(Some(twin.compared()))
+    }
+
+    /// A tick; the host's link is heard in each.
+    pub fn tick(&mut self, command: Option<Command>) {
+        let tick_us = u64::from(self.parts.tick_us());
+        let inputs = Inputs {
+            now_us: self.ticks * tick_us,
+            heard: true,
+            command,
+            found: FaultSet::EMPTY,
+            jog: None,
+        };
+        self.ticks += 1;
+        if let Some(twin) = &self.twin {
+            twin.borrow_mut().begin(command);
+        }
+        let Self { controller, buses, lines, wires, .. } = self;
+        let begun = controller.begin(&inputs, &mut (), buses);
+        let is_on = controller.permission().torque;
+        for line in &mut *lines {
+            line.servos.enable_pulses(is_on);
+        }
+        let begin_ns = lines[0].servos.now_ns();
+        let end_ns = self.ticks * tick_us * 1000;
+        // The tick's computing takes its part: what is asked besides the schedule ends before it.
+        let asked_until_ns =
+            end_ns.saturating_sub(u64::from(self.parts.settings.compute_us) * 1000);
+        let exchanged = exchange(&mut buses.lines, lines, asked_until_ns, wires);
+        let took_us = (lines[0].servos.now_ns() - begin_ns) / 1000;
+        let took_us = u32::try_from(took_us)
+            .unwrap_or(u32::MAX)
+            .saturating_add(self.parts.settings.compute_us);
+        let ended = controller.end(begun, exchanged, took_us);
+        if let Some(twin) = &self.twin {
+            twin.borrow_mut().end(took_us, ended.is_ok(), controller);
+        }
+        match ended {
+            Ok(_) => {}
+            Err(why) => {
+                self.incomplete += 1;
+                self.last = Some(why);
+            }
+        }
+        run_all(lines, end_ns);
+    }
+
+    /// What became of the last tick.
+    pub fn report(&self) -> &Report<FREEDOMS, SERVOS> {
+        self.controller.report()
+    }
+
+    /// What drives may do.
+    pub fn permission(&self) -> &Permission {
+        self.controller.permission()
+    }
+
+    /// Whether the show ran in the last tick.
+    pub fn runs(&self) -> bool {
+        let permission = self.permission();
+        permission.source == Source::Feed(Feed::Show) && permission.runs
+    }
+
+    /// Commanded and measured position of each freedom: of a ball joint the rotation vector. What no servo tells counts
+    /// as measured where it was commanded: see [`Parts::tells_nothing`].
+    pub fn freedoms(&self) -> [Vec<f32>; 2] {
+        let q = [self.controller.commanded().0, self.controller.measured()];
+        q.map(|q| self.positions(q))
+    }
+
+    /// Positions of freedoms, of coordinates of the rig.
+    fn positions(&self, mut q: &[f32]) -> Vec<f32> {
+        let mut positions = Vec::new();
+        for body in self.parts.board.tree().bodies() {
+            let kind = body.joint;
+            let (own, rest) = q.split_at(kind.coordinate_count().min(q.len()));
+            q = rest;
+            match (kind, own) {
+                (JointKind::Spherical, &[x, y, z, w]) => {
+                    positions.extend(math::log(Quat::from_xyzw(x, y, z, w)).to_array());
+                }
+                // A free joint, which has other numbers, is refused.
+                _ => positions.extend_from_slice(own),
+            }
+        }
+        positions
+    }
+
+    /// What was measured last, in the rig's coordinates.
+    pub fn measured(&self) -> &[f32] {
+        self.controller.measured()
+    }
+
+    /// Current of a servo as it tells it, A; what it tells as load is a part of its stall current.
+    pub fn current_a(&self, servo: usize) -> Option<f32> {
+        Some(match self.buses.feedback(servo)?.effort {
+            Effort::Current(current_a) => current_a,
+            Effort::Load(share) => share * self.parts.setups[servo].stall_a,
+        })
+    }
+
+    /// What limits a joint now, as tables and recordings count it: its effort, its first servo's drive, the guard, or
+    /// heat and supply.
+    pub fn limiter(&self, freedom: usize) -> Option<String> {
+        let effort = self.report().freedoms[freedom].limit.map(|limit| format!("{limit:?}"));
+        let of_servo = || {
+            let servo = &self.report().servos[self.parts.first_servo[freedom]?];
+            let drive = servo.limit.map(|limit| format!("{limit:?}"));
+            let concern = || servo.concern.filter(|_| servo.share < 1.0);
+            drive
+                .or_else(|| servo.guard.map(|guard| format!("{guard:?}")))
+                .or_else(|| concern().map(|concern| format!("{concern:?}")))
+        };
+        effort.or_else(of_servo).map(|limit| limit.to_lowercase())
+    }
+
+    /// Whether every servo that tells has told its temperature: drives give nothing before.
+    pub fn is_known(&self) -> bool {
+        let mut all = self.report().servos.iter().zip(&self.parts.servos);
+        all.all(|(told, part)| part.drive == Drive::Pulses || told.temperature_c.is_some())
+    }
+
+    /// Ticks since power-on.
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Simulated time since power-on, s.
+    pub fn time_s(&self) -> f64 {
+        1e-6 * (self.ticks * u64::from(self.parts.tick_us())) as f64
+    }
+
+    /// Ticks that were not whole, and why the last of them was not.
+    pub fn incomplete(&self) -> (u64, Option<Incomplete>) {
+        (self.incomplete, self.last)
+    }
+
+    /// What was on the wires.
+    pub fn wires(&self) -> Wires {
+        self.wires
+    }
+
+    /// Sets a register of a simulated servo, as somebody else might before power comes on.
+    #[cfg(test)]
+    pub(super) fn set_register(&mut self, servo: usize, register: u16, raw: i32) {
+        let place = self.parts.place_on_bench(servo);
+        self.lines[0].servos.bench_mut().servos_mut()[place].set(register, raw);
+    }
+
+    /// How many simulated servos have their torque on, by their registers or because they get pulses.
+    pub fn servos_on(&self) -> usize {
+        let on = |servo: &usize| {
+            let part = &self.parts.servos[*servo];
+            let bench = self.lines[0].servos.bench();
+            let simulated = &bench.servos()[self.parts.place_on_bench(*servo)];
+            let register = match RegisterTable::of(&part.own.kind.name) {
+                Some(RegisterTable::Dynamixel(_)) => address::TORQUE_ENABLE,
+                Some(RegisterTable::Feetech(_)) => FEETECH_TORQUE_ENABLE.into(),
+                None => return simulated.pulse_us().is_some(),
+            };
+            simulated.get(register) == 1
+        };
+        (0..self.parts.servos.len()).filter(on).count()
+    }
+}
+
+impl Parts {
+    /// The lines of a rig with simulated servos, each where the rig's home has it, set up as `sinew servo apply` would.
+    /// `memories`: one for each servo; `plant`: what they move, line after line.
+    ///
+    /// # Errors
+    /// [`StandError`] names the servo.
+    pub fn simulated<'a, P: Plant>(
+        &self,
+        memories: &'a mut [Memory],
+        plant: P,
+    ) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
+        lines(self, memories, plant)
+    }
+}
+
+/// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
+pub(super) fn lines<'a, P: Plant>(
+    parts: &Parts,
+    memories: &'a mut [Memory],
+    plant: P,
+) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
+    let mut servos: Vec<Vec<Servo>> = parts.lines.iter().map(|_| Vec::new()).collect();
+    for (index, memory) in (0..parts.servos.len()).zip(memories) {
+        servos[parts.servos[index].place.0].push(servo(parts, index, memory)?);
+    }
+    let counts: Vec<usize> = servos.iter().map(Vec::len).collect();
+    let line_of = |place| {
+        let mut end = 0;
+        let ends = counts.iter().map(|count| {
+            end += count;
+            end
+        });
+        ends.take_while(|end| *end <= place).count()
+    };
+    let servos = servos.into_iter().flatten().collect();
+    let bench = match parts.supply() {
+        Some(supply) => Bench::new(servos, plant, supply),
+        None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
+    };
+    let mut branches = Branch::of(bench, &counts);
+    for (branch, line) in branches.iter_mut().zip(&parts.lines) {
+        if line.is_of_pulses() {
+            let own: Vec<&ServoPart> = line.servos.iter().map(|at| &parts.servos[*at]).collect();
+            branch.put_chip(pulses::chip(&own), line.baud);
+            branch.start_chip(pulses::prescale());
+        }
+    }
+    Ok(branches.into_iter().map(Line::of_master).collect())
+}
+
+/// A servo at home, with the registers that the controller compares before it arms.
+fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Servo<'a>, StandError> {
+    let part = &parts.servos[index];
+    let failed = |reason| StandError::Servo { servo: part.own.name.clone(), reason };
+    let Some(id) = part.own.id() else {
+        let mut servo = Servo::on_pulses(&part.own.kind);
+        servo.place(part.own.home_rad);
+        return Ok(servo);
+    };
+    let mut servo = Servo::new(&part.own.kind, id, memory).map_err(failed)?;
+    servo.set_baud(parts.lines[part.place.0].baud).map_err(failed)?;
+    let demand = parts.setups[index].demand(&parts.board.servos()[index].servo);
+    let mut set = |setting: settings::Setting| servo.set(setting.item.address, setting.raw);
+    match RegisterTable::of(&part.own.kind.name) {
+        Some(RegisterTable::Dynamixel(table)) => {
+            settings::dynamixel(table, demand).for_each(&mut set);
+        }
+        Some(RegisterTable::Feetech(table)) => {
+            settings::feetech(table.model.family, demand).for_each(&mut set);
+        }
+        // `Parts` has refused kinds with an id that have none.
+        None => {}
+    }
+    servo.place(part.own.home_rad);
+    Ok(servo)
+}
+
+impl Stand<'_, RigPlant> {
+    /// A hand takes a joint's freedom, or leads it on; none lets go. See [`RigPlant::lead`].
+    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
+        self.lines[0].servos.bench_mut().plant.lead(freedom, hand)
+    }
+
+    /// Where the simulated rig is, in its coordinates.
+    pub fn q(&self) -> Vec<f64> {
+        self.lines[0].servos.bench().plant.q().to_vec()
+    }
+
+    /// Where each freedom of the simulated rig is, less where it is commanded, rad or m: what no servo tells.
+    pub fn simulated_errors(&self) -> Vec<f32> {
+        let q: Vec<f32> = self.q().into_iter().map(single).collect();
+        let commanded = self.positions(self.controller.commanded().0);
+        commanded.iter().zip(self.positions(&q)).map(|(sent, is)| is - sent).collect()
+    }
+}
+
+impl Default for Wires {
+    fn default() -> Self {
+        Self { sent: 0, answered: 0, hash: FNV.0 }
+    }
+}
+
+impl Wires {
+    pub(super) fn sent(&mut self, bytes: &[u8]) {
+        self.sent += bytes.len() as u64;
+        self.note(bytes);
+    }
+
+    pub(super) fn answered(&mut self, bytes: &[u8]) {
+        self.answered += bytes.len() as u64;
+        self.note(bytes);
+    }
+
+    fn note(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.hash = (self.hash ^ u64::from(*byte)).wrapping_mul(FNV.1);
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! What a performance came to: following errors, currents, temperatures, by joint and by drive.
+
+use comfy_table::Table;
+use sinew_firmware::supervisor::FaultSet;
+use sinew_host_util::command::table;
+use sinew_servo_sim::load::Plant;
+use sinew_servo_sim::plant::RigPlant;
+
+use super::parts::Parts;
+use super::servo_part::Drive;
+use super::stand::Stand;
+
+/// Sums of one freedom, while the show runs.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    error: f64,
+    largest: f64,
+    largest_s: f64,
+    effort: f64,
+    current_a: f64,
+    celsius: f64,
+    limited: u64,
+}
+
+/// What is kept of all ticks in which a show runs.
+#[derive(Debug)]
+pub struct Tally {
+    freedoms: Vec<Sums>,
+    ticks: u64,
+    /// Whether a joint's servos tell nothing.
+    tells_nothing: bool,
+}
+
+/// Mean and largest following error of some joints, rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// How many joints.
+    pub joints: usize,
+    /// Mean of their sizes, over joints and ticks.
+    pub mean_rad: f64,
+    /// The largest.
+    pub most_rad: f64,
+    /// Which freedom had it.
+    pub freedom: usize,
+    /// When, s of the play.
+    pub at_s: f64,
+}
+
+impl Tally {
+    /// Of a rig.
+    pub fn new(parts: &Parts) -> Self {
+        let count = parts.names.len();
+        let tells_nothing = (0..count).any(|freedom| parts.tells_nothing(freedom));
+        Self { freedoms: vec![Sums::default(); count], ticks: 0, tells_nothing }
+    }
+
+    /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
+    pub fn note(&mut self, stand: &Stand<'_, RigPlant>) {
+        if !stand.runs() {
+            return;
+        }
+        let report = stand.report();
+        let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
+        self.ticks += 1;
+        let simulated = if self.tells_nothing { stand.simulated_errors() } else { Vec::new() };
+        for (index, (sums, freedom)) in self.freedoms.iter_mut().zip(&report.freedoms).enumerate() {
+            let tells_nothing = stand.parts.tells_nothing(index);
+            let error = if tells_nothing { simulated[index] } else { freedom.error };
+            let error = f64::from(error.abs());
+            sums.error += error;
+            if error > sums.largest {
+                (sums.largest, sums.largest_s) = (error, time_s);
+            }
+            sums.effort = sums.effort.max(f64::from(freedom.effort.abs()));
+            let Some(servo) = stand.parts.first_servo[index] else { continue };
+            let current_a = stand.current_a(servo).map_or(0.0, |a| f64::from(a.abs()));
+            sums.current_a = sums.current_a.max(current_a);
+            let told = &report.servos[servo];
+            sums.celsius = sums.celsius.max(told.temperature_c.map_or(0.0, f64::from));
+            sums.limited += u64::from(stand.limiter(index).is_some());
+        }
+    }
+
+    /// How many ticks the show ran.
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Errors of turning joints that are driven so; `None` for all. None if there is no such joint, or nothing was
+    /// played.
+    pub fn errors(&self, parts: &Parts, drive: Option<Drive>) -> Option<Errors> {
+        let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, freedom: 0, at_s: 0.0 };
+        for (freedom, sums) in self.freedoms.iter().enumerate() {
+            let of = parts.drives[freedom];
+            if parts.slides[freedom] || of.is_none() || drive.is_some_and(|d| of != Some(d)) {
+                continue;
+            }
+            errors.joints += 1;
+            errors.mean_rad += sums.error;
+            if sums.largest > errors.most_rad {
+                errors.most_rad = sums.largest;
+                (errors.freedom, errors.at_s) = (freedom, sums.largest_s);
+            }
+        }
+        let count = errors.joints as f64 * self.ticks as f64;
+        errors.mean_rad /= count;
+        (count > 0.0).then_some(errors)
+    }
+
+    /// The tables at the end of a run.
+    pub fn table<P: Plant>(&self, stand: &Stand<'_, P>, raised: FaultSet) -> String {
+        let parts = stand.parts;
+        let (by_drive, by_joint) = (self.by_drive(parts), self.by_joint(parts));
+        let faults: Vec<String> = raised.iter().map(|fault| fault.to_string()).collect();
+        let faults = if faults.is_empty() { "none".to_owned() } else { faults.join(", ") };
+        let wires = stand.wires();
+        let (incomplete, why) = stand.incomplete();
+        let why = why.map_or_else(String::new, |why| format!(" ({why})"));
+        let pulses = if self.tells_nothing {
+            "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
+        } else {
+            ""
+        };
+        format!(
+            "Following error while the show ran, {:.2} s; angles in deg, ways in mm.\n{pulses}{by_drive}\n{by_joint}\n\
+             faults: {faults}\nticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
+             wire: {} bytes sent, {} answered, hash {:016x}\n",
+            self.ticks as f64 / f64::from(parts.rate_hz),
+            stand.ticks(),
+            1e-3 * f64::from(parts.tick_us()),
+            stand.report().overruns,
+            wires.sent,
+            wires.answered,
+            wires.hash,
+        )
+    }
+
+    fn by_drive(&self, parts: &Parts) -> String {
+        let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
+        let mut table = table(header, 2..header.len());
+        let all = [Some(Drive::Current), Some(Drive::Position), Some(Drive::Pulses), None];
+        let found = all.map(|drive| (drive, self.errors(parts, drive)));
+        let is_mixed = found[..3].iter().filter(|(_, errors)| errors.is_some()).count() > 1;
+        for (drive, errors) in found {
+            let Some(errors) = errors else { continue };
+            if drive.is_none() && !is_mixed {
+                continue;
+            }
+            table.add_row([
+                drive.map_or("all", Drive::name).to_owned(),
+                parts.method().as_str().to_owned(),
+                errors.joints.to_string(),
+                format!("{:.2}", errors.mean_rad.to_degrees()),
+                format!("{:.2}", errors.most_rad.to_degrees()),
+                parts.names[errors.freedom].clone(),
+                format!("{:.2}", errors.at_s),
+            ]);
+        }
+        lines(&table)
+    }
+
+    fn by_joint(&self, parts: &Parts) -> String {
+        let header = [
+            "joint",
+            "drive",
+            "mean",
+            "largest",
+            "at s",
+            "effort N m",
+            "current A",
+            "celsius",
+            "limited",
+        ];
+        let mut table = table(header, 2..header.len());
+        for (freedom, sums) in self.freedoms.iter().enumerate() {
+            let Some(drive) = parts.drives[freedom] else { continue };
+            let shown = |x: f64| {
+                let number = if parts.slides[freedom] { 1000.0 * x } else { x.to_degrees() };
+                format!("{number:.2}")
+            };
+            let ticks = self.ticks.max(1) as f64;
+            // Nothing is told by such a servo, and no effort is asked of it.
+            let known = |number| if drive == Drive::Pulses { "-".to_owned() } else { number };
+            table.add_row([
+                parts.names[freedom].clone(),
+                drive.name().to_owned(),
+                shown(sums.error / ticks),
+                shown(sums.largest),
+                format!("{:.2}", sums.largest_s),
+                known(format!("{:.3}", sums.effort)),
+                known(format!("{:.2}", sums.current_a)),
+                known(format!("{:.0}", sums.celsius)),
+                format!("{:.0} %", 100.0 * sums.limited as f64 / ticks),
+            ]);
+        }
+        lines(&table)
+    }
+}
+
+/// A table as lines without blanks at their ends.
+pub(super) fn lines(table: &Table) -> String {
+    table.lines().flat_map(|line| [line.trim_end().to_owned(), "\n".to_owned()]).collect()
+}

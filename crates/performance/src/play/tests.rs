@@ -1,0 +1,180 @@
+use std::f64::consts::FRAC_PI_8;
+
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
+use sinew_retarget::feasibility::RigMotion;
+use sinew_rig::Description;
+use sinew_rig::description::DriveKind;
+use sinew_rig::new::arm;
+use sinew_rig::servo::Address;
+use sinew_servo_bus::dynamixel::table::address;
+use sinew_servo_bus::feetech::table::address as feetech_address;
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_show::write::Settings;
+
+use super::*;
+use crate::{Baker, Marks};
+
+/// What a performance of an arm at rest on two buses ends with, after `wrong` has set one register of a servo.
+fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
+    let mut rig = arm(3).unwrap();
+    // Of two voltages: no supply for both.
+    rig.supply = None;
+    "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
+    "tip".clone_into(&mut rig.servos[1].bus);
+    let mechanism = rig.mechanism().unwrap();
+    let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+    let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
+    let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
+    let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+    let show = baker.bake(&motion, &Marks::default());
+    let show = show.unwrap().written.bytes;
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(&rig, &mechanism).unwrap();
+    let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
+    if let Some((servo, register, raw)) = wrong {
+        stand.set_register(servo, register, raw);
+    }
+    let mut director = Director::default();
+    // Power-on to limp takes 10 s: arming, the show, stopping and lowering.
+    let most = 20 * parts.rate_hz;
+    (0..most).find_map(|_| director.tick(&mut stand, false)).expect("it ends")
+}
+
+#[test]
+fn a_rig_whose_registers_are_as_asked_plays_on_two_buses() {
+    assert_eq!(ended(None), Ended::Done);
+}
+
+/// On either bus, the second servo of the first and the only one of the other.
+#[test]
+fn a_wrong_register_refuses_with_what_is_wrong() {
+    let dynamixel = (2, address::TEMPERATURE_LIMIT, 80);
+    let feetech = (1, u16::from(feetech_address::UNLOADING), 0);
+    for ((servo, address, found), item, expected) in
+        [(dynamixel, "Temperature Limit", 70), (feetech, "Unloading Condition", 44)]
+    {
+        let Ended::Refused(Refused::RegisterDiffers(differs)) =
+            ended(Some((usize::from(servo), address, found)))
+        else {
+            panic!("{item} does not refuse")
+        };
+        assert_eq!(differs, RegisterDiffers { servo, item, address, found, expected });
+    }
+}
+
+/// The eight servos of `docs/first-rig.md`, on the channels of that page.
+fn face() -> Description {
+    const ON_IT: [&str; 8] = [
+        "neck_turn",
+        "jaw",
+        "eye_turn_left",
+        "eye_nod_left",
+        "lid_upper_left",
+        "eye_turn_right",
+        "eye_nod_right",
+        "lid_upper_right",
+    ];
+    let mut rig = sinew_rig::new::face();
+    rig.servos.retain(|servo| ON_IT.contains(&servo.name.as_str()));
+    rig.drives.retain(|drive| ON_IT.contains(&drive.joints[0].as_str()));
+    rig
+}
+
+/// Bytes to a simulated PCA9685 move simulated servos; its pin OE takes all pulses away, at the end and at an e-stop.
+#[test]
+fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
+    for is_stopped in [false, true] {
+        let rig = face();
+        let mechanism = rig.mechanism().unwrap();
+        let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+        let jaw = parts.names.iter().position(|name| name == "jaw").unwrap();
+        let eye = parts.names.iter().position(|name| name == "eye_turn_left").unwrap();
+        assert!(parts.tells_nothing(jaw) && parts.servos.len() == 8);
+        // Over 3 s the jaw opens and shuts, and the eye looks to the left and back.
+        let rows = (0..=30).map(|row| {
+            let share = (f64::from(row) / 30.0 * std::f64::consts::TAU).cos().mul_add(-0.5, 0.5);
+            let mut q = mechanism.home();
+            (q[jaw], q[eye]) = (-0.3 * share, 0.5 * share);
+            q
+        });
+        let motion = RigMotion { dt_s: 0.1, rows: rows.collect() };
+        let settings = Settings::default();
+        let baker = Baker { mechanism: &mechanism, rig: parts.rig_crc(), settings };
+        let show = baker.bake(&motion, &Marks::default()).unwrap().written.bytes;
+        let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+        let plant = parts.plant(&rig, &mechanism).unwrap();
+        let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
+        let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
+        let (mut least, mut most) = (0.0_f64, 0.0_f64);
+        let ended = (0..20 * parts.rate_hz).find_map(|_| {
+            if is_stopped && tally.ticks() == 100 {
+                assert_eq!(stand.servos_on(), 8);
+                stand.tick(Some(Command::EStop));
+                return Some(None);
+            }
+            let ended = director.tick(&mut stand, false);
+            tally.note(&stand);
+            (least, most) = (least.min(stand.q()[jaw]), most.max(stand.q()[eye]));
+            // Pulses come with torque alone.
+            assert_eq!(stand.servos_on(), if stand.permission().torque { 8 } else { 0 });
+            ended.map(Some)
+        });
+        assert_eq!(stand.servos_on(), 0);
+        let errors = tally.errors(&parts, Some(Drive::Pulses)).unwrap();
+        assert_eq!(errors.joints, 8);
+        if is_stopped {
+            assert_eq!((ended, stand.report().state), (Some(None), State::Faulted));
+            continue;
+        }
+        assert_eq!(ended, Some(Some(Ended::Done)));
+        // It got there but for its dead band, its play and friction; and it is never quite where it is sent.
+        assert!((least + 0.3).abs() < 0.05 && (most - 0.5).abs() < 0.05, "{least} {most}");
+        assert!(errors.most_rad > 1e-3 && errors.most_rad < 0.1, "{errors:?}");
+        // Nothing answers.
+        assert!(stand.wires().answered == 0 && stand.wires().sent > 0);
+        assert_eq!(director.raised(), FaultSet::EMPTY);
+    }
+}
+
+#[test]
+fn a_servo_is_refused_where_its_kind_cannot_be() {
+    let refused = |change: fn(&mut Description)| {
+        let mut rig = face();
+        change(&mut rig);
+        let mechanism = rig.mechanism().unwrap();
+        Parts::new(&rig, &mechanism, Options::default()).err().expect("it is refused").to_string()
+    };
+    let with_id = refused(|rig| rig.servos[1].address = Address::Id(3));
+    assert!(with_id.contains("`jaw` is a MG90S") && with_id.contains("found id 3"), "{with_id}");
+    let on_channel = refused(|rig| "XL330-M288-T".clone_into(&mut rig.servos[0].model));
+    assert!(on_channel.contains("expected an `id`"), "{on_channel}");
+    let mixed = refused(|rig| {
+        "XL330-M288-T".clone_into(&mut rig.servos[0].model);
+        rig.servos[0].address = Address::Id(1);
+    });
+    assert!(mixed.contains("two protocols (neck_turn, jaw)"), "{mixed}");
+    // A servo by position beside one by pulses, on one joint.
+    let facing = refused(|rig| {
+        let mut other = rig.servos[0].clone();
+        (other.name, other.bus) = ("other".to_owned(), "arm".to_owned());
+        (other.model, other.address) = ("XL330-M288-T".to_owned(), Address::Id(1));
+        rig.drives[0].servos.push(other.name.clone());
+        rig.drives[0].kind = DriveKind::Matrix { rows: vec![vec![0.5, -0.5]], offset: vec![0.0] };
+        rig.servos.push(other);
+    });
+    assert!(facing.contains("`neck_turn` and `other` share a drive"), "{facing}");
+}
+
+/// 1 ms a quarter turn, about 1.5 ms: of the joint's range, not of all that the servo can.
+#[test]
+fn pulses_are_told_as_far_as_joints_go() {
+    let mut rig = face();
+    let jaw = rig.joints.iter_mut().find(|joint| joint.name == "jaw").unwrap();
+    jaw.range_rad = vec![[-FRAC_PI_8, 0.0]];
+    let parts = Parts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
+    let all = parts.pulses_us();
+    assert_eq!(all.len(), 8);
+    let (_, pulses_us) = all.iter().find(|(name, _)| *name == "jaw").unwrap();
+    assert!((pulses_us[1] - pulses_us[0] - 250.0).abs() < 0.1, "{pulses_us:?}");
+    assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
+}

@@ -1,0 +1,237 @@
+//! The query and the clips that are searched, all on the query's skeleton.
+
+use std::path::{Path, PathBuf};
+
+use glam::DQuat;
+use rayon::prelude::*;
+use sinew_core::pose_space::PoseSpaceError;
+use sinew_figure::Mapping;
+use sinew_figure::pipeline::{self, LoadedClip, Notice, Settings, load_clip};
+use sinew_mocap::files::{self, ClipFile};
+use sinew_mocap::resample::resample;
+use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
+
+use super::joints::{Mismatch, same_joints};
+use super::reference::{Part, Reference, ReferenceError};
+use crate::spatial::{MeasuredPose, Measuring, Rigid};
+
+/// What is looked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Query {
+    /// Its file.
+    pub file: PathBuf,
+    /// The clip's name.
+    pub name: String,
+    /// Whether it is one pose.
+    pub is_pose: bool,
+    /// The skeleton that everything is compared on: of the file's, what moves.
+    pub skeleton: Skeleton,
+    /// The frames, a rotation for each joint of the skeleton; of a clip, at the rate of the search.
+    pub poses: Vec<Vec<DQuat>>,
+    /// Time of the first, in seconds from frame 0 of the file.
+    pub start_s: f64,
+    /// The rate of the search.
+    pub rate_hz: f64,
+    /// How its skeleton maps on the figure; `None` if it is no human's.
+    pub mapping: Option<Mapping>,
+    /// What was done to it.
+    pub notices: Vec<Notice>,
+}
+
+/// A query or a clip cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Clip(#[from] pipeline::Error),
+    /// The query's part is not in it.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// It is of another skeleton.
+    #[error("{}: {source}", file.display())]
+    Mismatch {
+        /// The file.
+        file: PathBuf,
+        /// Where it differs.
+        source: Mismatch,
+    },
+    /// A pose cannot be compared.
+    #[error("{}: frame {frame}: {source}", file.display())]
+    Pose {
+        /// The file.
+        file: PathBuf,
+        /// The frame, at the rate of the search.
+        frame: usize,
+        /// Why not.
+        source: PoseSpaceError,
+    },
+}
+
+impl Query {
+    /// Reads what is looked for.
+    ///
+    /// # Errors
+    /// [`ReadError::Clip`] and [`ReadError::Reference`].
+    pub fn read(
+        reference: &Reference,
+        settings: &Settings,
+        rate_hz: f64,
+    ) -> Result<Self, ReadError> {
+        let (recorded, notices) = load_clip(&ClipFile::new(&reference.file), settings)?;
+        let (first, last) = reference.frames(&recorded)?;
+        let LoadedClip { clip, skipped, mapping, .. } = recorded;
+        let (skeleton, joints) = clip.skeleton.subtree(moving_root(&[&clip]));
+        let is_pose = matches!(reference.part, Part::Pose(_));
+        let start_s = (skipped + first) as f64 * clip.frame_time_s;
+        let part = Clip { frames: clip.frames[first..=last].to_vec(), ..clip };
+        // A single frame is taken as it is.
+        let part = if is_pose { part } else { resample(&part, rate_hz) };
+        let poses = rotations(&part, &joints);
+        let (file, name) = (reference.file.clone(), part.name);
+        Ok(Self { file, name, is_pose, skeleton, poses, start_s, rate_hz, mapping, notices })
+    }
+}
+
+fn rotations(clip: &Clip, joints: &[usize]) -> Vec<Vec<DQuat>> {
+    let pose =
+        |frame: &Vec<JointSample>| joints.iter().map(|joint| frame[*joint].rotation).collect();
+    clip.frames.iter().map(pose).collect()
+}
+
+/// A clip that is searched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shelved {
+    /// Its file.
+    pub file: PathBuf,
+    /// The clip's name.
+    pub name: String,
+    /// Its poses at the rate of the search, a rotation for each joint of the query.
+    pub poses: Vec<Vec<DQuat>>,
+    /// Time of the first, in seconds from frame 0 of the file.
+    pub start_s: f64,
+    /// Frames per second of the file.
+    pub file_rate_hz: f64,
+    /// What was done to it.
+    pub notices: Vec<Notice>,
+}
+
+/// The clips that are searched.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Library {
+    /// In the order given.
+    pub clips: Vec<Shelved>,
+    /// A line for each file of a folder that cannot be searched: which, and why.
+    pub left_out: Vec<String>,
+}
+
+impl Library {
+    /// Reads the clips that `paths` name, in parallel; `done` is called for each. What is damaged, or of another
+    /// skeleton than the query's, is left out if it comes from a folder, unless `is_strict`.
+    ///
+    /// # Errors
+    /// [`ReadError`] for the first clip that is not left out, or the first of all if none can be searched.
+    pub fn read(
+        paths: &[PathBuf],
+        query: &Query,
+        settings: &Settings,
+        is_strict: bool,
+        done: impl Fn(usize) + Sync,
+    ) -> Result<Self, ReadError> {
+        let expanded = files::expand_all(paths).map_err(pipeline::Error::from)?;
+        let read: Vec<Result<Shelved, ReadError>> = expanded
+            .clips
+            .par_iter()
+            .map(|file| {
+                let shelved = Shelved::read(file, query, settings);
+                done(1);
+                shelved
+            })
+            .collect();
+        let (clips, left_out) = expanded.take(read, is_strict)?;
+        Ok(Self { clips, left_out })
+    }
+
+    /// The joints that move in the query or in a clip, see [`Rigid`]; `root` is kept.
+    pub fn rigid(&self, query: &Query, root: Option<&str>) -> Rigid {
+        let poses = query.poses.iter().chain(self.clips.iter().flat_map(|clip| &clip.poses));
+        Rigid::new(&query.skeleton, poses, root)
+    }
+
+    /// The clips' poses, made ready to be compared, in parallel: 60 bytes for each of `N` bodies.
+    ///
+    /// # Errors
+    /// [`ReadError::Pose`].
+    pub fn measured<const N: usize>(
+        &self,
+        measuring: &Measuring<'_, N>,
+        rigid: &Rigid,
+    ) -> Result<Vec<Vec<MeasuredPose<N>>>, ReadError> {
+        let of_clip = |clip: &Shelved| measured(measuring, rigid, &clip.poses, &clip.file);
+        self.clips.par_iter().map(of_clip).collect()
+    }
+}
+
+/// Poses, made ready to be compared.
+///
+/// # Errors
+/// [`ReadError::Pose`] with the file they come from.
+pub(super) fn measured<const N: usize>(
+    measuring: &Measuring<'_, N>,
+    rigid: &Rigid,
+    poses: &[Vec<DQuat>],
+    file: &Path,
+) -> Result<Vec<MeasuredPose<N>>, ReadError> {
+    let pose = |(frame, rotations): (usize, &Vec<DQuat>)| {
+        let file = || file.to_path_buf();
+        let pose = measuring.pose(&rigid.pose(rotations));
+        pose.map_err(|source| ReadError::Pose { file: file(), frame, source })
+    };
+    poses.iter().enumerate().map(pose).collect()
+}
+
+impl Query {
+    /// Its poses, made ready to be compared.
+    ///
+    /// # Errors
+    /// [`ReadError::Pose`].
+    pub fn measured<const N: usize>(
+        &self,
+        measuring: &Measuring<'_, N>,
+        rigid: &Rigid,
+    ) -> Result<Vec<MeasuredPose<N>>, ReadError> {
+        measured(measuring, rigid, &self.poses, &self.file)
+    }
+}
+
+impl Shelved {
+    fn read(file: &ClipFile, query: &Query, settings: &Settings) -> Result<Self, ReadError> {
+        let (LoadedClip { clip, skipped, .. }, notices) = load_clip(file, settings)?;
+        let joints = same_joints(&query.skeleton, &clip.skeleton);
+        let joints =
+            joints.map_err(|source| ReadError::Mismatch { file: file.path.clone(), source })?;
+        let resampled = resample(&clip, query.rate_hz);
+        Ok(Self {
+            file: file.path.clone(),
+            name: file.name.clone(),
+            poses: rotations(&resampled, &joints),
+            start_s: skipped as f64 * clip.frame_time_s,
+            file_rate_hz: clip.rate_hz(),
+            notices,
+        })
+    }
+
+    /// Time of a pose, in seconds from frame 0 of the file.
+    pub fn seconds(&self, pose: usize, rate_hz: f64) -> f64 {
+        self.start_s + pose as f64 / rate_hz
+    }
+
+    /// The file's frame next to a time.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a frame of the file"
+    )]
+    pub fn frame(&self, seconds: f64) -> usize {
+        libm::round(seconds * self.file_rate_hz) as usize
+    }
+}

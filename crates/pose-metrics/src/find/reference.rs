@@ -1,0 +1,203 @@
+//! How a pose or a piece of a clip is named: `FILE@12`, `FILE@1.25s`, `FILE@1.0s..2.5s`, `FILE`.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use sinew_figure::pipeline::LoadedClip;
+
+/// A file, and which part of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// The file.
+    pub file: PathBuf,
+    /// The part.
+    pub part: Part,
+}
+
+/// A part of a clip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// One pose.
+    Pose(At),
+    /// From one place to another, both inside.
+    Range(At, At),
+}
+
+/// A place in a clip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum At {
+    /// A frame of the file, from 0; an inserted T-pose counts.
+    Frame(usize),
+    /// The frame next to a time, in seconds from frame 0.
+    Seconds(f64),
+}
+
+/// A reference that names nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReferenceError {
+    /// What follows `@` is no place.
+    #[error(
+        "`{text}`: expected FILE@FRAME (from 0), FILE@SECONDSs, FILE@FROM..TO with both in frames or both in seconds, or FILE; \
+         found `{part}` after the last @"
+    )]
+    Syntax {
+        /// All of it.
+        text: String,
+        /// What follows `@`.
+        part: String,
+    },
+    /// It is not in the clip.
+    #[error("{file}: expected a place from {first} to {last}, found {found}")]
+    Outside {
+        /// The file.
+        file: String,
+        /// The first frame that counts.
+        first: Place,
+        /// The last.
+        last: Place,
+        /// What was asked for.
+        found: At,
+    },
+    /// The wrong way round.
+    #[error("{file}: expected FROM before TO, found {from}..{to}")]
+    Backwards {
+        /// The file.
+        file: String,
+        /// The first.
+        from: At,
+        /// The second.
+        to: At,
+    },
+}
+
+/// A frame with its time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// The frame, from 0.
+    pub frame: usize,
+    /// Its time, in seconds from frame 0.
+    pub seconds: f64,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "frame {} ({:.3} s)", self.frame, self.seconds)
+    }
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frame(frame) => write!(f, "{frame}"),
+            Self::Seconds(seconds) => write!(f, "{seconds}s"),
+        }
+    }
+}
+
+impl At {
+    fn parse(text: &str) -> Option<Self> {
+        match text.strip_suffix('s') {
+            None => text.parse().ok().map(Self::Frame),
+            Some(seconds) => {
+                let seconds = seconds.parse().ok().filter(|s| (0.0..1e9).contains(s));
+                seconds.map(Self::Seconds)
+            }
+        }
+    }
+}
+
+impl FromStr for Reference {
+    type Err = ReferenceError;
+
+    fn from_str(text: &str) -> Result<Self, ReferenceError> {
+        let whole = || Self { file: text.into(), part: Part::Whole };
+        let Some((file, after)) = text.rsplit_once('@') else { return Ok(whole()) };
+        let part = match after.split_once("..") {
+            None => At::parse(after).map(Part::Pose),
+            Some((from, to)) => match (At::parse(from), At::parse(to)) {
+                (Some(from @ At::Frame(_)), Some(to @ At::Frame(_)))
+                | (Some(from @ At::Seconds(_)), Some(to @ At::Seconds(_))) => {
+                    Some(Part::Range(from, to))
+                }
+                _ => None,
+            },
+        };
+        match part {
+            Some(part) => Ok(Self { file: file.into(), part }),
+            // A name may have the sign in it.
+            None if Path::new(text).exists() => Ok(whole()),
+            None => Err(ReferenceError::Syntax { text: text.into(), part: after.into() }),
+        }
+    }
+}
+
+impl Reference {
+    /// The frames that are meant, of the clip without its T-pose: the first and the last.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Outside`] and [`ReferenceError::Backwards`].
+    pub fn frames(&self, recorded: &LoadedClip) -> Result<(usize, usize), ReferenceError> {
+        let last = recorded.clip.frames.len() - 1;
+        match self.part {
+            Part::Whole => Ok((0, last)),
+            Part::Pose(at) => self.frame(recorded, at).map(|frame| (frame, frame)),
+            Part::Range(from, to) => {
+                let frames = (self.frame(recorded, from)?, self.frame(recorded, to)?);
+                if frames.0 >= frames.1 {
+                    let file = self.file.display().to_string();
+                    return Err(ReferenceError::Backwards { file, from, to });
+                }
+                Ok(frames)
+            }
+        }
+    }
+
+    fn frame(&self, recorded: &LoadedClip, at: At) -> Result<usize, ReferenceError> {
+        let LoadedClip { clip, skipped, .. } = recorded;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
+        let frame = match at {
+            At::Frame(frame) => frame,
+            At::Seconds(seconds) => libm::round(seconds / clip.frame_time_s) as usize,
+        };
+        let inside = frame.checked_sub(*skipped).filter(|frame| *frame < clip.frames.len());
+        inside.ok_or_else(|| {
+            let place = |frame: usize| Place { frame, seconds: frame as f64 * clip.frame_time_s };
+            let (first, last) = (place(*skipped), place(skipped + clip.frames.len() - 1));
+            ReferenceError::Outside {
+                file: self.file.display().to_string(),
+                first,
+                last,
+                found: at,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read() {
+        let of = |text: &str| text.parse::<Reference>().map(|reference| reference.part);
+        assert_eq!(of("a.bvh"), Ok(Part::Whole));
+        assert_eq!(of("a.bvh@12"), Ok(Part::Pose(At::Frame(12))));
+        assert_eq!(of("a.bvh@1.25s"), Ok(Part::Pose(At::Seconds(1.25))));
+        assert_eq!(of("a.bvh@10..40"), Ok(Part::Range(At::Frame(10), At::Frame(40))));
+        assert_eq!(of("a.bvh@1s..2.5s"), Ok(Part::Range(At::Seconds(1.0), At::Seconds(2.5))));
+        assert_eq!("a@b@3".parse::<Reference>().unwrap().file, Path::new("a@b"));
+        for bad in ["a@", "a@x", "a@-1", "a@1.5", "a@nans", "a@infs", "a@1..2s", "a@1s..", "a@-1s"]
+        {
+            let error = of(bad).unwrap_err().to_string();
+            let part = bad.split_once('@').unwrap().1;
+            assert!(error.ends_with(&format!("found `{part}` after the last @")), "{error}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What the page's scripts get.
+
+use serde::Serialize;
+use sinew_retarget::feasibility::{CheckError, Excess, Kind, Limits, Performance, Report};
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::Freedom;
+
+use super::samples::Samples;
+use crate::rig::{Body, bodies};
+
+/// What is drawn: all joints but the drive of a base.
+pub(super) struct Drawn<'a> {
+    pub(super) limits: &'a Limits,
+    pub(super) report: &'a Report,
+    pub(super) freedoms: Vec<DrawnFreedom<'a>>,
+    pub(super) excesses: &'a [Excess],
+}
+
+/// A degree of freedom of a joint.
+#[derive(Debug, Serialize)]
+pub(super) struct DrawnFreedom<'a> {
+    /// In the order of `qd`.
+    #[serde(skip)]
+    pub(super) index: usize,
+    body: usize,
+    axis: usize,
+    name: &'a str,
+    slides: bool,
+    home: f64,
+    /// Where a range is drawn, finite.
+    range: [f64; 2],
+    /// The limits of the plots; infinite ones are null.
+    position: [f64; 2],
+    speed: f64,
+    acceleration: f64,
+    pub(super) effort: f64,
+    pub(super) continuous: f64,
+    /// The largest turn, if it is an axis of a ball joint.
+    #[serde(skip)]
+    pub(super) turn: Option<f64>,
+}
+
+impl<'a> Drawn<'a> {
+    pub(super) fn of(mechanism: &Mechanism, limits: &'a Limits, report: &'a Report) -> Self {
+        let mut freedoms = Vec::new();
+        let mut all = limits.freedoms.iter().enumerate();
+        for (body, link) in mechanism.bodies.iter().enumerate() {
+            for axis in 0..link.joint.kind().degrees_of_freedom() {
+                let Some((index, of)) = all.next() else { continue };
+                if link.joint == Freedom::Free {
+                    continue;
+                }
+                let turn = (link.joint == Freedom::Spherical).then(|| {
+                    let most = limits.turns.iter().find(|(of, _)| *of == body);
+                    most.map_or(f64::INFINITY, |(_, most)| *most)
+                });
+                let position = turn.map_or(of.range, |most| [f64::NEG_INFINITY, most]);
+                let far = if of.slides { 0.1 } else { std::f64::consts::PI };
+                freedoms.push(DrawnFreedom {
+                    index,
+                    body,
+                    axis,
+                    name: &of.name,
+                    slides: of.slides,
+                    home: if turn.is_some() { 0.0 } else { link.home[axis] },
+                    range: turn.map_or(of.range, |most| [-most, most]).map(|x| x.clamp(-far, far)),
+                    position,
+                    speed: of.speed,
+                    acceleration: of.acceleration,
+                    effort: of.effort,
+                    continuous: of.heat.map_or(f64::INFINITY, |heat| heat.continuous),
+                    turn,
+                });
+            }
+        }
+        Self { limits, report, freedoms, excesses: &report.excesses }
+    }
+
+    /// The scripts' data as JSON that may stand in HTML: of the rig, and of the show.
+    pub(super) fn json(
+        &self,
+        mechanism: &Mechanism,
+        performance: &impl Performance,
+    ) -> Result<Json, CheckError> {
+        let drawn: Vec<usize> = self.freedoms.iter().map(|freedom| freedom.index).collect();
+        let samples = Samples::of(mechanism, performance, &drawn)?;
+        let of_excess = |excess: &Excess| ExcessData {
+            joint: drawn.iter().position(|index| *index == excess.freedom),
+            plot: match excess.kind {
+                Kind::Range => "position",
+                // The sum of two joints is in no plot.
+                Kind::LinkedRange => "",
+                Kind::Speed => "speed",
+                Kind::Acceleration => "acceleration",
+                Kind::Effort | Kind::Heat => "effort",
+            },
+            from_s: excess.from_s,
+            to_s: excess.to_s,
+            worst_s: excess.worst_s,
+        };
+        let rig = Rig { bodies: bodies(mechanism), freedoms: &self.freedoms };
+        let excesses = self.excesses.iter().map(of_excess).collect();
+        let (dt_s, end_s) = (samples.dt_s, samples.end_s());
+        let show = Show { samples, excesses };
+        let json = |text: serde_json::Result<String>| {
+            text.expect("numbers and names only").replace("</", "<\\/")
+        };
+        Ok(Json {
+            rig: json(serde_json::to_string(&rig)),
+            show: json(serde_json::to_string(&show)),
+            dt_s,
+            end_s,
+        })
+    }
+}
+
+/// Texts of the scripts' data.
+pub(super) struct Json {
+    pub(super) rig: String,
+    pub(super) show: String,
+    /// From sample to sample, s.
+    pub(super) dt_s: f64,
+    /// Until when the samples reach, s.
+    pub(super) end_s: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Rig<'a> {
+    bodies: Vec<Body<'a>>,
+    freedoms: &'a [DrawnFreedom<'a>],
+}
+
+#[derive(Debug, Serialize)]
+struct Show {
+    #[serde(flatten)]
+    samples: Samples,
+    excesses: Vec<ExcessData>,
+}
+
+#[derive(Debug, Serialize)]
+struct ExcessData {
+    joint: Option<usize>,
+    plot: &'static str,
+    from_s: f64,
+    to_s: f64,
+    worst_s: f64,
+}

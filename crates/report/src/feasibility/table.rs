@@ -1,0 +1,159 @@
+//! What each joint is asked for, beside its limits; and the times at which limits are exceeded.
+
+use maud::{Markup, html};
+use sinew_performance::words;
+use sinew_retarget::feasibility::{Excess, FreedomLimits, FreedomPeaks, Kind};
+
+use super::data::Drawn;
+
+/// The most excesses that are listed: the script draws all of them.
+const LISTED: usize = 200;
+
+/// All joints.
+pub(super) fn joints(drawn: &Drawn<'_>) -> Markup {
+    html! {
+        div class="scroll" tabindex="0" role="region" aria-labelledby="joints-title" {
+            table id="joints" {
+                thead {
+                    tr {
+                        th scope="col" { "Joint" }
+                        th scope="col" { "Range used, °" }
+                        th scope="col" { "Speed, rad/s" }
+                        th scope="col" { "Acceleration, rad/s²" }
+                        th scope="col" { "Torque, N\u{a0}m" }
+                        th scope="col" { "RMS, N\u{a0}m" }
+                    }
+                }
+                tbody {
+                    @for (place, freedom) in drawn.freedoms.iter().enumerate() {
+                        (joint(drawn, place, freedom.index))
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {
+    let (limits, peaks) = (&drawn.limits.freedoms[index], &drawn.report.peaks[index]);
+    let of_kind = |kinds: &[Kind]| {
+        let mut all = drawn.report.excesses.iter();
+        all.any(|excess| excess.freedom == index && kinds.contains(&excess.kind))
+    };
+    let cell = |value: f64, limit: f64, kind: Kind| {
+        let unit = if limits.slides { kind.unit(true) } else { "" };
+        peak(value, limit, unit, of_kind(&[kind]))
+    };
+    let continuous = limits.heat.map_or(f64::INFINITY, |heat| heat.continuous);
+    html! {
+        tr data-joint=(place) {
+            th scope="row" { button type="button" aria-pressed="false" { (limits.name) } }
+            (range(limits, peaks, drawn.freedoms[place].turn, of_kind(&[Kind::Range, Kind::LinkedRange])))
+            (cell(peaks.speed, limits.speed, Kind::Speed))
+            (cell(peaks.acceleration, limits.acceleration, Kind::Acceleration))
+            (cell(peaks.effort, limits.effort, Kind::Effort))
+            (cell(peaks.effort_rms, continuous, Kind::Heat))
+        }
+    }
+}
+
+/// The part of its range that a joint uses. A ball joint's turn as a whole is limited: `turn`.
+fn range(
+    limits: &FreedomLimits,
+    peaks: &FreedomPeaks,
+    turn: Option<f64>,
+    is_exceeded: bool,
+) -> Markup {
+    let unit = if limits.slides { " mm" } else { "" };
+    let text = |x: f64| words::position(limits.slides, x);
+    let [least, most] = limits.range;
+    let bar = (least.is_finite() && most.is_finite() && most > least).then(|| {
+        let share = |x: f64| (100.0 * (x - least) / (most - least)).clamp(0.0, 100.0);
+        let (from, to) = (share(peaks.least), share(peaks.most));
+        format!("left: {from:.1}%; width: {:.1}%", to - from)
+    });
+    html! {
+        td class=[is_exceeded.then_some("exceeded")] {
+            @if turn.is_some() {
+                "a ball"
+            } @else {
+                (text(peaks.least)) " to " (text(peaks.most)) (unit)
+            }
+            @if is_exceeded { " " span class="flag" { "exceeded" } }
+            small {
+                @if let Some(turn) = turn {
+                    @if turn.is_finite() { "turn of " (text(turn)) } @else { "no limit" }
+                } @else if least.is_finite() || most.is_finite() {
+                    "of " (bound(least, &text, "−∞")) " to " (bound(most, &text, "∞")) (unit)
+                } @else { "no limit" }
+            }
+            @if let Some(bar) = bar { span class="bar" aria-hidden="true" { i style=(bar) {} } }
+        }
+    }
+}
+
+fn bound(x: f64, text: &impl Fn(f64) -> String, infinite: &str) -> String {
+    if x.is_finite() { text(x) } else { infinite.to_owned() }
+}
+
+/// A largest value beside its limit.
+fn peak(value: f64, limit: f64, unit: &str, is_exceeded: bool) -> Markup {
+    let bar = (limit.is_finite() && limit > 0.0)
+        .then(|| format!("width: {:.1}%", (100.0 * value / limit).min(100.0)));
+    html! {
+        td class=[is_exceeded.then_some("exceeded")] {
+            (words::number(value)) (unit)
+            @if is_exceeded { " " span class="flag" { "exceeded" } }
+            small {
+                @if limit.is_finite() { "of " (words::number(limit)) (unit) } @else { "no limit" }
+            }
+            @if let Some(bar) = bar { span class="bar" aria-hidden="true" { i style=(bar) {} } }
+        }
+    }
+}
+
+/// When which limit is exceeded: in time, and of too many the worst.
+pub(super) fn excesses(drawn: &Drawn<'_>) -> Markup {
+    let all = &drawn.excesses;
+    let mut listed: Vec<usize> = (0..all.len()).collect();
+    listed.sort_by(|a, b| severity(&all[*b]).total_cmp(&severity(&all[*a])));
+    listed.truncate(LISTED);
+    listed.sort_by(|a, b| all[*a].from_s.total_cmp(&all[*b].from_s));
+    html! {
+        @if all.is_empty() {
+            p { "Nothing is exceeded." }
+        } @else {
+            @if all.len() > LISTED {
+                p class="small" { "The worst " (LISTED) " of " (all.len()) ", in time." }
+            }
+            ol id="excesses" tabindex="0" aria-label="Excesses in time" {
+                @for index in listed {
+                    @let excess = &all[index];
+                    @let limits = &drawn.limits.freedoms[excess.freedom];
+                    li {
+                        button type="button" data-excess=(index) {
+                            span class="when" { (format!("{:.2} s", excess.from_s)) }
+                            span {
+                                b { (limits.name) } ": " (excess.kind.name()) " "
+                                (words::excess(limits.slides, excess, [0.0; 2]))
+                                small { " for " (lasting(excess.to_s - excess.from_s)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn lasting(seconds: f64) -> String {
+    if seconds < 0.005 { "an instant".into() } else { format!("{seconds:.2} s") }
+}
+
+/// How bad an excess is: its share of the limit, or of a radian or 0.1 m beyond a range.
+fn severity(excess: &Excess) -> f64 {
+    match excess.kind {
+        Kind::Range | Kind::LinkedRange => 1.0 + (excess.value - excess.limit).abs(),
+        _ => excess.value / excess.limit,
+    }
+}

@@ -1,0 +1,60 @@
+//! Pictures as files.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use maud::Markup;
+use sinew_host_util::output::Pending;
+
+use super::{alone, png};
+
+/// Whether a picture can be written under that name, before any work is done for it.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`, [`io::ErrorKind::NotFound`] if its
+/// folder is not there.
+pub(super) fn check(path: &Path) -> io::Result<()> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if extension != "svg" && extension != "png" {
+        let expected = "expected a picture named *.svg or *.png";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, expected));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        return Err(io::Error::new(io::ErrorKind::NotFound, "expected a folder that is there"));
+    }
+    Ok(())
+}
+
+/// Writes a picture as SVG, or as PNG if the file is named so.
+///
+/// # Errors
+/// What the system says, and those of [`check`].
+pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
+    check(path)?;
+    let svg = alone(&picture.0);
+    let is_png = path.extension().unwrap_or_default().eq_ignore_ascii_case("png");
+    let bytes = if is_png { png::png(&svg) } else { svg.into_bytes() };
+    let mut file = Pending::begin(path)?;
+    file.write_all(&bytes)?;
+    file.finish()
+}
+
+/// Writes pictures as SVG and PNG into a folder, and gives their paths.
+///
+/// # Errors
+/// What the system says.
+pub fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder)?;
+    let mut written = Vec::new();
+    for (name, picture) in pictures {
+        let svg = alone(&picture.0);
+        for (extension, bytes) in [("png", png::png(&svg)), ("svg", svg.into_bytes())] {
+            let path = folder.join(format!("{name}.{extension}"));
+            fs::write(&path, bytes)?;
+            written.push(path);
+        }
+    }
+    Ok(written)
+}

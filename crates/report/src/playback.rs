@@ -1,0 +1,237 @@
+//! A motion's playback: where the bodies should be and where they are, packed for the page's script.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::DVec3;
+use serde::Serialize;
+use sinew_evaluation::{Errors, MethodName, Protocol, RunError, Take, track};
+
+use super::scene::{Ground, MEASURED_GIRTH, Mannequin, Part, Points};
+use super::view::View;
+
+/// The longest playback, in seconds.
+const LONGEST_S: f64 = 30.0;
+
+/// Shortest time between two frames that are kept, in seconds: the script makes those between.
+const FRAME_S: f64 = 0.02;
+
+/// One motion, as every rig moved with every method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Playback {
+    /// The motion's name.
+    pub clip: String,
+    /// Whether the motion is longer than what is kept.
+    pub cut: bool,
+    /// Time between frames that are kept, in seconds.
+    pub dt_s: f64,
+    pub(super) view: View,
+    pub(super) mannequin: Mannequin,
+    pub(super) desired: Vec<Points>,
+    pub(super) runs: Vec<Run>,
+}
+
+/// One rig with one method.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Run {
+    pub(super) scale: f64,
+    pub(super) method: MethodName,
+    pub(super) mannequin: Mannequin,
+    pub(super) measured: Vec<Points>,
+    /// Mean errors in each frame: all bodies in degrees and cm, leaves in degrees and cm.
+    pub(super) errors: Vec<[f64; 4]>,
+}
+
+impl Playback {
+    /// Tracks a motion again with every method on its rig of every scale, and keeps what is seen. `mannequin` is the
+    /// rig's in the motion's dimensions, `stream` the motion's place among the evaluated ones.
+    ///
+    /// # Errors
+    /// [`RunError`], as of any run.
+    pub fn record<T: Take>(
+        take: &T,
+        mannequin: Mannequin,
+        protocol: &Protocol,
+        stream: u64,
+    ) -> Result<Self, RunError> {
+        let limit_s = protocol.seconds.map_or(LONGEST_S, |seconds| seconds.min(LONGEST_S));
+        // The setup's dimensions are those of the figure.
+        let is_figure = take.rig_name().is_none();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
+        let every = (FRAME_S / take.dt_s()).round().max(1.0) as usize;
+        let mut desired = Vec::new();
+        let mut runs = Vec::new();
+        for scale in &protocol.scales {
+            for method in &protocol.methods {
+                let setup = protocol.setup_of(*scale, *method);
+                desired.clear();
+                let scaled = if is_figure {
+                    mannequin.scaled_by(&setup.dimensions.factors())
+                } else {
+                    mannequin.clone()
+                };
+                let mut run = Run {
+                    scale: *scale,
+                    method: *method,
+                    mannequin: scaled,
+                    measured: Vec::new(),
+                    errors: Vec::new(),
+                };
+                track(take, &setup, Some(limit_s), stream, |step| {
+                    if !(step.frame - 1).is_multiple_of(every) {
+                        return;
+                    }
+                    let mut errors = Errors::default();
+                    errors.add_step(&step);
+                    let ([deg, cm, ..], [leaf_deg, leaf_cm, ..]) =
+                        (errors.all.figures(), errors.leaf.figures());
+                    desired.push(mannequin.points(step.desired));
+                    run.measured.push(run.mannequin.points(step.measured));
+                    run.errors.push([deg, cm, leaf_deg, leaf_cm]);
+                })?;
+                runs.push(run);
+            }
+        }
+        let dt_s = take.dt_s() * every as f64;
+        let cut = take.frame_count() as f64 * take.dt_s() > LONGEST_S + dt_s;
+        let view = if is_figure { View::of_figure } else { View::of_rig };
+        let view = view(&mannequin, &desired);
+        Ok(Self { clip: take.name().to_owned(), cut, dt_s, view, mannequin, desired, runs })
+    }
+
+    /// The script's data as JSON that may stand in HTML.
+    pub(super) fn json(&self) -> String {
+        let tracks = || std::iter::once(&self.desired).chain(self.runs.iter().map(|r| &r.measured));
+        let extent_m =
+            tracks().flatten().flatten().map(|point| point.abs().max_element()).fold(0.0, f64::max);
+        let unit_m = extent_m / f64::from(i16::MAX);
+        let document = Document {
+            dt_s: self.dt_s,
+            frames: self.desired.len(),
+            points: self.desired.first().map_or(0, Vec::len),
+            start: self.view.frame,
+            yaw_rad: self.view.yaw_rad,
+            target_m: self.view.target_m.map(|target_m| target_m.to_array()),
+            size_m: self.view.size_m,
+            unit_m,
+            ground: self.view.ground,
+            parts: self.mannequin.parts(),
+            trunk: self.mannequin.trunk(),
+            girth: self.mannequin.girth(),
+            desired: pack(&self.desired, unit_m),
+            runs: self
+                .runs
+                .iter()
+                .map(|run| PackedRun {
+                    scale: run.scale,
+                    method: run.method,
+                    girth: run.mannequin.girth() * MEASURED_GIRTH,
+                    measured: pack(&run.measured, unit_m),
+                    errors: pack_errors(&run.errors),
+                })
+                .collect(),
+        };
+        let text = serde_json::to_string(&document).expect("plain data turns into JSON");
+        // No text in it can end the element that it stands in.
+        text.replace('<', "\\u003c")
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    dt_s: f64,
+    frames: usize,
+    points: usize,
+    start: usize,
+    yaw_rad: f64,
+    /// `null`: the camera goes with the first point.
+    target_m: Option<[f64; 3]>,
+    size_m: f64,
+    unit_m: f64,
+    ground: Ground,
+    parts: &'a [Part],
+    trunk: usize,
+    girth: f64,
+    /// Frames of points of x, y, z in `unit_m`, i16, little-endian, base64.
+    desired: String,
+    runs: Vec<PackedRun>,
+}
+
+#[derive(Serialize)]
+struct PackedRun {
+    scale: f64,
+    method: MethodName,
+    /// Factor on the thickness of the measured mannequin.
+    girth: f64,
+    measured: String,
+    /// Frames of the four mean errors in hundredths, u16, little-endian, base64.
+    errors: String,
+}
+
+fn pack(track: &[Points], unit_m: f64) -> String {
+    let bytes: Vec<u8> = track
+        .iter()
+        .flatten()
+        .flat_map(DVec3::to_array)
+        .flat_map(|coordinate| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "the unit is chosen so that it fits"
+            )]
+            let steps = libm::round(coordinate / unit_m) as i16;
+            steps.to_le_bytes()
+        })
+        .collect();
+    STANDARD.encode(bytes)
+}
+
+fn pack_errors(errors: &[[f64; 4]]) -> String {
+    let bytes: Vec<u8> = errors
+        .iter()
+        .flatten()
+        .flat_map(|error| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "not negative, and saturates above 655: a lost figure is no result"
+            )]
+            let hundredths = libm::round(error * 100.0) as u16;
+            hundredths.to_le_bytes()
+        })
+        .collect();
+    STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_figure::fixture::moving;
+
+    #[test]
+    fn a_playback_is_bounded_and_fine() {
+        let motion = moving("clip", 400);
+        let methods = vec![MethodName::Local];
+        let protocol = Protocol { methods, seconds: Some(2.0), ..Protocol::default() };
+        let playback =
+            Playback::record(&motion, Mannequin::of_figure(&motion), &protocol, 0).unwrap();
+        assert_eq!(playback.runs.len(), 2);
+        // 200 frames are 198 steps, of which every other is kept.
+        assert_eq!(playback.desired.len(), 99);
+        let unit_m: f64 =
+            serde_json::from_str::<serde_json::Value>(&playback.json()).unwrap()["unit_m"]
+                .as_f64()
+                .unwrap();
+        assert!(unit_m < 1e-3, "finer than a millimetre: {unit_m}");
+        let bytes = STANDARD.decode(pack(&playback.desired, unit_m)).unwrap();
+        let coordinates: Vec<f64> = bytes
+            .chunks(2)
+            .map(|two| f64::from(i16::from_le_bytes([two[0], two[1]])) * unit_m)
+            .collect();
+        for (packed, point) in coordinates.chunks(3).zip(playback.desired.iter().flatten()) {
+            assert!(DVec3::from_slice(packed).distance(*point) < unit_m);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! What came when, and how each joint followed.
+
+use maud::{Markup, html};
+use sinew_performance::words;
+
+use super::rig::Joint;
+use super::watch::{Span, Told, Watch};
+
+/// The most faults that are listed: the plots have all of them.
+const LISTED: usize = 200;
+
+/// States and faults, in time.
+pub(super) fn course(watch: &Watch) -> Markup {
+    let (states, faults) = (watch.states.iter(), watch.faults.iter().take(LISTED));
+    let mut all: Vec<(f64, Markup)> =
+        states.map(|state| (state.from_s, self::state(state))).collect();
+    all.extend(faults.map(|(at_s, fault)| (*at_s, html! { b class="flag" { "Fault: " (fault) } })));
+    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    html! {
+        @if watch.faults.len() > LISTED {
+            p class="small" { "The first " (LISTED) " of " (watch.faults.len()) " faults." }
+        }
+        ol id="excesses" tabindex="0" aria-label="States and faults in time" {
+            @for (at_s, what) in all {
+                li {
+                    button type="button" data-at=(format!("{at_s:.3}")) {
+                        span class="when" { (format!("{at_s:.2} s")) }
+                        span { (what) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn state(state: &Span) -> Markup {
+    html! { (state.name) small { " for " (format!("{:.2} s", state.to_s - state.from_s)) } }
+}
+
+/// All joints.
+pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
+    html! {
+        div class="scroll" tabindex="0" role="region" aria-labelledby="joints-title" {
+            table id="joints" {
+                thead {
+                    tr {
+                        th scope="col" { "Joint" }
+                        th scope="col" { "Error in the mean" }
+                        th scope="col" { "At most" }
+                        th scope="col" { "Torque, N\u{a0}m" }
+                        th scope="col" { "Current, A" }
+                        th scope="col" { "Warmest, °C" }
+                        th scope="col" { "Limited" }
+                    }
+                }
+                tbody {
+                    @for (joint, told) in joints.iter().zip(watch.told()) { (row(joint, told)) }
+                }
+            }
+        }
+    }
+}
+
+fn row(joint: &Joint, told: &Told) -> Markup {
+    let unit = if joint.slides { " N" } else { "" };
+    // What was never read is 0.
+    let known = |number: f64, text: String| if number > 0.0 { text } else { "–".to_owned() };
+    html! {
+        tr {
+            th scope="row" { button type="button" aria-pressed="false" { (joint.name) } }
+            @if told.ticks == 0 || joint.columns.servo.is_none() {
+                td colspan="6" class="small" {
+                    @if told.ticks == 0 { "no show ran" } @else { "no servo moves it" }
+                }
+            } @else {
+                td { (words::change(joint.slides, told.error_mean())) }
+                td {
+                    button type="button" data-at=(format!("{:.3}", told.error_most_s)) {
+                        (words::change(joint.slides, told.error_most))
+                    }
+                    small { "at " (format!("{:.2} s", told.error_most_s)) }
+                }
+                td { (words::number(told.effort)) (unit) }
+                td { (known(told.current_a, words::number(told.current_a))) }
+                td { (known(told.celsius, format!("{:.0}", told.celsius))) }
+                td { (format!("{:.0} %", 100.0 * told.limited_share())) }
+            }
+        }
+    }
+}

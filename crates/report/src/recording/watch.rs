@@ -1,0 +1,255 @@
+//! What a page keeps of a recording, tick after tick.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use sinew_performance::play::Part;
+
+use crate::course::{Channel, MOST, pack, spacing};
+
+/// Numbers of a page for each joint and sample: its courses, and half a one for what limits it.
+const WIDTH: usize = 6;
+
+/// Which columns a joint of the page is made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns {
+    pub(super) joint: usize,
+    /// Of its first servo, if one moves it.
+    pub(super) servo: Option<usize>,
+}
+
+/// What is kept while parts come.
+#[derive(Debug)]
+pub(super) struct Watch {
+    columns: Vec<Columns>,
+    rows: usize,
+    taken: usize,
+    every: usize,
+    rate_hz: f64,
+    joints: Vec<Joint>,
+    limiters: Vec<String>,
+    /// What the supervisor was in, and from when until when, s.
+    pub(super) states: Vec<Span>,
+    /// Faults, and when they came, s.
+    pub(super) faults: Vec<(f64, String)>,
+}
+
+/// A state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Span {
+    pub(super) name: String,
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+}
+
+#[derive(Debug)]
+struct Joint {
+    commanded: Vec<f64>,
+    measured: Vec<f64>,
+    error: Vec<f64>,
+    effort: Vec<f64>,
+    current: Vec<f64>,
+    /// By sample: what limits it, counted from 1.
+    limiter: Vec<u8>,
+    told: Told,
+}
+
+/// What is told of a joint while the show runs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Told {
+    /// Ticks.
+    pub(super) ticks: usize,
+    /// Of the sizes of its errors, rad or m.
+    pub(super) error_sum: f64,
+    /// The largest.
+    pub(super) error_most: f64,
+    /// When, s.
+    pub(super) error_most_s: f64,
+    /// The largest, N m or N.
+    pub(super) effort: f64,
+    /// The largest of its first servo, A and °C.
+    pub(super) current_a: f64,
+    pub(super) celsius: f64,
+    /// Ticks in which something limited it.
+    pub(super) limited: usize,
+}
+
+impl Told {
+    pub(super) fn error_mean(&self) -> f64 {
+        self.error_sum / self.ticks.max(1) as f64
+    }
+
+    pub(super) fn limited_share(&self) -> f64 {
+        self.limited as f64 / self.ticks.max(1) as f64
+    }
+}
+
+impl Watch {
+    /// Of so many rows.
+    pub(super) fn new(columns: Vec<Columns>, rows: usize, rate_hz: f64) -> Self {
+        let (looks, every) = spacing(rows.saturating_sub(1), rate_hz, WIDTH * columns.len(), MOST);
+        let count = looks / every + 1;
+        let joint = || Joint {
+            commanded: vec![f64::NAN; count],
+            measured: vec![f64::NAN; count],
+            error: vec![f64::NAN; count],
+            effort: vec![f64::NAN; count],
+            current: vec![f64::NAN; count],
+            limiter: vec![0; count],
+            told: Told::default(),
+        };
+        Self {
+            joints: columns.iter().map(|_| joint()).collect(),
+            columns,
+            rows: 0,
+            taken: looks + 1,
+            every,
+            rate_hz,
+            limiters: Vec::new(),
+            states: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
+
+    /// Takes the next rows.
+    pub(super) fn take(&mut self, part: &Part) {
+        for (row, time_s) in part.time_s.iter().enumerate() {
+            let name = part.states[row].as_deref().unwrap_or("unknown");
+            match self.states.last_mut() {
+                Some(last) if last.name == name => last.to_s = *time_s,
+                _ => {
+                    let name = name.to_owned();
+                    self.states.push(Span { name, from_s: *time_s, to_s: *time_s });
+                }
+            }
+            // Those of one tick stand in one cell.
+            let faults = part.faults[row].iter().flat_map(|faults| faults.split(", "));
+            self.faults.extend(faults.map(|fault| (*time_s, fault.to_owned())));
+            for place in 0..self.columns.len() {
+                self.take_joint(part, row, place);
+            }
+            self.rows += 1;
+        }
+    }
+
+    fn take_joint(&mut self, part: &Part, row: usize, place: usize) {
+        let Columns { joint: column, servo } = self.columns[place];
+        let (of, joint) = (&part.joints[column], &mut self.joints[place]);
+        let [error, effort] = [&of.error, &of.effort].map(|course| f64::from(course[row]));
+        let servo = servo.map(|servo| &part.servos[servo]);
+        let current = servo.map_or(f64::NAN, |servo| f64::from(servo.current[row]));
+        let limiter = of.limiter[row].as_deref().map_or(0, |name| code(&mut self.limiters, name));
+        if part.runs[row] {
+            let told = &mut joint.told;
+            told.ticks += 1;
+            told.error_sum += error.abs();
+            if error.abs() > told.error_most {
+                (told.error_most, told.error_most_s) = (error.abs(), part.time_s[row]);
+            }
+            told.effort = told.effort.max(effort.abs());
+            told.current_a = told.current_a.max(current.abs());
+            let celsius = servo.map_or(f64::NAN, |servo| f64::from(servo.temperature[row]));
+            told.celsius = told.celsius.max(celsius);
+            told.limited += usize::from(limiter > 0);
+        }
+        if self.rows >= self.taken {
+            return;
+        }
+        let sample = ((self.rows + self.every / 2) / self.every).min(joint.error.len() - 1);
+        for (course, now) in
+            [(&mut joint.error, error), (&mut joint.effort, effort), (&mut joint.current, current)]
+        {
+            // What is not known is exceeded by anything.
+            if course[sample].is_nan() || now.abs() > course[sample].abs() {
+                course[sample] = now;
+            }
+        }
+        if limiter > 0 {
+            joint.limiter[sample] = limiter;
+        }
+        if self.rows.is_multiple_of(self.every) {
+            let at = self.rows / self.every;
+            joint.commanded[at] = of.commanded[row].into();
+            joint.measured[at] = of.measured[row].into();
+        }
+    }
+
+    /// What is told of the joints.
+    pub(super) fn told(&self) -> impl Iterator<Item = &Told> {
+        self.joints.iter().map(|joint| &joint.told)
+    }
+
+    /// From sample to sample, s.
+    pub(super) fn dt_s(&self) -> f64 {
+        self.every as f64 / self.rate_hz
+    }
+
+    /// Until when samples reach, s.
+    pub(super) fn end_s(&self) -> f64 {
+        (self.count() - 1) as f64 * self.dt_s()
+    }
+
+    fn count(&self) -> usize {
+        (self.taken - 1) / self.every + 1
+    }
+
+    /// What the page's script gets.
+    pub(super) fn show(&self) -> Show<'_> {
+        let packed = |of: fn(&Joint) -> &Vec<f64>| {
+            self.joints.iter().map(|joint| pack(of(joint))).collect::<Vec<_>>()
+        };
+        Show {
+            count: self.count(),
+            dt_s: self.dt_s(),
+            courses: Courses {
+                commanded: packed(|joint| &joint.commanded),
+                measured: packed(|joint| &joint.measured),
+                error: packed(|joint| &joint.error),
+                effort: packed(|joint| &joint.effort),
+                current: packed(|joint| &joint.current),
+            },
+            limiters: &self.limiters,
+            limited: self.joints.iter().map(limited).collect(),
+            states: &self.states,
+            faults: self.faults.iter().map(|(at_s, _)| *at_s).collect(),
+        }
+    }
+}
+
+/// The number of a limiter, from 1 on. Kinds of limits are few; beyond 255 all have one.
+fn code(limiters: &mut Vec<String>, name: &str) -> u8 {
+    let place = limiters.iter().position(|known| known == name).unwrap_or_else(|| {
+        limiters.push(name.to_owned());
+        limiters.len() - 1
+    });
+    u8::try_from(place + 1).unwrap_or(u8::MAX)
+}
+
+/// Bytes, base64; empty if nothing ever limits the joint.
+fn limited(joint: &Joint) -> String {
+    if joint.limiter.iter().all(|code| *code == 0) {
+        return String::new();
+    }
+    STANDARD.encode(&joint.limiter)
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Show<'a> {
+    count: usize,
+    dt_s: f64,
+    courses: Courses,
+    limiters: &'a [String],
+    limited: Vec<String>,
+    states: &'a [Span],
+    faults: Vec<f64>,
+}
+
+/// By joint. Of error, effort and current each sample has the one of its ticks that is farthest from zero.
+#[derive(Debug, Serialize)]
+struct Courses {
+    commanded: Vec<Channel>,
+    measured: Vec<Channel>,
+    error: Vec<Channel>,
+    effort: Vec<Channel>,
+    current: Vec<Channel>,
+}

@@ -1,0 +1,11 @@
+//! Rig files, imports of robot descriptions, and boards' rigs.
+
+mod board;
+mod common;
+mod drives;
+mod golden;
+mod import_data;
+mod mjcf;
+mod mutations;
+mod servo_models;
+mod urdf;

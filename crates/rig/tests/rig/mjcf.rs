@@ -1,0 +1,333 @@
+//! MJCFs with one quirk each. That all ways to say where things are and what they weigh give MuJoCo's torques is the
+//! golden file `quirks`.
+
+#![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
+
+use sinew_rig::description::JointType;
+use sinew_rig::import::{Imported, NoteKind, Options, mjcf, urdf};
+
+use crate::common;
+use crate::common::assert_noted;
+
+/// A model with these sections before and behind its bodies.
+fn model(before: &str, bodies: &str, behind: &str) -> String {
+    format!("<mujoco model=\"m\">{before}<worldbody>{bodies}</worldbody>{behind}</mujoco>")
+}
+
+/// A body `a` that stands, and on it `b` with this inside.
+fn moved(inside: &str) -> String {
+    model("", &on_stand(inside), "")
+}
+
+fn on_stand(inside: &str) -> String {
+    format!("<body name=\"a\"><geom size=\"0.1\"/><body name=\"b\">{inside}</body></body>")
+}
+
+const JOINT: &str = r#"<joint name="j" range="-90 90"/><geom size="0.1"/>"#;
+
+fn read(text: &str) -> Imported {
+    mjcf(text, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn assert_refused(text: &str, item: &str, expected: &str, found: &str) {
+    common::assert_refused(mjcf(text, &Options::default()), item, expected, found);
+}
+
+#[test]
+fn angles_are_degrees_unless_the_compiler_says_otherwise() {
+    let range = |before: &str| {
+        read(&model(before, &on_stand(JOINT), "")).description.joints[0].range_rad[0][1]
+    };
+    assert!((range("") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert_eq!(range(r#"<compiler angle="radian"/>"#), 90.0);
+    assert_eq!(range(r#"<compiler/><compiler angle="degree"/><compiler angle="radian"/>"#), 90.0);
+    let gon = model(r#"<compiler angle="gon"/>"#, &on_stand(JOINT), "");
+    assert_refused(&gon, "mujoco: compiler: angle", "degree or radian", "`gon`");
+    let global = model(r#"<compiler coordinate="global"/>"#, &on_stand(JOINT), "");
+    assert_refused(&global, "mujoco: compiler: coordinate", "local", "`global`");
+}
+
+#[test]
+fn ranges_limit_by_themselves_or_by_a_word() {
+    let ranges = |before: &str, joint: &str| {
+        let inside = format!("<joint name=\"j\" {joint}/><geom size=\"0.1\"/>");
+        read(&model(before, &on_stand(&inside), "")).description.joints[0].range_rad.len()
+    };
+    let no_auto = r#"<compiler autolimits="false"/>"#;
+    assert_eq!(ranges("", r#"range="-1 1""#), 1);
+    assert_eq!(ranges("", r#"range="-1 1" limited="false""#), 0);
+    assert_eq!(ranges(no_auto, r#"range="-1 1""#), 0);
+    assert_eq!(ranges(no_auto, r#"range="-1 1" limited="true""#), 1);
+    assert_refused(
+        &moved(r#"<joint name="j" limited="true"/><geom size="0.1"/>"#),
+        "joint `j`: range",
+        "the least and the most",
+        "none",
+    );
+}
+
+#[test]
+fn joints_of_each_type_become_those_of_a_rig() {
+    for (joint, expected) in [
+        (r#"<joint name="j"/>"#, JointType::Revolute),
+        (r#"<joint name="j" type="slide" axis="1 0 0"/>"#, JointType::Prismatic),
+        (r#"<joint name="j" type="ball" range="0 60"/>"#, JointType::Spherical),
+        (r#"<freejoint name="j"/>"#, JointType::Free),
+        ("", JointType::Fixed),
+    ] {
+        let joint = &read(&moved(&format!("{joint}<geom size=\"0.1\"/>"))).description.joints[0];
+        assert_eq!(joint.kind, expected);
+    }
+    let screw = moved(r#"<joint name="j" type="screw"/><geom size="0.1"/>"#);
+    assert_refused(&screw, "joint `j`: type", "hinge, slide, ball or free", "`screw`");
+    let zero = moved(r#"<joint name="j" axis="0 0 0"/><geom size="0.1"/>"#);
+    assert_refused(&zero, "joint `j`: axis", "not zero", "`0 0 0`");
+    let two = moved(r#"<freejoint name="f"/><joint name="j"/><geom size="0.1"/>"#);
+    assert_refused(&two, "freejoint `f`", "alone in its body", "2 joints");
+}
+
+#[test]
+fn a_body_with_several_joints_is_a_chain() {
+    let imported = read(&moved(&format!(r#"<joint name="i" axis="1 0 0"/>{JOINT}"#)));
+    let bodies: Vec<(&str, bool)> = imported
+        .description
+        .bodies
+        .iter()
+        .map(|body| (body.name.as_str(), body.mass_kg > 0.0))
+        .collect();
+    assert_eq!(bodies, [("a", true), ("b_i", false), ("b", true)]);
+    let ends: Vec<(&str, &str)> = imported
+        .description
+        .joints
+        .iter()
+        .map(|joint| (joint.parent.as_str(), joint.child.as_str()))
+        .collect();
+    assert_eq!(ends, [("a", "b_i"), ("b_i", "b")]);
+    assert_noted(&imported, NoteKind::Changed, "without mass between (`b_i`)");
+}
+
+#[test]
+fn classes_say_what_elements_do_not() {
+    let before = r#"<default><joint armature="1"/><default class="x"><joint damping="2"/>
+        <default class="y"><joint armature="3"/></default></default></default>"#;
+    let joint = |attributes: &str, childclass: &str| {
+        let body = format!(
+            r#"<body name="a" {childclass}><geom size="0.1"/><body name="b"><joint {attributes}/><geom size="0.1"/>
+            </body></body>"#
+        );
+        let joint = read(&model(before, &body, "")).description.joints[0].clone();
+        (joint.rotor_inertia, joint.damping)
+    };
+    assert_eq!(joint("", ""), (Some(1.0), 0.0));
+    assert_eq!(joint(r#"class="x""#, ""), (Some(1.0), 2.0));
+    assert_eq!(joint(r#"class="y""#, ""), (Some(3.0), 2.0));
+    assert_eq!(joint("", r#"childclass="y""#), (Some(3.0), 2.0));
+    assert_eq!(joint(r#"class="main""#, r#"childclass="y""#), (Some(1.0), 0.0));
+    assert_eq!(joint(r#"class="y" armature="4""#, ""), (Some(4.0), 2.0));
+    let unknown = moved(r#"<joint name="j" class="z"/><geom size="0.1"/>"#);
+    assert_refused(&unknown, "joint `j`: class", "a class of the file", "`z`");
+}
+
+#[test]
+fn a_quaternion_begins_with_w() {
+    let text = model("", r#"<body name="a"><body name="b" quat="0 2 0 0"/></body>"#, "");
+    assert_eq!(read(&text).description.joints[0].rotation_xyzw, [1.0, 0.0, 0.0, 0.0]);
+    let zero = model("", r#"<body name="a" quat="0 0 0 0"/>"#, "");
+    assert_refused(&zero, "body `a`: quat", "length zero", "`0 0 0 0`");
+    let two = model("", r#"<body name="a" quat="1 0 0 0" euler="0 0 0"/>"#, "");
+    assert_refused(&two, "body `a`: euler", "one way", "`0 0 0`");
+}
+
+#[test]
+fn the_body_that_floats_or_stands_is_the_base() {
+    let floats =
+        read(&model("", r#"<body name="a" pos="1 2 3"><freejoint/><geom size="0.1"/></body>"#, ""));
+    assert_eq!(floats.description.bodies[0].name, "a");
+    let position = floats.description.mount.position_m;
+    assert!((glam::DVec3::from(position) - glam::DVec3::new(1.0, 3.0, -2.0)).length() < 1e-12);
+    assert_noted(&floats, NoteKind::Changed, "mount.base = \"driven\"");
+    // What turns in the world hangs on it.
+    let turns = read(&model("", &format!("<body name=\"a\">{JOINT}</body>"), ""));
+    assert_eq!(turns.description.bodies[0].name, "world");
+    let ball = |name| format!("<body name=\"{name}\"><freejoint/><geom size=\"0.1\"/></body>");
+    let two = model("", &(ball("a") + &ball("c")), "");
+    assert_refused(&two, "mujoco", "the option cut", "2: `a`, `c`");
+    let options = Options { cut: vec!["c".to_owned()], ..Options::default() };
+    let one = mjcf(&two, &options).expect("a rig");
+    assert_eq!(one.description.bodies.len(), 1);
+    assert_noted(&one, NoteKind::LeftOut, "by the user's word (`c`)");
+}
+
+#[test]
+fn geoms_weigh_if_no_inertial_does() {
+    let mass = |before: &str, inside: &str| {
+        let inside = format!("<joint/>{inside}");
+        read(&model(before, &on_stand(&inside), "")).description.bodies[1].mass_kg
+    };
+    let cube = r#"<geom type="box" size="0.5 0.5 0.5"/>"#;
+    let inertial = r#"<inertial pos="0 0 0" mass="3" diaginertia="1 1 1"/>"#;
+    assert!((mass("", cube) - 1000.0).abs() < 1e-9, "water");
+    assert_eq!(mass("", &format!("{inertial}{cube}")), 3.0);
+    let always = r#"<compiler inertiafromgeom="true"/>"#;
+    assert!((mass(always, &format!("{inertial}{cube}")) - 1000.0).abs() < 1e-9);
+    assert_eq!(mass(r#"<compiler inertiafromgeom="false"/>"#, cube), 0.0);
+    assert_eq!(mass(r#"<compiler inertiagrouprange="1 2"/>"#, cube), 0.0);
+    assert_eq!(mass(r#"<compiler boundmass="2"/>"#, r#"<geom size="0.1" mass="0.5"/>"#), 2.0);
+    let total: f64 = read(&model(r#"<compiler settotalmass="7"/>"#, &on_stand(JOINT), ""))
+        .description
+        .bodies
+        .iter()
+        .map(|body| body.mass_kg)
+        .sum();
+    assert!((total - 7.0).abs() < 1e-9);
+    let shrunk = moved(r#"<joint/><geom type="box" size="0.1 0.1"/>"#);
+    assert_refused(&shrunk, "body `b`: geom: size", "3 sizes above zero", "`0.1 0.1`");
+}
+
+#[test]
+fn meshes_do_not_weigh() {
+    let mesh = moved(r#"<joint name="j"/><geom type="mesh" mesh="x" mass="2" pos="0 0 1"/>"#);
+    assert_refused(&mesh, "body `b`: geom", "meshes are not read", "a mesh");
+    let options = Options { repair_inertia: true, ..Options::default() };
+    let imported = mjcf(&mesh, &options).expect("a rig");
+    let body = &imported.description.bodies[1];
+    assert_eq!(
+        (body.mass_kg, body.center_of_mass_m, body.inertia_kg_m2),
+        (2.0, [0.0, 0.0, 1.0], None)
+    );
+    assert_noted(&imported, NoteKind::Filled, "that of a point where the mesh is (`b`)");
+    // Those that only show do not matter.
+    read(&moved(r#"<joint name="j"/><geom type="mesh" mesh="x" mass="0"/><geom size="0.1"/>"#));
+}
+
+#[test]
+fn impossible_inertia_is_refused_or_balanced() {
+    let inside = r#"<joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 4"/>"#;
+    assert_refused(&moved(inside), "body `b`: inertial", "repair-inertia", "a principal moment");
+    let own = model(r#"<compiler balanceinertia="true"/>"#, &on_stand(inside), "");
+    let inertia = read(&own).description.bodies[1].inertia_kg_m2.expect("an inertia");
+    assert_eq!((inertia.xx, inertia.yy, inertia.zz), (2.0, 2.0, 2.0));
+}
+
+#[test]
+fn actuators_tell_how_strong_joints_are() {
+    let joint = |actuators: &str| {
+        let before = r#"<default><position kp="7" forcerange="-2 3"/></default>"#;
+        read(&model(before, &on_stand(JOINT), &format!("<actuator>{actuators}</actuator>")))
+    };
+    for (actuators, effort) in [
+        (r#"<position joint="j"/>"#, 3.0),
+        (r#"<position joint="j" gear="2"/>"#, 6.0),
+        (r#"<motor joint="j" gear="10" ctrlrange="-0.5 0.4" forcelimited="false"/>"#, 5.0),
+        (r#"<position joint="j" forcerange="-1 1"/><position joint="j" forcerange="-1 1"/>"#, 2.0),
+    ] {
+        let imported = joint(actuators);
+        assert_eq!(imported.description.joints[0].effort, Some(effort), "{actuators}");
+    }
+    assert_noted(&joint(r#"<position joint="j"/>"#), NoteKind::LeftOut, "j: kp 7, kv 0");
+    assert_noted(&joint(r#"<muscle tendon="t" name="m"/>"#), NoteKind::LeftOut, "(`m`)");
+    assert_noted(
+        &joint(r#"<muscle tendon="t" name="m"/>"#),
+        NoteKind::Doubtful,
+        "no actuator drives it; in",
+    );
+    let ghost = model("", &on_stand(JOINT), r#"<actuator><motor joint="x"/></actuator>"#);
+    assert_refused(&ghost, "mujoco: actuator: motor: joint", "a joint of the file", "`x`");
+    let own = read(&moved(r#"<joint name="j" actuatorfrcrange="-4 4"/><geom size="0.1"/>"#));
+    assert_eq!(own.description.joints[0].effort, Some(4.0));
+}
+
+#[test]
+fn equalities_tie_joints_and_close_loops() {
+    let both = r#"<body name="a"><geom size="0.1"/><body name="b"><joint name="j" ref="10"/><geom size="0.1"/></body>
+        <body name="c"><joint name="k"/><geom size="0.1"/></body></body>"#;
+    let text = |equality: &str| model("", both, &format!("<equality>{equality}</equality>"));
+    let tied = read(&text(r#"<joint joint1="j" joint2="k" polycoef="0.1 -2 0 0 0"/>"#));
+    let [limit] = tied.description.limits.as_slice() else { panic!("one limit") };
+    assert_eq!((limit.joint.as_str(), limit.other.as_str(), limit.other_factor), ("j", "k", 2.0));
+    let offset = 0.1 + 10_f64.to_radians();
+    assert!(
+        (limit.least_rad.expect("an end") - offset).abs() < 1e-12,
+        "from where the bodies are drawn"
+    );
+    let curve = read(&text(r#"<joint joint1="j" joint2="k" polycoef="0 1 1 0 0"/>"#));
+    assert_noted(&curve, NoteKind::LeftOut, "along a curve");
+    let shut = text(r#"<connect body1="b" body2="c" anchor="0 0 0"/>"#);
+    assert_refused(&shut, "mujoco: equality: connect", "open-loops", "connect of `b`, `c`");
+    let options = Options { open_loops: true, ..Options::default() };
+    assert_noted(&mjcf(&shut, &options).expect("a tree"), NoteKind::Doubtful, "They stay open");
+    let options = Options { cut: vec!["k".to_owned()], ..Options::default() };
+    assert_eq!(mjcf(&shut, &options).expect("a tree").description.bodies.len(), 2);
+    read(&text(r#"<weld body1="a"/><connect body1="b" body2="c" active="false"/>"#));
+}
+
+#[test]
+fn what_stands_in_other_files_is_refused() {
+    assert_refused("<robot/>", "robot", "`mujoco`", "`robot`");
+    let include = r#"<mujoco><include file="x.xml"/></mujoco>"#;
+    assert_refused(include, "mujoco: include", "mj_saveLastXML", "`include`");
+    let many = model("", r#"<replicate count="3"><body name="a"/></replicate>"#, "");
+    assert_refused(&many, "mujoco: worldbody: replicate", "mj_saveLastXML", "`replicate`");
+    assert_refused("<mujoco/>", "mujoco", "a body in `worldbody`", "none");
+    let twice = model("", r#"<body name="a"/><body name="a"/>"#, "");
+    assert_refused(&twice, "body `a`: name", "no other one", "`a`");
+}
+
+#[test]
+fn bodies_nested_by_thousands_take_no_stack() {
+    let deep = "<body>".repeat(20_000) + &"</body>".repeat(20_000);
+    assert_eq!(read(&model("", &deep, "")).description.bodies.len(), 20_000);
+}
+
+/// An arm with a slide, in both formats: what they make must not differ at all.
+#[test]
+fn a_urdf_and_an_mjcf_of_one_arm_are_one_rig() {
+    let from_urdf = r#"<robot name="arm">
+        <link name="stand"/>
+        <link name="upper"><inertial><origin xyz="0.1 0 0"/><mass value="0.4"/>
+            <inertia ixx="0.001" iyy="0.002" izz="0.0025" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <link name="hand"><inertial><origin xyz="0 0 0.05"/><mass value="0.1"/>
+            <inertia ixx="0.0001" iyy="0.0002" izz="0.0002" ixy="0.00001" ixz="0" iyz="0"/></inertial></link>
+        <joint name="shoulder" type="revolute"><origin xyz="0 0 0.2" rpy="0.3 0 0"/><parent link="stand"/>
+            <child link="upper"/><axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="3"/>
+            <dynamics damping="0.1" friction="0.2"/></joint>
+        <joint name="reach" type="prismatic"><origin xyz="0.25 0 0"/><parent link="upper"/><child link="hand"/>
+            <axis xyz="1 0 0"/><limit lower="0" upper="0.1" effort="20"/></joint></robot>"#;
+    let from_mjcf = r#"<mujoco model="arm"><compiler angle="radian"/><worldbody><body name="stand">
+        <body name="upper" pos="0 0 0.2" euler="0.3 0 0">
+            <inertial pos="0.1 0 0" mass="0.4" diaginertia="0.001 0.002 0.0025"/>
+            <joint name="shoulder" axis="0 1 0" range="-1 2" damping="0.1" frictionloss="0.2"/>
+            <body name="hand" pos="0.25 0 0">
+                <inertial pos="0 0 0.05" mass="0.1" fullinertia="0.0001 0.0002 0.0002 0.00001 0 0"/>
+                <joint name="reach" type="slide" axis="1 0 0" range="0 0.1"/>
+            </body></body></body></worldbody><actuator><motor joint="shoulder" ctrlrange="-3 3"/>
+            <position joint="reach" forcerange="-20 20"/></actuator></mujoco>"#;
+    let urdf = urdf(from_urdf, &Options::default()).expect("a rig").description;
+    assert_eq!(urdf, read(from_mjcf).description);
+}
+
+/// MuJoCo knows no units: what falls by 981 a second is in centimetres.
+#[test]
+fn gravity_tells_the_unit_and_what_is_up() {
+    let inside = r#"<joint name="j" range="-90 90"/><geom size="10" mass="2"/>"#;
+    let bodies = format!(
+        r#"<body name="a" pos="0 100 0"><geom size="10" mass="1"/><body name="b" pos="0 20 0">{inside}</body></body>"#
+    );
+    let imported = read(&model(r#"<option gravity="0 -981 0"/>"#, &bodies, ""));
+    let rig = &imported.description;
+    assert_eq!((imported.world.metres_per_unit, imported.world.up), (0.01, glam::DVec3::Y));
+    assert_eq!(rig.mount.rotation_xyzw, [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(
+        (rig.mount.position_m, rig.joints[0].position_m),
+        ([0.0, 1.0, 0.0], [0.0, 0.2, 0.0])
+    );
+    // A ball of 10 cm.
+    let inertia = rig.bodies[1].inertia_kg_m2.unwrap().xx;
+    assert!((inertia - 0.4 * 2.0 * 0.01).abs() < 1e-12, "{inertia}");
+    let mine =
+        Options { metres_per_unit: Some(1.0), up: Some(glam::DVec3::Z), ..Options::default() };
+    let text = model(r#"<option gravity="0 -981 0"/>"#, &bodies, "");
+    let told = mjcf(&text, &mine).unwrap().world;
+    assert_eq!((told.metres_per_unit, told.up), (1.0, glam::DVec3::Z));
+}

@@ -1,0 +1,10 @@
+//! Simulated servos on simulated wires.
+
+mod behaviour;
+mod common;
+mod faults;
+mod line;
+mod port;
+mod published;
+mod rates;
+mod rig;

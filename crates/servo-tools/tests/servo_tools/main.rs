@@ -1,0 +1,6 @@
+//! Tools for servos, with simulated ones.
+
+mod common;
+mod port;
+mod rigs;
+mod servos;

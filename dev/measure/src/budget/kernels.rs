@@ -1,0 +1,303 @@
+//! What each kernel and each kind of tick takes, from the images `kernels`, `servos`, `show`, `bus`, `drives` and
+//! `whole_loop`.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result, bail, ensure};
+use sinew_image::EMULATED;
+
+use super::figures::{Figures, Place};
+use super::hashes;
+use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW, WHOLE_LOOP};
+use super::stack::{Depth, Frames, deepest};
+use super::trace::{Mix, Trace, qemu, trace};
+use crate::elf::Elf;
+use sinew_steps::image::Image;
+
+/// Instructions of the whole kernel, the mean of its runs.
+const INSTRUCTIONS: &str = "instructions";
+
+/// The longest run of a tick.
+const WORST: &str = "worst_instructions";
+
+/// Cycles of the mean run.
+const CYCLES: &str = "estimated_cycles";
+
+const STATIC_STACK: &str = "static_stack_bytes";
+const PAINTED_STACK: &str = "painted_stack_bytes";
+const TYPES: &str = "type_bytes";
+
+/// Types that are added up: the row of the sum, and its parts.
+const SUMS: [(&str, &[&str]); 2] = [
+    // What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
+    ("state_and_workspace", &["JointTargets", "JointStates", "Workspace"]),
+    // All that the loop has in RAM beside its stack.
+    ("loop_ram", &["loop_controller", "loop_rig", "loop_bus"]),
+];
+
+/// An image that is measured.
+struct Measured {
+    image: Image,
+    callers: &'static [Caller],
+    /// The numbers of bodies of its rigs.
+    sizes: &'static [&'static str],
+    /// Hashes that the image prints, as the host computes them.
+    hashes: fn() -> Result<Vec<(&'static str, u64)>>,
+}
+
+/// A function that whole ticks are called by: what it has on the stack is the tick's.
+struct Caller {
+    name: &'static str,
+    /// What the rows of its ticks begin with.
+    rows: &'static str,
+}
+
+/// No two of them have a row or a caller of the same name.
+const MEASURED: [Measured; 6] = [
+    Measured {
+        image: KERNELS,
+        callers: &[
+            Caller { name: "core_tick", rows: "tick_" },
+            Caller { name: "board_tick", rows: "board_" },
+        ],
+        sizes: &["6", "18", "32"],
+        hashes: || Ok(Vec::new()),
+    },
+    Measured {
+        image: SERVOS,
+        callers: &[
+            Caller { name: "core_tick_of_rig", rows: "tick_" },
+            Caller { name: "rig_tick", rows: "rig_" },
+        ],
+        sizes: &["6", "12", "20"],
+        hashes: || Ok(Vec::new()),
+    },
+    Measured {
+        image: SHOW,
+        callers: &[Caller { name: "show_frame", rows: "show_frame" }],
+        sizes: &["20"],
+        hashes: || Ok(sinew_bench::show::hashes()?.to_vec()),
+    },
+    // The tests of the crate `bus` look at what it says; here it counts alone.
+    Measured { image: BUS, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
+    Measured { image: DRIVES, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
+    Measured {
+        image: WHOLE_LOOP,
+        callers: &[Caller { name: "loop_tick", rows: "loop_" }],
+        sizes: &LOOPS,
+        hashes: || Ok(Vec::new()),
+    },
+];
+
+/// Numbers of servos of the whole loop.
+pub(super) const LOOPS: [&str; 3] = ["6", "20", "40"];
+
+/// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
+/// does not count.
+const CLOSURES_BYTES: u64 = 128;
+
+/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each
+/// of its readings is up to 40 off.
+const SYSTICK_TOLERANCE: u64 = 80;
+
+/// What was measured, and what it consists of.
+pub(crate) struct Kernels {
+    pub(crate) elf: Elf,
+    pub(crate) figures: Figures,
+    pub(crate) executed: Vec<Kernel>,
+    /// The deepest stack of each kind of tick.
+    pub(crate) stacks: Vec<(Place, Depth)>,
+}
+
+/// What the runs of a kernel executed.
+pub(crate) struct Kernel {
+    /// Of its instructions.
+    pub(crate) place: Place,
+    pub(crate) runs: u64,
+    /// All runs together, by function.
+    pub(crate) mixes: BTreeMap<usize, Mix>,
+    /// Instructions of the longest run.
+    worst: u64,
+}
+
+/// Measures all images.
+pub(crate) fn measure() -> Result<Vec<Kernels>> {
+    MEASURED.iter().map(Measured::kernels).collect()
+}
+
+impl Measured {
+    /// Runs the image twice: with a clock that counts instructions, and with a log of them.
+    fn kernels(&self) -> Result<Kernels> {
+        let image = &self.image.path();
+        let elf = Elf::load(image)?;
+        let counted = qemu(EMULATED, image, &["-icount", "shift=0"])?
+            .output()
+            .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
+        let text = String::from_utf8_lossy(&counted.stdout);
+        let errors = String::from_utf8_lossy(&counted.stderr);
+        ensure!(counted.status.success(), "QEMU: {}\n{text}{errors}", counted.status);
+        let trace =
+            trace(image, &elf, ["sinew_bench::emulated::begin", "sinew_bench::emulated::end"])?;
+
+        let executed = executed(&elf, &trace, &text)?;
+        let stacks = self.stacks(&elf)?;
+        let mut figures = Figures::default();
+        let at = |section, place: &Place| Place::new(section, &place.row, &place.column);
+        figures.extend(executed.iter().map(|kernel| (kernel.place.clone(), kernel.instructions())));
+        let ticks = executed.iter().filter(|kernel| self.caller(&kernel.place.row).is_some());
+        figures.extend(ticks.map(|tick| (at(WORST, &tick.place), tick.worst)));
+        figures.extend(executed.iter().map(|kernel| (at(CYCLES, &kernel.place), kernel.cycles())));
+        figures.extend(stacks.iter().map(|(place, depth)| (place.clone(), depth.bytes)));
+        figures.extend(printed(&text)?);
+        hashes::compare(&text, &(self.hashes)()?)?;
+        self.check_stacks(&figures)?;
+        Ok(Kernels { elf, figures, executed, stacks })
+    }
+
+    /// That of a row of whole ticks, of successive frames; none of what does the same work again and again.
+    fn caller(&self, row: &str) -> Option<&Caller> {
+        self.callers.iter().find(|caller| row.starts_with(caller.rows))
+    }
+
+    fn stacks(&self, elf: &Elf) -> Result<Vec<(Place, Depth)>> {
+        let frames = Frames::load(&self.image.path())?;
+        let mut stacks = Vec::new();
+        for Caller { name, .. } in self.callers {
+            for &bodies in self.sizes {
+                let symbol = format!("{}::{name}::<{bodies}>", self.image.name);
+                let root = elf.named(&symbol);
+                let root = root.with_context(|| format!("the image has no `{symbol}`"))?;
+                let place = Place::new(STATIC_STACK, name, bodies);
+                stacks.push((place, deepest(elf, &frames, root)?));
+            }
+        }
+        Ok(stacks)
+    }
+
+    /// That no tick was seen to take more stack than it can by the call graph.
+    fn check_stacks(&self, figures: &Figures) -> Result<()> {
+        for (place, painted) in figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
+            let caller = self.caller(&place.row);
+            let tick = caller.with_context(|| format!("{place} is of no known tick"))?.name;
+            let bound = figures.get(&Place::new(STATIC_STACK, tick, &place.column));
+            ensure!(
+                bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
+                "{place} is {painted} bytes, more than the frames of {tick} allow ({bound:?})"
+            );
+        }
+        Ok(())
+    }
+}
+
+/// What the runs of each kernel executed, checked against the counts of the other run.
+fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
+    let lines = |text: &str| -> Vec<String> {
+        text.lines().filter(|line| line.starts_with("kernel=")).map(str::to_owned).collect()
+    };
+    let (traced, counted) = (lines(&trace.output), lines(counted));
+    ensure!(traced.len() == counted.len(), "QEMU ran other kernels the second time");
+    let mut left = trace.runs.as_slice();
+    let mut kernels = Vec::new();
+    for (line, counted) in traced.iter().zip(&counted) {
+        let (name, bodies) = (field(line, "kernel")?, field(line, "bodies")?);
+        let runs = number(line, "runs")?;
+        let (these, others) = left
+            .split_at_checked(usize::try_from(runs)?)
+            .with_context(|| format!("QEMU's log has too few runs of {name}"))?;
+        left = others;
+        let kernel = Kernel {
+            place: Place::new(INSTRUCTIONS, name, bodies),
+            runs,
+            mixes: trace.mixes(elf, these)?,
+            worst: these.iter().map(|run| run.instructions).max().unwrap_or_default(),
+        };
+        let (by_log, by_clock) = (kernel.instructions(), number(counted, "instructions")?);
+        ensure!(
+            by_log.abs_diff(by_clock) <= SYSTICK_TOLERANCE,
+            "{name} of {bodies} bodies executes {by_log} instructions by QEMU's log, and {by_clock} by its clock"
+        );
+        kernels.push(kernel);
+    }
+    ensure!(left.is_empty(), "QEMU's log has {} runs that no kernel made", left.len());
+    Ok(kernels)
+}
+
+/// What the image printed of stacks and types.
+fn printed(text: &str) -> Result<Figures> {
+    let (mut figures, mut sums) = (Figures::default(), Figures::default());
+    for line in text.lines() {
+        let (what, section) = match line.split_once('=') {
+            Some(("kernel" | "hash", _)) => continue,
+            Some(("stack", _)) => ("stack", PAINTED_STACK),
+            Some(("type", _)) => ("type", TYPES),
+            _ => bail!("QEMU printed: {line}"),
+        };
+        let (name, bodies) = (field(line, what)?, field(line, "bodies")?);
+        let bytes = number(line, "bytes")?;
+        figures.add(Place::new(section, name, bodies), bytes);
+        for (sum, parts) in SUMS {
+            if section == TYPES && parts.contains(&name) {
+                sums.add(Place::new(section, sum, bodies), bytes);
+            }
+        }
+    }
+    figures.extend(sums);
+    Ok(figures)
+}
+
+impl Kernel {
+    /// Of one run, the mean.
+    fn instructions(&self) -> u64 {
+        Mix::sum(self.mixes.values()).instructions.div_ceil(self.runs)
+    }
+
+    /// The same of cycles.
+    fn cycles(&self) -> u64 {
+        Mix::sum(self.mixes.values()).cycles.div_ceil(self.runs)
+    }
+}
+
+/// What a line such as `kernel=rnea bodies=18` says of a name.
+pub(crate) fn field<'a>(line: &'a str, name: &str) -> Result<&'a str> {
+    line.split_whitespace()
+        .filter_map(|word| word.split_once('='))
+        .find(|(key, _)| *key == name)
+        .map(|(_, value)| value)
+        .with_context(|| format!("QEMU printed no `{name}` in: {line}"))
+}
+
+/// The same of a whole number.
+pub(crate) fn number(line: &str, name: &str) -> Result<u64> {
+    let number = field(line, name)?.parse();
+    number.with_context(|| format!("QEMU printed no whole number for `{name}` in: {line}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stacks_and_types_are_read_and_what_a_tick_changes_is_added_up() {
+        let figures = printed(
+            "kernel=limits bodies=18 runs=16 instructions=1910\n\
+             stack=tick_world bodies=18 bytes=792\n\
+             type=JointTargets bodies=18 bytes=2000\n\
+             type=Tree bodies=18 bytes=2752\n\
+             type=JointStates bodies=18 bytes=940\n\
+             type=Workspace bodies=18 bytes=2500\n",
+        )
+        .unwrap();
+        let figure = |place: &str| figures.get(&Place::parse(place).unwrap());
+        assert_eq!(figure("painted_stack_bytes.tick_world.18"), Some(792));
+        assert_eq!(figure("type_bytes.Tree.18"), Some(2752));
+        assert_eq!(figure("type_bytes.state_and_workspace.18"), Some(2000 + 940 + 2500));
+        assert_eq!(figures.iter().count(), 6);
+    }
+
+    #[test]
+    fn what_is_printed_in_another_form_is_an_error() {
+        for bad in ["panicked at", "stack=tick bytes=7", "type=Tree bodies=18 bytes=many"] {
+            assert!(printed(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Reads images of boards: `cargo xtask firmware`, `budget` and `audit` build them and start this.
+
+mod audit;
+mod budget;
+mod elf;
+
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match run(&words) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(words: &[&str]) -> Result<()> {
+    match words {
+        ["sizes", names @ ..] => budget::sizes(names),
+        ["budget"] => budget::run(false),
+        ["budget", "--accept"] => budget::run(true),
+        ["audit"] => audit::run(),
+        ["audit", "--self-test"] => audit::self_test(),
+        _ => bail!("{words:?}: it is started by `cargo xtask firmware`, `budget` or `audit`"),
+    }
+}

@@ -1,0 +1,7 @@
+//! Pieces that `xtask` and `sinew-measure` share: programs run as timed steps, compilers for boards, paths of images.
+
+#![forbid(unsafe_code)]
+
+pub mod arm;
+pub mod image;
+pub mod step;

@@ -1,0 +1,137 @@
+//! What the images of ST's NUCLEO-64 boards have in common: their connectors are the same, and so is what is wired to
+//! them (docs/nucleo.md).
+
+use embassy_stm32::Peri;
+use embassy_stm32::PeripheralType;
+use embassy_stm32::flash::Flash;
+use embassy_stm32::gpio::{Input, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::i2c::{self, I2c, SclPin, SdaPin};
+use embassy_stm32::pac;
+use embassy_stm32::peripherals::{
+    FLASH, I2C1, PA2, PA3, PA5, PA8, PA9, PB5, PC8, TIM2, USART1, USART2,
+};
+use embassy_stm32::time::{Hertz, hz};
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
+use embassy_stm32::usart::{self, HalfDuplexReadback, OutputConfig, Uart};
+use sinew_storage::BoardTable;
+
+use crate::{Chip, Dma, Hardware, Light, Serial, ServoLine, run};
+
+/// What the ST-Link's serial port carries, and USART2's clock divides to exactly on each board.
+const LINK_BPS: u32 = 1_000_000;
+
+/// What new servos of most kinds talk at; the rig's wiring says another rate.
+const SERVO_BPS: u32 = 1_000_000;
+
+/// The light's PWM: it does not flicker.
+const LIGHT_HZ: u32 = 500;
+
+/// The pins and channels of a NUCLEO, and its numbers. Its clocks run.
+pub struct Nucleo<Scl: PeripheralType + 'static, Sda: PeripheralType + 'static> {
+    /// The OE of a PCA9685.
+    pub outputs: Peri<'static, PB5>,
+    /// The emergency stop's loop.
+    pub stop: Peri<'static, PC8>,
+    /// The link, on the ST-Link's serial port.
+    pub link: Peri<'static, USART2>,
+    /// Where the link's bytes arrive.
+    pub link_rx: Peri<'static, PA3>,
+    /// Where the link's bytes leave.
+    pub link_tx: Peri<'static, PA2>,
+    /// The channels of the link's bytes: of those that arrive, of those that leave.
+    pub link_dma: [Dma; 2],
+    /// The servos' line.
+    pub servos: Peri<'static, USART1>,
+    /// Its one wire.
+    pub servos_wire: Peri<'static, PA9>,
+    /// High while bytes leave, for a bus buffer.
+    pub servos_direction: Peri<'static, PA8>,
+    /// The channels of the line's bytes: of those that arrive, of those that leave.
+    pub servos_dma: [Dma; 2],
+    /// The bus of a PCA9685.
+    pub i2c: Peri<'static, I2C1>,
+    /// Its clock.
+    pub scl: Peri<'static, Scl>,
+    /// Its data.
+    pub sda: Peri<'static, Sda>,
+    /// The status light's timer.
+    pub light_timer: Peri<'static, TIM2>,
+    /// The status light.
+    pub light: Peri<'static, PA5>,
+    /// The chip's flash.
+    pub flash: Peri<'static, FLASH>,
+    /// The parts of flash that storage has.
+    pub table: BoardTable,
+    /// The processor's clock, Hz.
+    pub core_hz: u32,
+}
+
+impl<Scl, Sda> Nucleo<Scl, Sda>
+where
+    Scl: PeripheralType + SclPin<I2C1> + 'static,
+    Sda: PeripheralType + SdaPin<I2C1> + 'static,
+{
+    /// Runs the node, for ever. To be called once.
+    // Within its one caller: the channels would take 150 bytes of flash to be handed over.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "it is called once")]
+    pub fn run(self) -> ! {
+        let core = cortex_m::Peripherals::take().expect("it is called once");
+        // First of all: no pulses. The pull-up has held it until here.
+        let outputs = Output::new(self.outputs, Level::High, Speed::Low);
+        // Closed: 3.3 V through the button. Open, cut or unplugged: low.
+        let stop = Input::new(self.stop, Pull::Down);
+
+        let mut config = usart::Config::default();
+        config.baudrate = LINK_BPS;
+        let link = Uart::new_blocking(self.link, self.link_rx, self.link_tx, config);
+        let [come, out] = self.link_dma;
+        let link = Serial::new(link.expect("the clock divides"), pac::USART2, come, out);
+
+        let mut config = usart::Config::default();
+        config.baudrate = SERVO_BPS;
+        // One wire for both sides: the line is high by its pull-up.
+        config.tx_config = OutputConfig::OpenDrain;
+        let readback = HalfDuplexReadback::NoReadback;
+        let servos =
+            Uart::new_blocking_half_duplex(self.servos, self.servos_wire, config, readback);
+        let direction = Output::new(self.servos_direction, Level::Low, Speed::High);
+        let [come, out] = self.servos_dma;
+        let servos = servos.expect("the clock divides");
+        let servos = ServoLine::new(servos, pac::USART1, direction, come, out);
+
+        let mut config = i2c::Config::default();
+        config.frequency = Hertz(400_000);
+        // The longest write, of 16 channels, takes 1.5 ms.
+        config.timeout = embassy_time::Duration::from_millis(2);
+        let i2c = I2c::new_blocking(self.i2c, self.scl, self.sda, config);
+
+        let light = PwmPin::new(self.light, OutputType::PushPull);
+        let light = SimplePwm::new(
+            self.light_timer,
+            Some(light),
+            None,
+            None,
+            None,
+            hz(LIGHT_HZ),
+            CountingMode::EdgeAlignedUp,
+        );
+
+        run(
+            core,
+            Hardware {
+                link,
+                link_bps: LINK_BPS,
+                servos,
+                i2c,
+                outputs,
+                stop,
+                light: Light::new(light),
+                flash: Chip::new(Flash::new_blocking(self.flash)),
+                table: self.table,
+                core_hz: self.core_hz,
+            },
+        )
+    }
+}

@@ -1,0 +1,255 @@
+//! What each class of drive commands, and what it refuses.
+
+use sinew_core::coordinates::DofCommand;
+use sinew_core::tracker::Timing;
+use sinew_firmware::drives::{
+    Class, ClassError, Condition, CurrentDrive, CurrentSettings, CutOff, DriveSettings, Drives,
+    Encoder, Limit, PositionDrive, PositionSettings, Refused, SetupError, ShaftTarget, TargetDrive,
+    TargetSettings,
+};
+use sinew_rig::board::BoardRig;
+use sinew_rig::servo::{Servo, ServoSettings, SignalLoss};
+use sinew_rig::toml_file;
+use sinew_servo_bus::dynamixel::{self, table::MODELS};
+use sinew_servo_bus::{Command, Effort, Feedback, feetech};
+
+const TIMING: Timing = Timing { dt_s: 0.005, latency_ticks: 1 };
+const CURRENT: CurrentSettings = CurrentSettings {
+    encoder: Encoder { zero_rad: std::f32::consts::PI, turn_rad: std::f32::consts::TAU },
+    current_a: 1.0,
+    cut_off: CutOff { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 },
+};
+
+fn servo(change: impl Fn(&mut ServoSettings)) -> Servo {
+    let mut settings = ServoSettings {
+        gear: -2.0,
+        offset_rad: 0.5,
+        range_rad: [-2.0, 2.0],
+        torque_nm: 0.5,
+        speed_rad_s: 10.0,
+        acceleration_rad_s2: f32::INFINITY,
+        torque_constant_nm_a: 0.4,
+        position_gain_nm_rad: 0.5,
+        friction_nm: 0.02,
+        damping_nm_s: 0.01,
+        rotor_inertia_kg_m2: 0.002,
+        on_signal_loss: SignalLoss::Limp,
+    };
+    change(&mut settings);
+    Servo::new(settings).unwrap()
+}
+
+fn at(own_rad: f32, temperature_c: f32) -> Condition {
+    let feedback = Feedback {
+        position_rad: own_rad + std::f32::consts::PI,
+        velocity_rad_s: 0.0,
+        effort: Effort::Current(0.0),
+        age_ticks: 1,
+    };
+    Condition { feedback: Some(feedback), temperature_c: Some(temperature_c) }
+}
+
+fn current(command: Command) -> f32 {
+    let Command::Current(a) = command else { panic!("{command:?}") };
+    a
+}
+
+#[test]
+fn a_current_drive_gives_the_whole_effort_and_the_friction() {
+    let mut drive = CurrentDrive::new(&servo(|_| {}), &CURRENT, TIMING).unwrap();
+    let target = ShaftTarget {
+        velocity_rad_s: 1.0,
+        feedforward_nm: 0.1,
+        feedback_nm: -0.3,
+        ..ShaftTarget::default()
+    };
+    let mut steps = (0..100).map(|_| drive.command(&target, &at(0.0, 30.0)));
+    let first = current(steps.next().unwrap().command);
+    let settled = steps.last().unwrap();
+    // -0.2 N m at the shaft are 0.1 at the servo, which turns backwards at 2 rad/s: friction takes 0.02 + 0.02.
+    assert!((current(settled.command) - (0.1 - 0.04) / 0.4).abs() < 1e-4, "{settled:?}");
+    assert_eq!(settled.limit, None);
+    // It rises in 0.2 s.
+    assert!((first / current(settled.command) - 0.025).abs() < 1e-3);
+
+    let strong = ShaftTarget { feedforward_nm: -5.0, ..ShaftTarget::default() };
+    let held = drive.command(&strong, &at(0.0, 30.0));
+    assert_eq!((current(held.command), held.limit), (1.0, Some(Limit::Current)));
+    let warm = drive.command(&strong, &at(0.0, 57.5));
+    assert!(current(warm.command) > 0.9 && warm.limit == Some(Limit::Heat));
+    let outside = drive.command(&strong, &at(2.1, 30.0));
+    assert!(current(outside.command).abs() <= 0.0 && outside.limit == Some(Limit::Range));
+    assert!(current(drive.command(&strong, &at(-2.1, 30.0)).command) > 0.9, "inwards it may");
+}
+
+#[test]
+fn a_position_drive_gives_target_and_offset_and_no_feedback() {
+    for gain_ratio in [1.0, 2.0] {
+        let settings = PositionSettings { gain_ratio, ..PositionSettings::default() };
+        let mut drive = PositionDrive::new(&servo(|_| {}), &settings, TIMING).unwrap();
+        let target = ShaftTarget {
+            position_rad: 0.5,
+            feedforward_nm: 0.1,
+            feedback_nm: 100.0,
+            ..ShaftTarget::default()
+        };
+        let settled = (0..200).map(|_| drive.command(&target, &at(0.0, 30.0))).last().unwrap();
+        let Command::PositionAt { position_rad, speed_rad_s } = settled.command else { panic!() };
+        // -2 times 0.5 rad and 0.5 rad; -0.05 N m over 0.5 N m/rad, or over twice that.
+        let own_rad = position_rad - std::f32::consts::PI;
+        assert!((own_rad - (-0.5 - 0.1 / gain_ratio)).abs() < 1e-5, "{own_rad}");
+        assert!(speed_rad_s.abs() <= 0.0 && settled.limit.is_none());
+
+        let heavy = ShaftTarget { feedforward_nm: 0.5, ..target };
+        let next = drive.command(&heavy, &at(0.0, 30.0));
+        let Command::PositionAt { speed_rad_s, .. } = next.command else { panic!() };
+        // 1 rad/s, and a tenth.
+        assert!((speed_rad_s - 1.1).abs() < 1e-3, "{speed_rad_s}");
+        assert_eq!(
+            next.limit,
+            Some(if gain_ratio > 1.5 { Limit::OffsetRate } else { Limit::Offset })
+        );
+    }
+}
+
+#[test]
+fn what_a_class_cannot_do_is_refused_with_what_would_be_right() {
+    let slow = Timing { dt_s: 0.02, latency_ticks: 1 };
+    let message = |refused: Refused| refused.to_string();
+    let current = |servo: &Servo, timing| CurrentDrive::new(servo, &CURRENT, timing).unwrap_err();
+    assert_eq!(
+        message(current(&servo(|_| {}), slow)),
+        "a current drive needs at least 200 Hz, and readings that are no later than it allows"
+    );
+    // Read in every third tick only: too late at 200 Hz.
+    let late = Timing { dt_s: 0.005, latency_ticks: 3 };
+    assert!(matches!(current(&servo(|_| {}), late), Refused::TooSlow { .. }));
+    assert_eq!(
+        current(&servo(|s| s.torque_constant_nm_a = 1e-3), TIMING),
+        Refused::NoTorqueConstant
+    );
+    let seam = servo(|s| s.range_rad = [-2.0, 3.5]);
+    assert!(message(current(&seam, TIMING)).contains("goes over the seam of its encoder"));
+    assert!(
+        current(&servo(|_| {}), Timing { dt_s: f32::NAN, ..TIMING })
+            .to_string()
+            .contains("dt_s is NaN")
+    );
+
+    let position =
+        |servo: &Servo, timing| PositionDrive::new(servo, &PositionSettings::default(), timing);
+    assert_eq!(
+        position(&servo(|s| s.position_gain_nm_rad = 0.0), slow).unwrap_err(),
+        Refused::NoStiffness
+    );
+    assert!(position(&servo(|_| {}), slow).is_ok());
+    let slower = Timing { dt_s: 0.021, ..slow };
+    assert!(matches!(position(&servo(|_| {}), slower).unwrap_err(), Refused::TooSlow { .. }));
+    assert!(matches!(position(&seam, slow).unwrap_err(), Refused::Seam { .. }));
+    let bad = PositionSettings { gain_ratio: f32::NAN, ..PositionSettings::default() };
+    assert!(PositionDrive::new(&servo(|_| {}), &bad, slow).is_err());
+
+    assert!(
+        TargetDrive::new(&seam, &TargetSettings::default(), slow).is_ok(),
+        "pulses have no seam"
+    );
+    assert!(
+        TargetDrive::new(&seam, &TargetSettings { encoder: Some(Encoder::default()) }, slow)
+            .is_err()
+    );
+    assert!(TargetDrive::new(&seam, &TargetSettings::default(), slower).is_err());
+}
+
+#[test]
+fn a_mode_has_its_class() {
+    let model = |name: &str| MODELS.iter().find(|model| model.name == name).unwrap();
+    let of = |name, mode| Class::of_dynamixel(model(name), mode);
+    assert_eq!(of("XL330-M288", dynamixel::Mode::Current), Ok(Class::Current));
+    assert_eq!(of("XL430-W250", dynamixel::Mode::Current), Err(ClassError::NoCurrentSensor));
+    assert_eq!(of("XL430-W250", dynamixel::Mode::Position), Ok(Class::Position));
+    assert_eq!(
+        of("XL330-M288", dynamixel::Mode::CurrentPosition),
+        Err(ClassError::CurrentPosition)
+    );
+    assert_eq!(of("XL330-M288", dynamixel::Mode::Pwm), Err(ClassError::Pwm));
+    assert_eq!(Class::of_feetech(feetech::Mode::Position), Ok(Class::Position));
+    assert_eq!(Class::of_feetech(feetech::Mode::Pwm), Err(ClassError::Pwm));
+}
+
+type Rig = BoardRig<2, 1, 2>;
+
+fn rig(text: &str) -> Rig {
+    let described = toml_file::read(text).unwrap_or_else(|error| panic!("{error}"));
+    Rig::bake(&described, &described.mechanism().unwrap()).unwrap()
+}
+
+const PAIR: &str = r#"
+name = "pair"
+[[body]]
+name = "base"
+mass_kg = 1
+[[body]]
+name = "arm"
+mass_kg = 0.1
+[[joint]]
+name = "j"
+parent = "base"
+child = "arm"
+axis = [1, 0, 0]
+[[drive]]
+joints = ["j"]
+servos = ["a", "b"]
+matrix = { rows = [[0.5, -0.5]] }
+[[servo]]
+name = "a"
+model = "XL330-M288-T"
+id = 1
+[[servo]]
+name = "b"
+model = "XL330-M288-T"
+"#;
+
+#[test]
+fn a_rig_is_refused_by_servo_and_by_drive() {
+    let position = DriveSettings::Position(PositionSettings::default());
+    let target = DriveSettings::Target(TargetSettings::default());
+    let two = rig(&format!("{PAIR}id = 2"));
+    let refused = |rig: &Rig, settings: &[DriveSettings]| {
+        Drives::new(rig, settings, TIMING).map(|_| ()).unwrap_err()
+    };
+    assert_eq!(refused(&two, &[position]), SetupError::Count { expected: 2, found: 1 });
+    assert_eq!(refused(&two, &[position, target]), SetupError::Mixed { drive: 0 });
+    let pulses = rig(&format!("{PAIR}bus = \"pwm\"\nchannel = 2"));
+    assert_eq!(
+        refused(&pulses, &[position, position]).to_string(),
+        "servo 1: a position drive needs a servo on a bus; this one takes pulses"
+    );
+}
+
+#[test]
+fn angles_are_unwrapped_next_to_the_middle_of_the_range_or_to_the_last() {
+    let settings = [DriveSettings::Target(TargetSettings { encoder: Some(Encoder::default()) }); 2];
+    let single = |range: &str| {
+        let text = PAIR.replace("axis = [1, 0, 0]", &format!("axis = [1, 0, 0]\n{range}"));
+        rig(&format!("{text}id = 2"))
+    };
+    let reached = |rig: &Rig, angles: &[f32]| {
+        let mut drives = Drives::new(rig, &settings, TIMING).unwrap();
+        let mut out = [None; 2];
+        for angle in angles {
+            for _ in 0..200 {
+                let asked = DofCommand { position: *angle, ..DofCommand::default() };
+                drives.step(&[asked], &[Condition::default(); 2], &mut out).unwrap();
+            }
+        }
+        let Command::Position(rad) = out[0].unwrap().command else { panic!() };
+        rad - std::f32::consts::PI
+    };
+    // From 0 to 180 deg and a little, so that -179 deg is 181.
+    let narrow = single("range_deg = [0, 179.9]\nhome_deg = 10");
+    assert!((reached(&narrow, &[-3.13]) - std::f32::consts::PI).abs() < 2e-3);
+    // Without a range it goes on, and stands at the servo's end, in place of a turn back.
+    let free = single("");
+    assert!((reached(&free, &[2.0, 3.0, -3.0]) - std::f32::consts::PI).abs() < 2e-3);
+    assert!((reached(&free, &[-3.0]) + 3.0).abs() < 1e-5);
+}

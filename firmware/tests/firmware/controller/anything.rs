@@ -1,0 +1,79 @@
+//! Random commands and random damage: never torque without arming, never beyond the limits.
+
+use proptest::prelude::*;
+use sinew_firmware::controller::{Jog, Start};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, GuardReason, Operator, State};
+use sinew_servo_sim::fault;
+
+use super::play::show;
+use super::stand::{Kind, SERVOS, Stand, figure};
+
+fn command() -> impl Strategy<Value = Command> {
+    use Command::{
+        Arm, Calibrate, ClearFaults, Disarm, EStop, Enable, Float, Hold, Leave, Maintain, Play,
+        Stop, Teach,
+    };
+    let one = Operator(1);
+    let rare = vec![Disarm, Stop, Calibrate, Teach, EStop, Leave(one)];
+    let usual = vec![
+        Arm,
+        Arm,
+        ClearFaults,
+        Play(Feed::Show),
+        Play(Feed::Live),
+        Hold,
+        Float,
+        Maintain(one),
+        Enable(one),
+    ];
+    prop_oneof![1 => prop::sample::select(rare), 4 => prop::sample::select(usual)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn nothing_leaves_its_limits(
+        commands in prop::collection::vec((command(), 1_u32..200, any::<bool>()), 1..30),
+        seed in any::<u64>(),
+        damages in 0_usize..6,
+        live in prop::collection::vec(-4.0_f32..4.0, SERVOS),
+        speed in -1e3_f32..1e3,
+    ) {
+        let kind = Kind::Current;
+        let mut stand = Stand::new(kind, Start::default());
+        stand.controller.load_show(Some(show(kind, 0))).unwrap();
+        stand.live.0 = Some(live);
+        stand.jog = Some(Jog { freedom: 1, speed });
+        stand.bench.faults = fault::random(seed, damages, SERVOS, 10.0);
+        stand.run(0.5);
+        let mut is_armed = false;
+        for (command, ticks, heard) in commands {
+            for tick in 0..ticks {
+                stand.heard = heard;
+                let given = (tick == 0).then_some(command);
+                stand.tick(given);
+                let report = stand.controller.report();
+                is_armed |= report.answer == Some(Ok(State::Arming)) && given == Some(Command::Arm);
+                is_armed &= report.state.is_on();
+                prop_assert!(is_armed || stand.sent_off(), "{:?}", report);
+                prop_assert_eq!(is_armed, stand.controller.permission().torque);
+                let refused = report.servos.iter().any(|servo| {
+                    matches!(servo.guard, Some(GuardReason::NotFinite | GuardReason::Kind))
+                });
+                prop_assert!(!refused);
+                let (q, qd) = stand.controller.commanded();
+                for ((q, qd), freedom) in q.iter().zip(qd).zip(figure(kind).board.freedoms()) {
+                    let [least, most] = freedom.range;
+                    prop_assert!((least..=most).contains(q));
+                    prop_assert!(qd.abs() <= freedom.speed * 1.001);
+                }
+                // Goal current (102), mA: as the drives' setting has it.
+                for servo in stand.bench.servos() {
+                    prop_assert!(!is_armed || servo.get(102).abs() <= 1_200);
+                }
+                prop_assert!(report.latched == FaultSet::EMPTY || report.state != State::Arming
+                    || given != Some(Command::Arm));
+            }
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The controller with simulated servos, in process: a performance, every fault in every state, and anything.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the controller's side is f32, the servos' f64"
+)]
+
+mod anything;
+mod arming;
+pub(crate) mod cell;
+mod dead;
+mod matrix;
+mod play;
+mod pulses;
+mod registers;
+mod run_in;
+pub(crate) mod stand;
+pub(crate) mod swing;
+mod torque_stuck;

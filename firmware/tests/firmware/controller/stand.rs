@@ -1,0 +1,373 @@
+//! A desk arm of six simulated servos under a controller, in lock-step.
+
+use std::sync::OnceLock;
+
+use sinew_firmware::controller::{
+    Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
+};
+use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
+use sinew_firmware::watchdog::Complete;
+use sinew_qemu_node::arm;
+pub(crate) use sinew_qemu_node::arm::{Kind, Parts, SERVOS, parts as setup};
+use sinew_rig::board::BoardRig;
+use sinew_rig::new;
+use sinew_servo_bus::dynamixel::table::{MODELS, Table};
+use sinew_servo_bus::feetech::Family;
+use sinew_servo_bus::settings::{self, Demand, Setting};
+use sinew_servo_bus::{
+    Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
+    Request, ServoBus,
+};
+use sinew_servo_sim::bench::Bench;
+use sinew_servo_sim::device::{MEMORY_LEN, Servo};
+use sinew_servo_sim::load::Arm;
+use sinew_servo_sim::rig::{RigServo, servos};
+use sinew_servo_sim::supply::Supply;
+
+pub(crate) type Board = BoardRig<8, 8, 8>;
+type Loop = Controller<'static, 8, 8, 8, 8>;
+
+/// The arm's compact form, and its servos.
+pub(crate) struct Figure {
+    pub(crate) board: Board,
+    pub(crate) home: Vec<f64>,
+    servos: Vec<RigServo>,
+}
+
+pub(crate) fn figure(kind: Kind) -> &'static Figure {
+    static FIGURES: [OnceLock<Figure>; 2] = [const { OnceLock::new() }; 2];
+    FIGURES[usize::from(kind == Kind::Position)].get_or_init(|| {
+        let mut rig = new::arm(SERVOS).unwrap();
+        for (servo, body) in rig.servos.iter_mut().zip(&mut rig.bodies[1..]) {
+            kind.model().clone_into(&mut servo.model);
+            // The arm is drawn for XL330 of 18 g; an STS3215 weighs 55 g.
+            body.mass_kg += if kind == Kind::Position { 0.037 } else { 0.0 };
+        }
+        let mechanism = rig.mechanism().unwrap();
+        Figure {
+            board: Board::bake(&rig, &mechanism).unwrap(),
+            home: mechanism.home(),
+            servos: servos(&rig, &mechanism).unwrap(),
+        }
+    })
+}
+
+/// What is wrong with what a bus tells of servo 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Planted {
+    pub(crate) position_rad: Option<f32>,
+    /// How far it is off, in every other tick each.
+    pub(crate) off_rad: [f32; 2],
+    pub(crate) current_a: Option<f32>,
+    pub(crate) celsius: Option<f32>,
+    pub(crate) volts: Option<f32>,
+    pub(crate) alert: bool,
+    pub(crate) has_stopped: bool,
+    /// It was never read.
+    pub(crate) is_unknown: bool,
+}
+
+/// A bus with something wrong.
+pub(crate) struct Bus {
+    own: arm::Bus,
+    pub(crate) planted: Planted,
+    is_odd_tick: bool,
+}
+
+impl From<arm::Bus> for Bus {
+    /// Nothing is wrong yet.
+    fn from(own: arm::Bus) -> Self {
+        Self { own, planted: Planted::default(), is_odd_tick: false }
+    }
+}
+
+impl ServoBus for Bus {
+    fn len(&self) -> usize {
+        self.own.len()
+    }
+    fn command(
+        &mut self,
+        servo: usize,
+        command: BusCommand,
+    ) -> Result<Option<Limit>, CommandError> {
+        self.own.command(servo, command)
+    }
+    fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
+        self.is_odd_tick = !self.is_odd_tick;
+        self.own.plan(out)
+    }
+    fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
+        self.own.plan_more(left_us, out)
+    }
+    fn reply(&mut self, bytes: &[u8]) -> bool {
+        self.own.reply(bytes)
+    }
+    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+        self.own.compare(asked);
+    }
+    fn compared(&self) -> Compared {
+        self.own.compared()
+    }
+    fn feedback(&self, servo: usize) -> Option<Feedback> {
+        let read = self.own.feedback(servo)?;
+        let Planted { position_rad, off_rad, current_a, is_unknown, .. } = self.planted;
+        if servo > 0 {
+            return Some(read);
+        }
+        let off_rad = off_rad[usize::from(self.is_odd_tick)];
+        (!is_unknown).then_some(Feedback {
+            position_rad: position_rad.unwrap_or(read.position_rad + off_rad),
+            effort: current_a.map_or(read.effort, Effort::Current),
+            ..read
+        })
+    }
+    fn health(&self, servo: usize) -> Option<Health> {
+        let health = self.own.health(servo)?;
+        if servo > 0 {
+            return Some(health);
+        }
+        Some(Health {
+            temperature_c: self.planted.celsius.or(health.temperature_c),
+            voltage_v: self.planted.volts.or(health.voltage_v),
+            alert: self.planted.alert || health.alert,
+            has_stopped: self.planted.has_stopped || health.has_stopped,
+            ..health
+        })
+    }
+}
+
+/// A live stream that stands.
+#[derive(Default)]
+pub(crate) struct Live(pub(crate) Option<Vec<f32>>);
+
+impl LiveSource for Live {
+    fn target(&mut self, _: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool {
+        let Some(pose) = &self.0 else { return false };
+        q.copy_from_slice(pose);
+        qd.fill(0.0);
+        qdd.fill(0.0);
+        true
+    }
+}
+
+/// The bench's line during one tick.
+struct Line<'b> {
+    bench: &'b mut Bench<'static, Vec<Arm>>,
+    end_s: f64,
+    hash: &'b mut u64,
+    sent: &'b mut Vec<u8>,
+}
+
+impl Wire for Line<'_> {
+    fn exchange(&mut self, bytes: &[u8], wait_us: u32, mut reply: impl FnMut(&[u8]) -> bool) {
+        self.sent.extend_from_slice(bytes);
+        let hash = &mut *self.hash;
+        hash_of(hash, bytes);
+        self.bench.exchange(bytes, wait_us, |said| {
+            hash_of(hash, said);
+            reply(said)
+        });
+    }
+
+    fn left_us(&self) -> u32 {
+        ((self.end_s - self.bench.time_s()) * 1e6).max(0.0) as u32
+    }
+}
+
+/// What [`hash_of`] begins with.
+pub(crate) const HASH_BEGIN: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// FNV-1a.
+pub(crate) fn hash_of(hash: &mut u64, bytes: &[u8]) {
+    for byte in bytes {
+        *hash = (*hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+}
+
+/// Rig, servos and controller.
+pub(crate) struct Stand {
+    pub(crate) kind: Kind,
+    pub(crate) controller: Loop,
+    pub(crate) bus: Bus,
+    pub(crate) bench: Bench<'static, Vec<Arm>>,
+    pub(crate) live: Live,
+    pub(crate) heard: bool,
+    pub(crate) found: FaultSet,
+    pub(crate) jog: Option<Jog>,
+    pub(crate) is_late: bool,
+    pub(crate) hash: u64,
+    /// What went out in the last tick.
+    pub(crate) sent: Vec<u8>,
+    pub(crate) ended: Result<Complete, Incomplete>,
+    ticks: u64,
+}
+
+impl Stand {
+    pub(crate) fn new(kind: Kind, start: Start) -> Self {
+        let figure = figure(kind);
+        let parts = setup(kind);
+        let bench = bench(kind, &parts);
+        let controller =
+            Controller::new(&figure.board, &parts.settings, &parts.servos, &parts.schedule, start)
+                .unwrap();
+        Self {
+            kind,
+            controller,
+            bus: parts.bus.into(),
+            bench,
+            live: Live::default(),
+            heard: true,
+            found: FaultSet::EMPTY,
+            jog: None,
+            is_late: false,
+            hash: HASH_BEGIN,
+            sent: Vec::new(),
+            ended: Err(Incomplete::NotFinite),
+            ticks: 0,
+        }
+    }
+
+    pub(crate) fn tick(&mut self, command: Option<Command>) {
+        let tick_us = 1_000_000 / self.kind.rate_hz();
+        let inputs = Inputs {
+            now_us: self.ticks * u64::from(tick_us),
+            heard: self.heard,
+            command,
+            found: self.found,
+            jog: self.jog,
+        };
+        self.ticks += 1;
+        let end_s = 1e-6 * (self.ticks * u64::from(tick_us)) as f64;
+        let Self { controller, bus, bench, hash, sent, .. } = self;
+        sent.clear();
+        let begun = controller.begin(&inputs, &mut self.live, bus);
+        let mut out = [0; 1024];
+        let exchanged = exchange(bus, &mut Line { bench, end_s, hash, sent }, &mut out);
+        let took_us = if self.is_late { 2 * tick_us } else { tick_us / 2 };
+        self.ended = controller.end(begun, exchanged, took_us);
+        let left_us = ((end_s - bench.time_s()) * 1e6).max(0.0);
+        bench.run_us(left_us.round() as u32);
+    }
+
+    /// Time passes, and the controller does nothing.
+    pub(crate) fn pause(&mut self, seconds: f64) {
+        let ticks = self.ticks_of(seconds);
+        self.bench.run_us(ticks * 1_000_000 / self.kind.rate_hz());
+        self.ticks += u64::from(ticks);
+    }
+
+    /// Asks to be armed until the rig rests, for a minute at most: why it is refused, if it is.
+    pub(crate) fn ask_to_arm(&mut self) -> Option<Refused> {
+        for _ in 0..self.ticks_of(60.0) {
+            self.tick(Some(Command::Arm));
+            let refused = self.controller.report().answer.unwrap().err();
+            if !matches!(refused, Some(Refused::Moving(_))) {
+                return refused;
+            }
+        }
+        panic!("it does not come to rest");
+    }
+
+    /// Arms, when all is known and the rig rests.
+    pub(crate) fn arm(&mut self) {
+        self.run(1.0);
+        assert_eq!((self.ask_to_arm(), self.state()), (None, State::Arming));
+    }
+
+    pub(crate) fn run(&mut self, seconds: f64) {
+        for _ in 0..self.ticks_of(seconds) {
+            self.tick(None);
+        }
+    }
+
+    pub(crate) fn ticks_of(&self, seconds: f64) -> u32 {
+        (seconds * f64::from(self.kind.rate_hz())).round() as u32
+    }
+
+    /// Until a state comes, within so many seconds.
+    pub(crate) fn until(&mut self, state: State, seconds: f64) {
+        for _ in 0..self.ticks_of(seconds) {
+            if self.state() == state {
+                return;
+            }
+            self.tick(None);
+        }
+        panic!("{state} did not come: {:?}", self.controller.report());
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.controller.report().state
+    }
+
+    /// How many servos have torque on, as their registers say.
+    pub(crate) fn servos_on(&self) -> usize {
+        let register = if self.kind == Kind::Current { 64 } else { 40 };
+        self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
+    }
+
+    /// The most that a simulated motor gives, by its current, A.
+    pub(crate) fn most_current_a(&self) -> f64 {
+        most_current_a(&self.bench)
+    }
+
+    /// Whether torque off for all went out in the last tick.
+    pub(crate) fn sent_off(&self) -> bool {
+        is_off(self.kind, &self.sent)
+    }
+}
+
+/// Whether torque off for all servos is in these bytes.
+pub(crate) fn is_off(kind: Kind, sent: &[u8]) -> bool {
+    let ids = 1..=SERVOS as u8;
+    let off: Vec<u8> = match kind {
+        // Sync write to Torque Enable (64), one byte each.
+        Kind::Current => {
+            [0x83, 64, 0, 1, 0].into_iter().chain(ids.flat_map(|id| [id, 0])).collect()
+        }
+        Kind::Position => [0x83, 40, 1].into_iter().chain(ids.flat_map(|id| [id, 0])).collect(),
+    };
+    sent.windows(off.len()).any(|bytes| bytes == off)
+}
+
+/// The most that a simulated motor gives, by its current, A.
+pub(crate) fn most_current_a(bench: &Bench<'static, Vec<Arm>>) -> f64 {
+    bench.servos().iter().map(|servo| servo.current_a().abs()).fold(0.0, f64::max)
+}
+
+/// A motor that draws less is without torque, A: a thousandth of an XL330's stall.
+pub(crate) const NOTHING_A: f64 = 1.5e-3;
+
+/// The arm's simulated servos, where they are at home.
+pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
+    let figure = figure(kind);
+    let memory = Box::leak(Box::new([[0_u8; MEMORY_LEN]; SERVOS]));
+    let (mut simulated, mut arms) = (Vec::new(), Vec::new());
+    for ((id, memory), own) in (1..).zip(memory).zip(&figure.servos) {
+        let mut servo = Servo::new(&own.kind, id, memory).unwrap();
+        servo.set_baud(parts.timing.baud).unwrap();
+        for setting in settings_of(kind, parts, arms.len()) {
+            servo.set(setting.item.address, setting.raw);
+        }
+        servo.place(own.home_rad);
+        simulated.push(servo);
+        // The joint has stops at its ends: one servo turns it, one to one.
+        let freedom = figure.board.freedoms()[arms.len()];
+        let stops_rad = freedom.range.map(|end| own.home_rad + f64::from(end - freedom.home));
+        arms.push(Arm { stops_rad, ..own.load });
+    }
+    let voltage_v = figure.servos[0].kind.voltage_v;
+    Bench::new(simulated, arms, Supply::stiff(voltage_v))
+}
+
+/// What `sinew servo apply` writes.
+pub(crate) fn settings_of(kind: Kind, parts: &Parts, servo: usize) -> Vec<Setting> {
+    let board = &figure(kind).board.servos()[servo];
+    let demand = parts.servos[servo].demand(&board.servo);
+    match kind {
+        Kind::Current => {
+            let model = MODELS.iter().find(|model| model.name == "XL330-M288").unwrap();
+            settings::dynamixel(Table { model, firmware: 52 }, demand).collect()
+        }
+        Kind::Position => settings::feetech(Family::Sts, demand).collect(),
+    }
+}

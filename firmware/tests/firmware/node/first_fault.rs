@@ -1,0 +1,92 @@
+//! A person clears faults: the next one is the first in flash, with its time, whatever it is and whatever waits.
+
+use sinew_firmware::supervisor::{FaultRecord, State};
+use sinew_link::message::{Applied, Command, Outcome};
+
+use super::line::Trouble;
+use super::stand::Kind;
+use super::stored::show;
+use super::world::World;
+
+const KIND: Kind = Kind::Current;
+
+fn holding() -> World {
+    let mut world = World::ready(KIND, Trouble::default(), 29, &show(KIND, 1, false));
+    world.run(2.0);
+    world.arm();
+    world.until(State::Holding, 3.0);
+    world
+}
+
+/// The first fault and the last ones, newest first, as the board reads them back at a start.
+fn kept(world: &mut World) -> (FaultRecord, Vec<FaultRecord>) {
+    assert!(world.restart());
+    let log = *world.board.control.as_ref().unwrap().0.controller().supervisor().log();
+    (log.first().unwrap(), log.last().collect())
+}
+
+#[test]
+fn the_same_fault_after_a_clear_is_a_new_first() {
+    let mut world = holding();
+    // In the same state each time: limp.
+    world.ask(Command::EStop);
+    assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
+    let times: Vec<u64> = (0..2)
+        .map(|_| {
+            world.run(0.5);
+            world.ask(Command::EStop);
+            let told = world.host.faults.last().unwrap();
+            assert_eq!((told.fault, told.times), (16, 1), "the host is told, too");
+            let time_us = told.time_us;
+            assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
+            time_us
+        })
+        .collect();
+    world.run(0.5);
+    world.ask(Command::EStop);
+    let last_us = world.host.faults.last().unwrap().time_us;
+    assert!(last_us > times[1]);
+    world.run(0.1);
+    let (first, last) = kept(&mut world);
+    assert_eq!((first.fault.number(), first.time_us), (16, last_us));
+    // The ones of before are among the last ones, each with its own time.
+    let kept_us: Vec<u64> = last.iter().map(|record| record.time_us).collect();
+    assert_eq!(kept_us[..3], [last_us, times[1], times[0]]);
+}
+
+#[test]
+fn faults_cleared_while_the_rig_is_lowered_are_cleared_in_flash() {
+    let mut world = holding();
+    world.host.beats = false;
+    world.until(State::Lowering, 3.0);
+    world.host.beats = true;
+    world.run(0.1);
+    let cleared = world.ask(Command::ClearFaults);
+    assert!(matches!(cleared, Outcome::Applied(Applied::State(_))), "{cleared:?}");
+    assert_eq!(world.state(), Some(State::Lowering));
+    world.ask(Command::EStop);
+    world.run(0.1);
+    let (first, last) = kept(&mut world);
+    assert_eq!(first.fault.number(), 16);
+    let numbers: Vec<u8> = last.iter().map(|record| record.fault.number()).collect();
+    assert_eq!(numbers[..2], [16, 2]);
+}
+
+/// Two in one tick: the first of them by number, as the supervisor has it.
+#[test]
+fn of_two_in_a_tick_flash_has_the_same_first_as_the_supervisor() {
+    let mut world = holding();
+    world.pins.is_stopped = true;
+    // The emergency stop, and a servo beyond its range.
+    let (_, bus) = world.board.control.as_mut().unwrap();
+    bus.planted.position_rad = Some(std::f32::consts::PI + 2.9);
+    world.run(0.1);
+    let log = *world.board.control.as_ref().unwrap().0.controller().supervisor().log();
+    let before = log.first().unwrap();
+    assert_eq!(before.fault.number(), 10);
+    assert_eq!(
+        log.last().take(2).map(|record| record.fault.number()).collect::<Vec<_>>(),
+        [16, 10]
+    );
+    assert_eq!(kept(&mut world).0.fault, before.fault);
+}

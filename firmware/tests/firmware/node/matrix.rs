@@ -1,0 +1,398 @@
+//! Every fault in every state once more, of a whole node: in process, and as an image in QEMU. The second table of the
+//! page `docs/fault-matrix.md`.
+//!
+//! Here a fault is made where an image can meet it: in the bytes of its bus and its line, at its pins, by its clock.
+//! The first table plants it behind the bus.
+
+use std::collections::HashMap;
+use std::thread;
+
+use sinew_firmware::supervisor::{Clears, Fault, Reaction, State, TABLE};
+use sinew_link::message::{Command, Feed, Kind as ItemKind, Operator, Outcome, Value};
+use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
+
+use super::cell::{Tried, measure, must_be, of_page, table};
+use super::emulated::Emulated;
+use super::host::next_of_upload;
+use super::line::Trouble;
+use super::stand::{Kind, NOTHING_A, is_off, most_current_a, setup};
+use super::stored::{item, rig, settings, show};
+use super::told::Lie;
+use super::world::World;
+
+const KIND: Kind = Kind::Current;
+const ANN: Operator = Operator(1);
+/// Register of an XL330.
+const PRESENT_POSITION: u16 = 132;
+/// How long a board is away that its program has stopped: 0.2 s.
+const RESET_TICKS: u32 = 80;
+
+/// The environment variable that lets QEMU try all cells. `cargo xtask node` sets it.
+const ALL: &str = "SINEW_NODE_ALL";
+
+/// Why a fault is not shown in a state.
+fn excuse(fault: Fault, state: State) -> Option<&'static str> {
+    use Fault::{
+        BrownOut, FollowingError, LinkLost, NotFinite, ServoStopped, SettingsBad, ShowBad,
+        ShowForeign, TorqueStuck, WatchdogReset,
+    };
+    match fault {
+        NotFinite => Some("no byte says it"),
+        ShowBad | ShowForeign => Some("refused before it plays"),
+        WatchdogReset | BrownOut => Some("not in QEMU"),
+        SettingsBad if state != State::Off => Some("at the start alone"),
+        ServoStopped if !state.is_on() => Some("its watchdog rests"),
+        TorqueStuck if state.is_on() => Some("torque is to be on"),
+        FollowingError if !state.is_on() => Some("nothing is followed"),
+        FollowingError if state == State::Lowering => Some("it sinks on purpose"),
+        LinkLost if state == State::Arming => Some("over after 1 s"),
+        LinkLost if state == State::Playing => Some("link late holds it before"),
+        _ => None,
+    }
+}
+
+/// Why a row differs from that of the first table.
+fn why_it_differs(fault: Fault) -> Option<&'static str> {
+    use Fault::{
+        BrownOut, FollowingError, HotMeasured, HotWinding, LinkLate, LinkLost, NotFinite, Panic,
+        Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad, ShowForeign,
+        SupplyHigh, SupplyLow, TorqueStuck, WatchdogReset,
+    };
+    Some(match fault {
+        LinkLate | LinkLost => "the host's last beat was some ticks before",
+        ServoSilent => "in off it is counted from the start",
+        ServoError => "what is told in a tick counts in the next",
+        HotMeasured | SupplyLow | SupplyHigh => "it is asked once in six ticks",
+        HotWinding => "a reading holds 32.8 A, not 147",
+        FollowingError | Range => "a jump is believed when it is read again",
+        NotFinite => "integers are finite",
+        SettingsBad => "uploads count at a start",
+        ShowBad | ShowForeign => "the desk opens it first",
+        WatchdogReset | BrownOut => "the machine has none",
+        Panic => "the program stops itself in each state",
+        ServoStopped | TorqueStuck => "its register is read in its turn",
+        _ => return None,
+    })
+}
+
+impl Tried for World {
+    fn tick(&mut self) {
+        self.tick();
+    }
+    fn state(&self) -> State {
+        self.state().unwrap_or(State::Off)
+    }
+    fn has(&self, fault: Fault) -> bool {
+        self.has(fault)[0]
+    }
+    fn servos_on(&self) -> usize {
+        self.servos_on()
+    }
+    fn most_current_a(&self) -> f64 {
+        most_current_a(&self.bench)
+    }
+    fn sent_off(&self) -> bool {
+        is_off(self.kind, &self.sent)
+    }
+    fn ticks_of(&self, seconds: f64) -> u32 {
+        (seconds * f64::from(self.kind.rate_hz())).round() as u32
+    }
+}
+
+/// Runs to the tick behind which a node begins anew, as this command makes it.
+fn until_restart(world: &mut World, command: Command) {
+    let (starts, now_us) = (world.starts, world.now_us());
+    world.host.ask(command, now_us);
+    for _ in 0..4_000 {
+        world.tick();
+        if world.starts > starts {
+            return;
+        }
+    }
+    panic!("it does not begin anew: {:?}", world.host.outcome);
+}
+
+/// The same by an upload, to its last command.
+fn until_restart_by(world: &mut World, kind: ItemKind, content: &[u8], of_rig: u32) {
+    let item = item(kind, content, of_rig);
+    let mut outcome = None;
+    loop {
+        let command = next_of_upload(&item, content, outcome.as_ref());
+        if command == Command::EndUpload {
+            return until_restart(world, command);
+        }
+        outcome = Some(world.ask(command));
+    }
+}
+
+/// The board begins anew, with the settings that it has. Its servos go on.
+fn begin_anew(world: &mut World) {
+    if world.state().is_some_and(State::is_on) {
+        world.ask(Command::EStop);
+    }
+    let stop_s = setup(KIND).settings.supervisor.stop_s;
+    until_restart(world, Command::WriteSetting { key: 6, value: Value::Number(stop_s) });
+}
+
+/// Limp, with a show.
+fn ready(world: &mut World) {
+    world.connect();
+    assert!(matches!(world.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(_)));
+    world.until(State::Limp, 2.0);
+}
+
+fn damage(world: &mut World, servo: usize, kind: FaultKind) {
+    let (at_s, for_s) = (world.bench.time_s(), f64::INFINITY);
+    world.bench.faults.push(Damage { servo, at_s, for_s, kind });
+}
+
+/// From limp into a state. In `Off` a servo is silent.
+fn enter(world: &mut World, state: State, fault: Fault) {
+    match state {
+        State::Off if fault == Fault::SettingsBad => {
+            // Settings of the rig before, and another rig.
+            let (settings, crc) = (settings(KIND).bytes(), rig(KIND).1);
+            until_restart_by(world, ItemKind::Settings, &settings, crc);
+            ready(world);
+            return until_restart_by(world, ItemKind::Rig, &rig(Kind::Position).0, 0);
+        }
+        State::Off => {
+            damage(world, 5, FaultKind::Silent);
+            if fault == Fault::ServoSilent {
+                // It is silent from the start.
+                return begin_anew(world);
+            }
+            begin_anew(world);
+            world.connect();
+            // The host is heard.
+            world.run(0.05);
+        }
+        State::Limp => {}
+        State::Calibrating => drop(world.ask(Command::Calibrate)),
+        State::Teaching => drop(world.ask(Command::Teach)),
+        State::Faulted => drop(world.ask(Command::EStop)),
+        _ => {
+            world.arm();
+            if state != State::Arming {
+                world.until(State::Holding, 2.0);
+            }
+            match state {
+                State::Playing => drop(world.ask(Command::Play(Feed::Show))),
+                State::Maintenance => drop(world.ask(Command::Maintain(ANN))),
+                State::Lowering => drop(world.ask(Command::Disarm)),
+                State::Floating => drop(world.ask(Command::Float)),
+                State::Stopping => {
+                    // Away from home first.
+                    world.ask(Command::Play(Feed::Show));
+                    world.run(4.0);
+                    if fault == Fault::LinkLost {
+                        // The way home takes less than the time-out: the link was cut before, and heat stops it.
+                        world.host.beats = false;
+                        world.run(1.1);
+                        world.told.lie.celsius = Some(66);
+                        world.until(State::Stopping, 0.1);
+                    } else {
+                        world.ask(Command::Stop);
+                    }
+                }
+                _ => {}
+            }
+            if matches!(state, State::Arming | State::Stopping) {
+                world.run(0.1);
+            }
+        }
+    }
+    assert_eq!(world.state(), Some(state), "for {fault}");
+}
+
+/// Makes a fault's condition.
+fn plant(world: &mut World, fault: Fault) {
+    let lie = match fault {
+        Fault::ServoError => Lie { alert: true, ..Lie::default() },
+        Fault::HotMeasured => Lie { celsius: Some(66), ..Lie::default() },
+        Fault::HotWinding => Lie { milliamps: Some(i16::MAX), ..Lie::default() },
+        Fault::SupplyLow => Lie { decivolts: Some(30), ..Lie::default() },
+        Fault::SupplyHigh => Lie { decivolts: Some(80), ..Lie::default() },
+        // An encoder that stands, 30 deg nearer to its middle than it is; and one 166 deg from there.
+        Fault::FollowingError => {
+            let is = world.bench.servos()[0].get(PRESENT_POSITION);
+            let tells = if is < 2048 { is + 342 } else { is - 342 };
+            let stands = Lie { positions: Some([tells; 2]), ..Lie::default() };
+            if world.state() == Some(State::Floating) {
+                // That is taken for the hand's lead; what swings around it, as far either way, is ahead of any hand.
+                world.told.lie = stands;
+                world.run(0.5);
+                Lie { positions: Some([is, 2 * tells - is]), ..stands }
+            } else {
+                stands
+            }
+        }
+        Fault::Range => Lie { positions: Some([3938; 2]), ..Lie::default() },
+        _ => world.told.lie,
+    };
+    world.told.lie = lie;
+    match fault {
+        Fault::LinkLate | Fault::LinkLost => world.host.beats = false,
+        Fault::ServoSilent => damage(world, 0, FaultKind::Silent),
+        Fault::TorqueStuck => damage(world, 0, FaultKind::TorqueStuck),
+        Fault::Overrun => world.late_us = world.tick_us(),
+        Fault::EStop => world.pins.is_stopped = true,
+        // The board stands still for 0.15 s.
+        Fault::ServoStopped => (0..60).for_each(|_| world.pass_tick()),
+        _ => {}
+    }
+}
+
+/// All conditions end.
+fn mend(world: &mut World) {
+    let now_s = world.bench.time_s();
+    for fault in &mut world.bench.faults {
+        fault.for_s = fault.for_s.min(now_s - fault.at_s);
+    }
+    world.told.lie = Lie::default();
+    world.late_us = 0;
+    world.pins.is_stopped = false;
+    world.host.beats = true;
+}
+
+/// A cell, from limp to limp.
+fn cell(world: &mut World, fault: Fault, state: State) -> String {
+    enter(world, state, fault);
+    let words = if fault == Fault::Panic {
+        let mut stopped = None;
+        let mut ticks = 0;
+        world.panic(RESET_TICKS, |bench| {
+            stopped = stopped.or((most_current_a(bench) < NOTHING_A).then_some(ticks));
+            ticks += 1;
+        });
+        let stopped = stopped.unwrap_or_else(|| panic!("in {state} servos do not stop"));
+        let words = measure(world, fault, state).words(fault, state);
+        if state.is_on() { format!("stop {stopped}; {words}") } else { words }
+    } else {
+        plant(world, fault);
+        measure(world, fault, state).words(fault, state)
+    };
+    let row = &TABLE[usize::from(fault.number()) - 1];
+    let latches = row.latches() && row.reaction(state) > Reaction::Note;
+    assert_eq!(world.has(fault)[1], latches, "{fault} in {state}");
+    mend(world);
+    if state == State::Off || fault == Fault::Panic {
+        world.connect();
+    }
+    if fault == Fault::Panic {
+        assert_eq!(world.host.faults.last().unwrap().fault, fault.number());
+    }
+    // A winding takes minutes to cool.
+    if latches && row.clears == Clears::Command && fault != Fault::HotWinding {
+        is_cleared(world, fault);
+    }
+    if fault == Fault::SettingsBad {
+        until_restart_by(world, ItemKind::Rig, &rig(KIND).0, 0);
+        world.connect();
+    }
+    begin_anew(world);
+    ready(world);
+    words
+}
+
+/// A command clears it, as soon as filters have followed.
+fn is_cleared(world: &mut World, fault: Fault) {
+    for _ in 0..40 {
+        if world.state().is_some_and(|state| !state.is_on()) {
+            world.ask(Command::ClearFaults);
+            if !world.has(fault)[1] {
+                return;
+            }
+        }
+        world.run(0.25);
+    }
+    panic!("{fault} is not cleared: {:?}", world.state());
+}
+
+/// All cells of these faults and states, of worlds with such boards: a world for each fault.
+fn cells(
+    emulated: fn() -> Option<Emulated>,
+    is_wanted: impl Fn(Fault, State) -> bool + Sync,
+) -> HashMap<(u8, u8), String> {
+    let of_fault = |fault: Fault| {
+        let shown = |state: &State| excuse(fault, *state).is_none() && is_wanted(fault, *state);
+        let mut cells: HashMap<_, _> = State::ALL
+            .map(|state| ((fault.number(), state.number()), excuse(fault, state)))
+            .into_iter()
+            .filter_map(|(at, why)| Some((at, why?.to_owned())))
+            .collect();
+        if State::ALL.iter().any(shown) {
+            let mut world = World::new(KIND, Trouble::default(), 29);
+            world.emulated = emulated();
+            world.store(&show(KIND, 20, true));
+            world.until(State::Limp, 2.0);
+            for state in State::ALL.into_iter().filter(shown) {
+                let words = cell(&mut world, fault, state);
+                cells.insert((fault.number(), state.number()), words);
+            }
+        }
+        cells
+    };
+    // As many at a time as most machines can.
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..2)
+            .map(|worker| {
+                let faults = Fault::ALL.into_iter().skip(worker).step_by(2);
+                scope.spawn(move || faults.flat_map(of_fault).collect::<Vec<_>>())
+            })
+            .collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
+    })
+}
+
+/// The second table is what happens.
+fn is_the_page(emulated: fn() -> Option<Emulated>) {
+    let cells = cells(emulated, |_, _| true);
+    let cell = |fault: Fault, state: State| cells[&(fault.number(), state.number())].clone();
+    let first = of_page(0);
+    let ends = |fault: Fault, row: &[String]| {
+        let line = first[usize::from(fault.number()) + 1];
+        // Number and name stand before them.
+        let same = line.trim_matches('|').split('|').skip(2).map(str::trim).take(row.len()).eq(row);
+        let why = if same { Some("the same") } else { why_it_differs(fault) };
+        vec![why.unwrap_or("NOT EXPLAINED").to_owned()]
+    };
+    must_be(1, &table(&["against the first table"], cell, ends));
+}
+
+#[test]
+fn the_second_table_is_what_happens_in_process() {
+    is_the_page(|| None);
+}
+
+/// One state of each fault that can be shown: of its states the one that the faults before have least.
+fn share() -> Vec<(Fault, State)> {
+    let mut times = [0; State::COUNT];
+    let mut share = Vec::new();
+    for fault in Fault::ALL {
+        let shown = State::ALL.into_iter().filter(|state| excuse(fault, *state).is_none());
+        if let Some(state) = shown.min_by_key(|state| times[usize::from(state.number())]) {
+            times[usize::from(state.number())] += 1;
+            share.push((fault, state));
+        }
+    }
+    assert!(!times.contains(&0), "a state without a fault: {times:?}");
+    share
+}
+
+/// Emulators are slow: of each fault one state, unless [`ALL`] is set.
+#[test]
+#[ignore = "needs the image that `cargo xtask node` builds"]
+fn the_second_table_is_what_happens_in_qemu() {
+    let in_qemu = || Some(Emulated::in_qemu(KIND));
+    if std::env::var_os(ALL).is_some() {
+        return is_the_page(in_qemu);
+    }
+    let share = share();
+    let is_shared = |fault, state| share.contains(&(fault, state));
+    let [of_image, in_process] = [cells(in_qemu, is_shared), cells(|| None, is_shared)];
+    for (fault, state) in &share {
+        let at = (fault.number(), state.number());
+        assert_eq!(of_image[&at], in_process[&at], "{fault} in {state}");
+    }
+}

@@ -1,0 +1,34 @@
+//! A servo that is set up otherwise than the rig asks: the host is told which, and what.
+
+use sinew_firmware::supervisor::State;
+use sinew_link::message::{self, Applied, Command, Outcome, Refusal};
+
+use super::line::Trouble;
+use super::stand::{Kind, SERVOS};
+use super::stored::show;
+use super::world::World;
+
+#[test]
+fn the_host_hears_which_register_keeps_a_rig_from_being_armed() {
+    for (kind, address, found, expected) in [
+        // Position mode in place of current mode; an answer after 500 us.
+        (Kind::Current, 11, 3, 0),
+        (Kind::Current, 9, 250, 1),
+        (Kind::Position, 33, 1, 0),
+        (Kind::Position, 21, 16, 32),
+    ] {
+        let mut world = World::ready(kind, Trouble::default(), 3, &show(kind, 4, false));
+        world.bench.servos_mut()[4].set(address, found);
+        world.until(State::Limp, 2.0);
+        world.run(1.5);
+        let refusal = Refusal::RegisterDiffers { servo: 4, address, found, expected };
+        assert_eq!(world.ask(Command::Arm), Outcome::Refused(refusal), "{kind:?}");
+        assert_eq!((world.state(), world.servos_on()), (Some(State::Limp), 0));
+        world.bench.servos_mut()[4].set(address, expected);
+        world.run(1.5);
+        let arming = Outcome::Applied(Applied::State(message::State::Arming));
+        assert_eq!(world.arm(), arming, "{kind:?}");
+        world.until(State::Holding, 3.0);
+        assert_eq!(world.servos_on(), SERVOS);
+    }
+}

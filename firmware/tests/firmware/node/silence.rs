@@ -1,0 +1,59 @@
+//! A host that falls silent: hold after 200 ms, limp after 2 s; both are settings.
+
+use sinew_firmware::supervisor::State;
+use sinew_link::message::{Command, Feed, Outcome, Value};
+
+use super::line::Trouble;
+use super::stand::Kind;
+use super::stored::show;
+use super::world::World;
+
+/// Seconds of silence until the rig holds, is lowered, and is limp.
+fn silence(world: &mut World) -> [f64; 3] {
+    world.until(State::Limp, 3.0);
+    // Let go at its home, the arm falls: it is armed when it hangs.
+    world.run(1.0);
+    world.arm();
+    world.until(State::Holding, 3.0);
+    world.ask(Command::Play(Feed::Show));
+    world.run(3.0);
+    assert_eq!(world.state(), Some(State::Playing));
+    world.host.beats = false;
+    // What is under way arrives; nothing comes after it.
+    let begin = world.now_us();
+    [State::Holding, State::Lowering, State::Faulted].map(|state| {
+        world.until(state, 10.0);
+        (world.now_us() - begin) as f64 * 1e-6
+    })
+}
+
+#[test]
+fn a_silent_host_leads_to_hold_and_to_limp() {
+    let show = show(Kind::Current, 20, false);
+    let mut world = World::ready(Kind::Current, Trouble::default(), 5, &show);
+    let [hold_s, lower_s, limp_s] = silence(&mut world);
+    println!("hold after {hold_s:.4} s, lowered from {lower_s:.4} s, limp at {limp_s:.4} s");
+    // The last heartbeat went out up to 20 ms before; from host to supervisor it takes up to three ticks of 2.5 ms.
+    assert!((0.18..=0.2076).contains(&hold_s), "{hold_s}");
+    assert!((1.98..=2.0076).contains(&lower_s), "{lower_s}");
+    assert!((limp_s - lower_s - 3.0).abs() <= 0.005, "{limp_s}");
+    assert!(world.servos_on() == 0 && !world.pins.outputs);
+    // It comes back: nothing moves, and the fault is told and kept.
+    world.connect();
+    world.host.beats = true;
+    world.run(1.0);
+    assert_eq!((world.state(), world.servos_on()), (Some(State::Faulted), 0));
+    assert!(world.host.faults.iter().any(|fault| fault.fault == 2), "{:?}", world.host.faults);
+    assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
+    assert_eq!(world.state(), Some(State::Limp));
+
+    // Other settings: 0.5 s and 1 s.
+    for (key, value) in [(1, 0.5), (2, 1.0)] {
+        world.ask(Command::WriteSetting { key, value: Value::Number(value) });
+        world.connect();
+    }
+    world.ask(Command::LoadShow { slot: 0 });
+    let [hold_s, lower_s, _] = silence(&mut world);
+    println!("with settings of 0.5 s and 1 s: {hold_s:.4} s, {lower_s:.4} s");
+    assert!((0.48..=0.5076).contains(&hold_s) && (0.98..=1.0076).contains(&lower_s));
+}

@@ -1,0 +1,341 @@
+//! A board with flash, line and servos, and its host.
+
+use std::cell::RefCell;
+
+use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
+use sinew_firmware::supervisor::{Fault, FaultSet, State};
+use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
+use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
+use sinew_servo_sim::bench::Bench;
+use sinew_servo_sim::load::Arm;
+
+use super::emulated::Emulated;
+use super::hardware::{Chip, Desktop, Locked, Pins, Servos, TABLE};
+use super::host::{Host, next_of_upload};
+use super::ideal::{Ideal, NoServos};
+use super::line::Trouble;
+use super::stand::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
+use super::stored::{item, rig};
+use super::told::Told;
+
+type Loop = Control<'static, 8, 8, 8, 8>;
+
+/// The board from one power-on to the next.
+pub(crate) struct Board {
+    pub(crate) control: Option<(Loop, Bus)>,
+    pub(crate) desk: Desk<'static, Chip, 8, 8, 8, 8>,
+    pub(crate) mail: Locked,
+}
+
+pub(crate) struct World {
+    pub(crate) kind: Kind,
+    pub(crate) chip: Chip,
+    pub(crate) bench: Bench<'static, Vec<Arm>>,
+    pub(crate) pins: Pins,
+    pub(crate) board: Board,
+    pub(crate) host: Host,
+    pub(crate) hash: u64,
+    pub(crate) starts: u16,
+    pub(crate) ticks: u64,
+    /// It did not start: its flash has no power.
+    pub(crate) is_dead: bool,
+    /// In place of simulated servos.
+    pub(crate) ideal: Option<Ideal>,
+    /// In place of the board in process.
+    pub(crate) emulated: Option<Emulated>,
+    /// All that the loop has [`commanded`].
+    pub(crate) commanded: u64,
+    /// Steps below the loop in each tick.
+    pub(crate) steps: u32,
+    /// What servo 0 tells that is not so.
+    pub(crate) told: Told,
+    /// What went out to servos in the last tick.
+    pub(crate) sent: Vec<u8>,
+    /// By how much each tick of the loop takes longer, us.
+    pub(crate) late_us: u64,
+}
+
+fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option<Board> {
+    let parts = setup(kind);
+    let defaults = NodeSettings::new(parts.settings, parts.schedule);
+    let mut room = vec![0; RIG_ROOM];
+    let slot = Box::leak(Box::new_uninit());
+    let chip = chip.clone();
+    let found = start::<_, 8, 8, 8>(chip, TABLE, |_| defaults, causes, &mut room, slot).ok()?;
+    let rig = found.rig;
+    let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, LINE_BPS);
+    let control = rig.and_then(|(rig, _)| {
+        let (settings, start) = (&found.settings, found.start);
+        let control = Control::new(rig, settings, &parts.servos, &parts.schedule, start).ok()?;
+        Some((control, parts.bus.into()))
+    });
+    let rig = rig.filter(|_| control.is_some());
+    let (settings, is_bad) = (found.settings, found.is_bad);
+    let setup = Setup { about: ABOUT, settings, is_bad, rig, tick_s, line_bps };
+    Some(Board {
+        control,
+        desk: Desk::new(found.store, setup, first_session),
+        mail: Locked(RefCell::new(Mail::new(found.disarmed))),
+    })
+}
+
+impl World {
+    pub(crate) fn new(kind: Kind, trouble: Trouble, seed: u64) -> Self {
+        Self::with(kind, Chip::new(), trouble, seed)
+    }
+
+    /// With this flash.
+    pub(crate) fn with(kind: Kind, chip: Chip, trouble: Trouble, seed: u64) -> Self {
+        let board = boot(kind, &chip, first_session(1), FaultSet::EMPTY).unwrap();
+        Self {
+            kind,
+            chip,
+            bench: bench(kind, &setup(kind)),
+            pins: Pins::default(),
+            board,
+            host: Host::new(trouble, seed),
+            hash: HASH_BEGIN,
+            starts: 1,
+            ticks: 0,
+            is_dead: false,
+            ideal: None,
+            emulated: None,
+            commanded: HASH_BEGIN,
+            steps: 4,
+            told: Told::default(),
+            sent: Vec::new(),
+            late_us: 0,
+        }
+    }
+
+    /// With rig and show stored, a host that is welcome, and the show loaded.
+    pub(crate) fn ready(kind: Kind, trouble: Trouble, seed: u64, show: &[u8]) -> Self {
+        let mut world = Self::new(kind, Trouble::default(), seed);
+        world.store(show);
+        (world.host.there.trouble, world.host.back.trouble) = (trouble, trouble);
+        world
+    }
+
+    /// Uploads rig and show, and loads it.
+    pub(crate) fn store(&mut self, show: &[u8]) {
+        self.connect();
+        let (bytes, crc) = rig(self.kind);
+        self.upload(&item(ItemKind::Rig, &bytes, 0), &bytes);
+        self.connect();
+        self.upload(&item(ItemKind::Show, show, crc), show);
+        assert_eq!(self.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(Applied::Done));
+    }
+
+    pub(crate) fn tick_us(&self) -> u64 {
+        u64::from(1_000_000 / self.kind.rate_hz())
+    }
+
+    pub(crate) fn now_us(&self) -> u64 {
+        self.ticks * self.tick_us()
+    }
+
+    /// The board begins anew, with what is in flash; its clock goes on, as the host's does.
+    pub(crate) fn restart(&mut self) -> bool {
+        self.restart_after(FaultSet::EMPTY)
+    }
+
+    /// The same, for these reasons.
+    fn restart_after(&mut self, causes: FaultSet) -> bool {
+        self.starts += 1;
+        self.pins.outputs = false;
+        *self.chip.lent.borrow_mut() = None;
+        let board = boot(self.kind, &self.chip, first_session(self.starts), causes);
+        board.map(|board| self.board = board).is_some()
+    }
+
+    /// Time passes, and no board is there.
+    pub(crate) fn pass_tick(&mut self) {
+        self.bench.run_us(self.tick_us() as u32);
+        self.ticks += 1;
+    }
+
+    /// The board's program stops itself. It begins anew after so many ticks; `look` sees the servos after each.
+    pub(crate) fn panic(&mut self, ticks: u32, mut look: impl FnMut(&Bench<'static, Vec<Arm>>)) {
+        if let Some(emulated) = &mut self.emulated {
+            emulated.panic();
+        }
+        for _ in 0..ticks {
+            self.pass_tick();
+            look(&self.bench);
+        }
+        if self.emulated.is_none() {
+            assert!(self.restart_after(FaultSet::of(Fault::Panic)));
+        }
+    }
+
+    /// Whether a fault is there, and whether it is latched.
+    pub(crate) fn has(&self, fault: Fault) -> [bool; 2] {
+        if let Some(emulated) = &self.emulated {
+            return emulated.has(fault);
+        }
+        let (control, _) = self.board.control.as_ref().unwrap();
+        let report = control.controller().report();
+        [report.present, report.latched].map(|faults| faults.contains(fault))
+    }
+
+    pub(crate) fn tick(&mut self) {
+        self.sent.clear();
+        let (tick_us, now_us) = (self.tick_us(), self.now_us());
+        let base_s = self.bench.time_s();
+        let end_s = base_s + 1e-6 * tick_us as f64;
+        self.pins.clock_us.set(now_us);
+        self.ticks += 1;
+        if let (Some((control, _)), Some(ideal)) = (&mut self.board.control, &mut self.ideal) {
+            let (mail, mut wire) = (&self.board.mail, NoServos { hash: &mut self.hash });
+            let ended = control.tick(&mut self.pins, mail, ideal, &mut wire, &mut [0; 1024]);
+            assert!(ended.is_ok(), "{ended:?}");
+            self.below();
+            return self.host.step(now_us);
+        }
+        if let Some(mut emulated) = self.emulated.take() {
+            emulated.tick(self, [base_s, end_s]);
+            self.emulated = Some(emulated);
+        } else if let Some((control, bus)) = &mut self.board.control {
+            let clock_us = self.pins.clock_us.clone();
+            let late_us = self.late_us;
+            let Self { bench, hash, told, sent, .. } = self;
+            let mut wire = Servos {
+                bench,
+                base_s,
+                end_s,
+                clock_us,
+                start_us: now_us,
+                late_us,
+                hash,
+                told,
+                sent,
+            };
+            let mut out = [0; 1024];
+            let ended = control.tick(&mut self.pins, &self.board.mail, bus, &mut wire, &mut out);
+            assert!(ended.is_ok(), "{ended:?}");
+            let controller = control.controller();
+            let numbers = commanded(controller);
+            numbers.for_each(|number| hash_of(&mut self.commanded, &number.to_le_bytes()));
+            if controller.report().show.is_none() {
+                *self.chip.lent.borrow_mut() = None;
+            }
+            self.check();
+        }
+        let left_us = ((end_s - self.bench.time_s()) * 1e6).max(0.0);
+        self.bench.run_us(left_us.round() as u32);
+        self.below();
+        self.host.step(now_us);
+    }
+
+    /// Steps below the loop; an emulated board has made them.
+    fn below(&mut self) {
+        if self.emulated.is_some() {
+            return;
+        }
+        for _ in 0..self.steps {
+            let Self { host, chip, board, .. } = self;
+            let mut port = Desktop {
+                now_us: self.ticks * u64::from(1_000_000 / self.kind.rate_hz()),
+                host,
+                chip,
+            };
+            if board.desk.step(&mut port, &board.mail) == Next::Restart {
+                self.is_dead = !self.restart();
+                return;
+            }
+        }
+    }
+
+    /// What must hold in each tick, whatever the host says.
+    fn check(&mut self) {
+        let Some((control, _)) = &self.board.control else { return };
+        let controller = control.controller();
+        let report = controller.report();
+        assert_eq!(report.state.is_on(), controller.permission().torque);
+        assert_eq!(self.pins.outputs, controller.permission().torque);
+        let (q, qd) = controller.commanded();
+        for ((q, qd), freedom) in q.iter().zip(qd).zip(figure(self.kind).board.freedoms()) {
+            let [least, most] = freedom.range;
+            assert!((least..=most).contains(q), "{q}");
+            assert!(qd.abs() <= freedom.speed * 1.001, "{qd}");
+        }
+    }
+
+    pub(crate) fn run(&mut self, seconds: f64) {
+        for _ in 0..(seconds * f64::from(self.kind.rate_hz())).round() as u64 {
+            self.tick();
+        }
+    }
+
+    pub(crate) fn state(&self) -> Option<State> {
+        if let Some(emulated) = &self.emulated {
+            return emulated.state;
+        }
+        self.board.control.as_ref().map(|(control, _)| control.controller().report().state)
+    }
+
+    pub(crate) fn until(&mut self, state: State, seconds: f64) {
+        for _ in 0..(seconds * f64::from(self.kind.rate_hz())).round() as u64 {
+            if self.state() == Some(state) {
+                return;
+            }
+            self.tick();
+        }
+        panic!("{state} did not come: {:?}, faults {:?}", self.state(), self.host.faults);
+    }
+
+    /// Says hello until there is a welcome.
+    pub(crate) fn connect(&mut self) {
+        self.host.greet();
+        for _ in 0..4000 {
+            self.tick();
+            if self.host.welcome.is_some_and(|welcome| welcome.verdict.is_ok()) {
+                return;
+            }
+        }
+        panic!("no welcome: {:?}", self.host.welcome);
+    }
+
+    /// Sends a command until its answer comes.
+    pub(crate) fn ask(&mut self, command: Command) -> Outcome {
+        self.host.ask(command, self.now_us());
+        for _ in 0..20_000 {
+            self.tick();
+            if let Some(outcome) = self.host.outcome.take() {
+                return outcome;
+            }
+        }
+        panic!("no answer");
+    }
+
+    /// An upload, block by block, to its end.
+    pub(crate) fn upload(&mut self, item: &Item, content: &[u8]) -> Outcome {
+        let mut outcome = None;
+        loop {
+            let command = next_of_upload(item, content, outcome.as_ref());
+            let is_end = command == Command::EndUpload;
+            let said = self.ask(command);
+            if is_end || matches!(said, Outcome::Refused(_)) {
+                return said;
+            }
+            outcome = Some(said);
+        }
+    }
+
+    /// Arms, as soon as the rig rests.
+    pub(crate) fn arm(&mut self) -> Outcome {
+        for _ in 0..300 {
+            let outcome = self.ask(Command::Arm);
+            if !matches!(outcome, Outcome::Refused(Refusal::Moving { .. })) {
+                return outcome;
+            }
+            self.run(0.1);
+        }
+        panic!("it does not come to rest");
+    }
+
+    pub(crate) fn servos_on(&self) -> usize {
+        let register = if self.kind == Kind::Current { 64 } else { 40 };
+        self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
+    }
+}

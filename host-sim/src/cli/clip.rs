@@ -1,0 +1,38 @@
+//! `sinew clip`: motion capture before it is on a rig, and the skeletons that it has.
+
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+
+use super::{blend, export, find, inspect, map, weights};
+
+/// Clips of motion capture: look into them, map them to a rig, find and blend motions, export.
+///
+/// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
+#[derive(Debug, Args)]
+pub(super) struct ClipCommands {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Inspect(inspect::Args),
+    Map(map::Args),
+    Find(find::Args),
+    Blend(blend::Args),
+    Export(export::Args),
+    Weights(weights::Args),
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &ClipCommands) -> anyhow::Result<ExitCode> {
+    match &args.command {
+        Command::Inspect(args) => inspect::run(args),
+        Command::Map(args) => map::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
+    }
+}
