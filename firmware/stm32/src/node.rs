@@ -29,8 +29,8 @@ use crate::bus::{Exchange, Lines, Place, Ports};
 use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 
 /// Servos that these boards hold: those of a small humanoid. 29 kB of RAM are static, 56 the loop, on the stack. With
-/// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: docs/decisions/boards.md has why
-/// it is made in its place.
+/// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: docs/decisions/boards.md has
+/// why it is made in its place.
 pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
