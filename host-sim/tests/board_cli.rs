@@ -208,5 +208,5 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     let hand =
         sinew(&["record", "--target", &port, "--rig", &rig, "--mass-scale", "2", "-o", &csv]);
     let hand = text(&{ hand }.output().unwrap());
-    assert!(hand.contains("cannot be used with"), "{hand}");
+    assert!(hand.contains("it is for `--target sim`"), "{hand}");
 }

@@ -65,7 +65,7 @@ fn all_commands_take_a_rig_and_say_so() {
     let robust =
         printed(&["evaluate", "robustness", "--rig", &rig, "--seconds", "1", "--rigs", "2"]);
     assert!(robust.starts_with("rig arm") && !robust.contains("times the dim"), "{robust}");
-    let late = ["--seconds", "1", "--rates", "500", "--methods", "world"];
+    let late = ["--seconds", "1", "--rates-hz", "500", "--methods", "world"];
     let late = printed(&[&["evaluate", "latency", "--rig", &rig][..], &late].concat());
     assert!(late.starts_with("rig arm"), "{late}");
 

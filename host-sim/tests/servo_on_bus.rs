@@ -167,7 +167,7 @@ fn a_rig_s_settings_are_compared_written_and_compared_again() {
     let left = bus.not_done(&["apply", "--rig", rig], 2);
     assert!(left.contains("`apply --torque-off`"), "{left}");
     assert_eq!(bus.raw("2", "torque-enable"), 1);
-    let released = bus.done(&["apply", "--rig", rig, "--release"]);
+    let released = bus.done(&["apply", "--rig", rig, "--torque-off"]);
     assert!(released.contains("its torque is off now"), "{released}");
     assert_eq!((bus.raw("2", "torque-enable"), bus.raw("2", "return-delay-time")), (0, 1));
     bus.done(&["diff", "--rig", rig]);

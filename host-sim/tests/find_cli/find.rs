@@ -142,12 +142,12 @@ fn damaged_files_are_left_out_of_folders() {
     fs::write(folder.path().join("sweep.toml"), sweep).expect("a file");
     let of = |words: &str| -> Vec<String> { words.split(' ').map(str::to_owned).collect() };
     for words in [
-        "find clips --like query.bvh@9",
+        "clip find clips --like query.bvh@9",
         "evaluate --clips clips --seconds 0.1 --scale 1 --methods local",
-        "latency --clips clips --seconds 0.2 --rates 500 --methods world",
-        "robustness --clips clips --seconds 0.1 --seeds 1",
+        "evaluate latency --clips clips --seconds 0.2 --rates-hz 500 --methods world",
+        "evaluate robustness --clips clips --seconds 0.1 --rigs 1",
         "evaluate --rig arm.toml --clips clips --seconds 0.1 --methods local",
-        "sweep sweep.toml --clips clips --seconds 0.1 --out swept",
+        "evaluate sweep sweep.toml --clips clips --seconds 0.1 --output swept",
     ] {
         let arguments = of(words);
         let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
