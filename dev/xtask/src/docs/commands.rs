@@ -125,7 +125,7 @@ mod tests {
         let program = |name, arguments: &str| Call::Program(name, words(arguments));
         assert_eq!(
             calls("sinew clip find a/ --like b # what it does"),
-            [program("sinew", "find a/ --like b")]
+            [program("sinew", "clip find a/ --like b")]
         );
         assert_eq!(
             calls(
