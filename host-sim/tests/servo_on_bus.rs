@@ -182,7 +182,7 @@ fn help_says_that_a_servo_with_torque_is_left_alone() {
     let help = String::from_utf8(output.stdout).unwrap();
     let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        words.contains("a servo whose torque is on is left alone, unless `--torque-off`"),
+        words.contains("a servo whose torque is on is skipped, unless --torque-off is given"),
         "{words}"
     );
 }
